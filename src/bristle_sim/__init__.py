@@ -1,0 +1,1 @@
+"""Time-domain cross-check of the bristle-blasting impact model."""

@@ -1,0 +1,241 @@
+"""The tool and its parts, in SI units and radians, with the dissertation's operating point as default.
+
+Every default names its source. "Zhang 2020" is J. Zhang, *Analysis of Bristle-Tip Impact Crater for Wire Impact Tool*,
+PhD dissertation, Marquette University, 2020.
+
+Axes: the hub's centre is the origin, x runs along the workpart in the direction in which the tip travels, y is the
+workpart's outward normal. Angles of hub and bristle are measured from the direction that points at the workpart (-y),
+positive in the hub's sense of rotation; a bristle at angle phi points from its root along (sin phi, -cos phi).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from bristle_sim.quantity import choice, quantity, validate
+
+__all__ = ["Bar", "Belt", "Bristle", "Contact", "Hub", "Tool", "Workpart", "operating_point"]
+
+RETRACTION_AT_RELEASE = math.radians(44.5)
+"""Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
+
+PRINTED_BELT_STIFFNESS = 0.00041
+"""Belt stiffness as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree."""
+
+
+def _bar_radius() -> float:
+    """Bar radius that makes the printed bar position touch the wire at the printed retraction angle."""
+    hub_radius, length, wire_diameter = 0.0275, 0.027, 7.1e-4
+    tip_radius = math.sqrt(hub_radius**2 + length**2 + 2.0 * hub_radius * length * math.cos(RETRACTION_AT_RELEASE))
+    return math.hypot(0.05037, 0.0225) - wire_diameter / 2.0 - tip_radius
+
+
+@dataclass(frozen=True, slots=True)
+class Hub:
+    """Rotating hub that keeps its speed."""
+
+    speed: float = quantity(261.8, "hub_speed", "rad/s", at_least=0.0, at_most=1e6, source="Zhang 2020, eq. 2.2")
+    radius: float = quantity(
+        0.0275, "hub_radius", "m", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.2: root circle"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Belt:
+    """Flexible belt: a torsion spring, perhaps damped, at the bristle's root."""
+
+    stiffness: float = quantity(
+        math.degrees(PRINTED_BELT_STIFFNESS),
+        "belt_stiffness",
+        "N m/rad",
+        at_least=0.0,
+        at_most=1e9,
+        source="Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
+    )
+    damping_ratio: float = quantity(
+        0.0, "belt_damping_ratio", "1", at_least=0.0, at_most=1e3, source="undamped as in Zhang 2020"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Bristle:
+    """Rigid slender wire, straight."""
+
+    length: float = quantity(0.027, "bristle_length", "m", above=0.0, at_most=1e3, source="Zhang 2020, eq. 2.2")
+    mass: float = quantity(
+        8.387e-5, "bristle_mass", "kg", above=0.0, at_most=1e6, source="Zhang 2020, caption of fig. 2.7"
+    )
+    wire_diameter: float = quantity(
+        7.1e-4, "wire_diameter", "m", at_least=0.0, at_most=1e2, source="Zhang 2020, sec. 4.1: tip ellipse"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @property
+    def inertia_about_centre(self) -> float:
+        """Moment of inertia about the centre of mass, m L^2/12 (2.22), kg m^2."""
+        return self.mass * self.length**2 / 12.0
+
+    @property
+    def inertia_about_root(self) -> float:
+        """Moment of inertia about the root, m L^2/3, kg m^2."""
+        return self.mass * self.length**2 / 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """Accelerator bar: a fixed circle on the incoming side, rigid."""
+
+    radius: float = quantity(
+        _bar_radius(),
+        "bar_radius",
+        "m",
+        above=0.0,
+        at_most=1e3,
+        source="from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg",
+    )
+    horizontal: float = quantity(
+        0.05037, "bar_horizontal", "m", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.3: S_H"
+    )
+    vertical: float = quantity(
+        0.0225, "bar_vertical", "m", at_least=-1e3, at_most=1e3, source="Zhang 2020, eq. 2.3: S_V"
+    )
+    friction: float = quantity(
+        0.0, "bar_friction", "1", at_least=0.0, at_most=1e6, source="frictionless as in Zhang 2020, sec. 2.2"
+    )
+    restitution: float = quantity(
+        0.0, "bar_restitution", "1", at_least=0.0, at_most=1.0, source="assumed: the bar does not throw the wire back"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Centre of the bar, (-S_H, -S_V), m."""
+        return (-self.horizontal, -self.vertical)
+
+
+@dataclass(frozen=True, slots=True)
+class Workpart:
+    """Flat, rigid workpart below the hub, and how the tip rubs and rebounds on it."""
+
+    penetration: float = quantity(
+        0.0045,
+        "penetration",
+        "m",
+        at_least=-1e3,
+        at_most=1e3,
+        source="Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
+    )
+    friction: float = quantity(
+        0.31, "friction", "1", at_least=0.0, at_most=1e9, source="Zhang 2020, caption of fig. 2.8: mu_1"
+    )
+    restitution_friction: float | None = quantity(
+        None, "restitution_friction", "1", at_least=0.0, at_most=1e9, source="Zhang 2020, case II: equal to friction"
+    )
+    restitution: float = quantity(
+        0.42,
+        "restitution",
+        "1",
+        at_least=0.0,
+        at_most=1.0,
+        source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @property
+    def friction_in_restitution(self) -> float:
+        """mu_2, equal to mu_1 unless given."""
+        return self.friction if self.restitution_friction is None else self.restitution_friction
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """How a contact is resolved: by the energetic impact law, in time as a compliance, or by the engine's own."""
+
+    law: str = choice(
+        "energetic", "contact", ("energetic", "compliant", "engine"), source="Stronge 1990: energetic restitution"
+    )
+    duration: float | None = quantity(
+        None,
+        "contact_duration",
+        "s",
+        above=0.0,
+        at_most=1.0,
+        source="compliant law: time in touch; by default short enough for the rigid-body limit",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Tool:
+    """The bristle-blasting tool; ``bar`` and ``workpart`` are absent when None, gravity (m/s^2, along -y) when 0.
+
+    Raises:
+        ValueError: if a part stands where another one is.
+    """
+
+    hub: Hub = field(default_factory=Hub)
+    belt: Belt = field(default_factory=Belt)
+    bristle: Bristle = field(default_factory=Bristle)
+    bar: Bar | None = field(default_factory=Bar)
+    workpart: Workpart | None = field(default_factory=Workpart)
+    contact: Contact = field(default_factory=Contact)
+    gravity: float = quantity(
+        0.0, "gravity", "m/s^2", at_least=0.0, at_most=1e6, source="off: 1e-4 of the centrifugal acceleration"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        if self.workpart is not None and self.workpart_depth <= self.hub.radius:
+            raise ValueError(
+                f"penetration = {self.workpart.penetration:g}: less than bristle_length = {self.bristle.length:g} m"
+                " is allowed, or the hub's rim would touch the workpart (in m)"
+            )
+        if self.bar is not None and self.bar_clearance <= self.hub.radius:
+            raise ValueError(
+                f"bar_radius = {self.bar.radius:g}: less than the bar centre's distance minus hub_radius and half"
+                f" of wire_diameter = {self.bar_clearance + self.bar.radius - self.hub.radius:g} is allowed, or the bar"
+                " would stand in the root circle (in m)"
+            )
+
+    @property
+    def workpart_depth(self) -> float:
+        """Distance of the workpart's surface below the hub's centre, r_h + L - Delta, m."""
+        assert self.workpart is not None
+        return self.hub.radius + self.bristle.length - self.workpart.penetration
+
+    @property
+    def bar_reach(self) -> float:
+        """Distance from the bar's centre at which the wire's centre line touches the bar, r_b + d/2, m."""
+        assert self.bar is not None
+        return self.bar.radius + self.bristle.wire_diameter / 2.0
+
+    @property
+    def bar_clearance(self) -> float:
+        """Largest radius from the hub's centre that passes under the bar, S - r_b - d/2, m."""
+        assert self.bar is not None
+        return math.hypot(self.bar.horizontal, self.bar.vertical) - self.bar_reach
+
+    @property
+    def belt_damping(self) -> float:
+        """Torsional damping c = 2 zeta sqrt(k_T I), N m s/rad, zeta being the damping ratio of bristle on belt."""
+        return 2.0 * self.belt.damping_ratio * math.sqrt(self.belt.stiffness * self.bristle.inertia_about_root)
+
+
+def operating_point() -> Tool:
+    """The dissertation's tool (Zhang 2020, eqs. 2.2 and 2.3), belt stiffness read per degree."""
+    return Tool()

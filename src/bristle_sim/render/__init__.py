@@ -1,0 +1,1 @@
+"""Figures and off-screen video; never steps physics."""

@@ -1,0 +1,1 @@
+"""Closed forms: short pure functions and the impact law."""

@@ -1,0 +1,227 @@
+"""What a simulation returns: samples in time, events, contacts, why it stopped and what it cost."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
+
+Array = NDArray[np.float64]
+FORMAT = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened at an instant, e.g. ``strike`` or ``bar touch``; time in s."""
+
+    name: str
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a run cost: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
+
+    ``error_estimate`` is the method's own estimate of the accumulated error relative to the state's size, or None where
+    the method has none.
+    """
+
+    wall_s: float
+    cpu_s: float
+    steps: int
+    error_estimate: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ContactHistory:
+    """A contact resolved in time; arrays of one length.
+
+    Attributes:
+        time: s, from the first touch of the run's clock.
+        normal_force, tangential_force: on the tip, N.
+        penetration: m, positive inside the workpart.
+        normal_velocity, tangential_velocity: of the tip, m/s.
+    """
+
+    time: Array
+    normal_force: Array
+    tangential_force: Array
+    penetration: Array
+    normal_velocity: Array
+    tangential_velocity: Array
+
+
+@dataclass(frozen=True, slots=True)
+class ContactRecord:
+    """Ledger entry of one contact. Vectors are (normal, tangential); the normal points out of the obstacle.
+
+    Attributes:
+        obstacle: ``bar`` or ``workpart``.
+        law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``hold`` (sustained touch).
+        outcome: the impact law's word, or how a sustained touch ended.
+        time, duration: start and length in s; an instantaneous impact lasts 0 s.
+        impulse: on the moving body, N s.
+        compressive_impulse: up to the end of compression, N s.
+        compressive_work, restitutive_work: of the impulse on the body, J; (normal, tangential).
+        velocity_before, velocity_after: of the contact point, m/s.
+        angles: absolute angle of every link when the contact began, rad.
+        rates_before, rates_after: absolute rate of every link, rad/s.
+        phases: in order, e.g. ``("compression slip", "restitution slip")``.
+    """
+
+    obstacle: str
+    law: str
+    outcome: str
+    time: float
+    duration: float
+    impulse: tuple[float, float]
+    compressive_impulse: tuple[float, float]
+    compressive_work: tuple[float, float]
+    restitutive_work: tuple[float, float]
+    velocity_before: tuple[float, float]
+    velocity_after: tuple[float, float]
+    angles: tuple[float, ...]
+    rates_before: tuple[float, ...]
+    rates_after: tuple[float, ...]
+    phases: tuple[str, ...] = ()
+    history: ContactHistory | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Trajectory:
+    """A run of one mechanism: samples of shape (n,) or (n, links), in SI units and radians.
+
+    At an impact two samples share one instant: before and after it.
+
+    Attributes:
+        time: s.
+        hub_angle: of the bristle's root, from the direction of the workpart, rad; zero throughout for a fixed root.
+        angles, rates: absolute angle and rate of each link, shape (n, links), rad and rad/s.
+        tip: position of the last link's tip, shape (n, 2), m.
+        kinetic_energy, potential_energy: of the links and of belt and gravity, J.
+        normal_force: of the obstacle that is touched, N; zero in flight.
+        events, contacts: in order of time.
+        stop_reason: one phrase.
+        cost: see Cost.
+        parameters: what was simulated, as plain numbers and words.
+    """
+
+    time: Array
+    hub_angle: Array
+    angles: Array
+    rates: Array
+    tip: Array
+    kinetic_energy: Array
+    potential_energy: Array
+    normal_force: Array
+    hub_speed: float
+    events: tuple[Event, ...]
+    contacts: tuple[ContactRecord, ...]
+    stop_reason: str
+    cost: Cost
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def relative_angle(self) -> Array:
+        """Angle of the first link relative to the radial direction, alpha; negative when it lags (retraction), rad."""
+        return np.asarray(self.angles[:, 0] - self.hub_angle)
+
+    @property
+    def relative_rate(self) -> Array:
+        """Rate of the first link relative to the hub, rad/s."""
+        return np.asarray(self.rates[:, 0] - self.hub_speed)
+
+    @property
+    def total_energy(self) -> Array:
+        """Kinetic plus potential energy, J; the hub's drive may change it."""
+        return np.asarray(self.kinetic_energy + self.potential_energy)
+
+    def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
+        """Time of the first (or last) event of that name at or before an instant, s; None if there is none."""
+        times = [event.time for event in self.events if event.name == name and event.time <= before]
+        return (times[-1] if last else times[0]) if times else None
+
+    def first_contact(self, obstacle: str) -> ContactRecord | None:
+        """The first contact with ``bar`` or ``workpart``, or None."""
+        return next((each for each in self.contacts if each.obstacle == obstacle), None)
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to one npz file; it appears only when complete."""
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
+        contacts = []
+        for number, contact in enumerate(self.contacts):
+            row = dataclasses.asdict(dataclasses.replace(contact, history=None))
+            if contact.history is not None:
+                row["history"] = True
+                for each in dataclasses.fields(ContactHistory):
+                    arrays[f"contact{number}_{each.name}"] = getattr(contact.history, each.name)
+            contacts.append(row)
+        meta = {
+            "format": FORMAT,
+            "hub_speed": self.hub_speed,
+            "events": [dataclasses.asdict(event) for event in self.events],
+            "contacts": contacts,
+            "stop_reason": self.stop_reason,
+            "cost": dataclasses.asdict(self.cost),
+            "parameters": self.parameters,
+        }
+        target = Path(path)
+        partial = target.with_name(target.name + ".part")
+        try:
+            with partial.open("wb") as stream:
+                np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
+            partial.replace(target)
+        finally:
+            partial.unlink(missing_ok=True)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Trajectory:
+        """Read a file written by :meth:`save`; raises ValueError for any other file."""
+        try:
+            with np.load(path, allow_pickle=False) as stored:
+                meta = json.loads(str(stored["metadata"]))
+                if meta["format"] != FORMAT:
+                    raise ValueError(f"format {meta['format']} is not {FORMAT}")
+                contacts = tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"]))
+                arrays = {name: stored[name] for name in _ARRAYS}
+        except (KeyError, TypeError, ValueError, OSError, EOFError) as error:
+            raise ValueError(f"{path}: not a trajectory file ({error})") from error
+        return cls(
+            **arrays,
+            hub_speed=meta["hub_speed"],
+            events=tuple(Event(**row) for row in meta["events"]),
+            contacts=contacts,
+            stop_reason=meta["stop_reason"],
+            cost=Cost(**meta["cost"]),
+            parameters=meta["parameters"],
+        )
+
+
+_ARRAYS = (
+    "time",
+    "hub_angle",
+    "angles",
+    "rates",
+    "tip",
+    "kinetic_energy",
+    "potential_energy",
+    "normal_force",
+)
+
+
+def _contact(row: dict[str, Any], number: int, stored: Any) -> ContactRecord:
+    has_history = row.pop("history") is not None
+    history = None
+    if has_history:
+        names = (each.name for each in dataclasses.fields(ContactHistory))
+        history = ContactHistory(**{name: stored[f"contact{number}_{name}"] for name in names})
+    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+    return ContactRecord(**values, history=history)
