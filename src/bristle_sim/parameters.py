@@ -15,7 +15,19 @@ from dataclasses import dataclass, field
 
 from bristle_sim.quantity import choice, quantity, validate
 
-__all__ = ["Bar", "Belt", "Bristle", "Contact", "Hub", "Tool", "Workpart", "operating_point"]
+__all__ = [
+    "Bar",
+    "Belt",
+    "Bristle",
+    "Comparison",
+    "Contact",
+    "Hub",
+    "Release",
+    "Strike",
+    "Tool",
+    "Workpart",
+    "operating_point",
+]
 
 RETRACTION_AT_RELEASE = math.radians(44.5)
 """Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
@@ -239,3 +251,45 @@ class Tool:
 def operating_point() -> Tool:
     """The dissertation's tool (Zhang 2020, eqs. 2.2 and 2.3), belt stiffness read per degree."""
     return Tool()
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """Release of the bristle from rest relative to the hub."""
+
+    retraction_deg: float = quantity(
+        44.5, "retraction_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, eq. 2.2: theta_p"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Strike:
+    """State of a radial bristle at the instant of its strike."""
+
+    speed_ratio: float = quantity(
+        3.23,
+        "speed_ratio",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
+    )
+    impact_angle_deg: float = quantity(
+        23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, sec. 2.3: gamma"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What a run is laid beside."""
+
+    reference: str = choice("no", "reference", ("no", "yes"), source="chosen: the independent solution takes longer")
+
+    def __post_init__(self) -> None:
+        validate(self)

@@ -69,8 +69,8 @@ class ContactRecord:
         outcome: the impact law's word, or how a sustained touch ended.
         time, duration: start and length in s; an instantaneous impact lasts 0 s.
         impulse: on the moving body, N s.
-        compressive_impulse: up to the end of compression, N s.
-        compressive_work, restitutive_work: of the impulse on the body, J; (normal, tangential).
+        compressive_impulse: up to the end of compression, N s; None where the law knows no phases.
+        compressive_work, restitutive_work: of the impulse on the body, J; (normal, tangential), or None.
         velocity_before, velocity_after: of the contact point, m/s.
         angles: absolute angle of every link when the contact began, rad.
         rates_before, rates_after: absolute rate of every link, rad/s.
@@ -83,9 +83,9 @@ class ContactRecord:
     time: float
     duration: float
     impulse: tuple[float, float]
-    compressive_impulse: tuple[float, float]
-    compressive_work: tuple[float, float]
-    restitutive_work: tuple[float, float]
+    compressive_impulse: tuple[float, float] | None
+    compressive_work: tuple[float, float] | None
+    restitutive_work: tuple[float, float] | None
     velocity_before: tuple[float, float]
     velocity_after: tuple[float, float]
     angles: tuple[float, ...]

@@ -1,0 +1,54 @@
+"""Cue timing: how well do the quasi-static cue formulas place the bar?
+
+The bristle is released from rest relative to the hub at the retraction angle, with no bar in the scene. The time to its
+highest relative speed, and the hub's turn meanwhile, say where the bar must stand. The printed belt stiffness is tried in
+all its readings.
+"""
+
+import math
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
+from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.settings import Settings
+from bristle_sim.studies.cue_timing import cue_timing
+
+
+def run(values: Mapping[str, Any]) -> Report:
+    """Build the tool from the keys and release its bristle."""
+    tool = Tool(
+        hub=build(Hub, values),
+        belt=build(Belt, values),
+        bristle=build(Bristle, values),
+        bar=build(Bar, values),
+        workpart=build(Workpart, values),
+    )
+    retraction = math.radians(values["retraction_deg"])
+    return cue_timing(tool, retraction, build(Settings, values), with_reference=values["reference"] == "yes")
+
+
+def plot(report: Report, path: Path) -> None:
+    """The released bristle's angle and rate beside the formula's."""
+    from bristle_sim.render.cue_figure import cue_figure
+
+    from bristle_sim.render.style import save_figure
+
+    timing = report.subject
+    save_figure(cue_figure(timing.trajectory, timing.tool, timing.retraction), path)
+
+
+SCENARIO = Scenario(
+    name="cue_timing",
+    question="How well do the quasi-static cue formulas place the bar?",
+    parts=(Hub, Belt, Bristle, Bar, Workpart, Release, Settings, Comparison),
+    run=run,
+    plot=plot,
+    defaults={"reference": "yes"},
+)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))

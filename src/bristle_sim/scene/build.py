@@ -1,0 +1,170 @@
+"""The pymunk scene of a mechanism, built once by one function: exactly the effects it is asked for, in engine units.
+
+Biases and slop are set on purpose. Joints are not corrected (``error_bias`` 1): a stretch of motion starts from bodies
+placed exactly on their joints, and the drift within it is smooth in the step, so it vanishes when the step is
+extrapolated to zero; a correction would feed position errors into the velocities. Touching shapes are not pushed apart
+either (``collision_bias`` 1, slop above the shapes' margin), for the same reason.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pymunk
+
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.obstacles import MARGIN, Obstacle
+
+__all__ = ["Effects", "Scene"]
+
+HOLD_ITERATIONS = 30
+"""Solver iterations while a link is held against an obstacle. Root joint and tip contact of a slender rod share a
+quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""
+
+_NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
+_EVERYWHERE = pymunk.ShapeFilter()
+
+
+@dataclass(frozen=True, slots=True)
+class Effects:
+    """What a scene holds besides its links; None and 0 leave an effect out altogether.
+
+    Engine units: torsion spring and damping between hub and first link, gravity along -y, obstacles of the last link.
+    """
+
+    stiffness: float | None = None
+    damping: float = 0.0
+    gravity: float = 0.0
+    obstacles: tuple[Obstacle, ...] = ()
+
+
+class Scene:
+    """A mechanism in a pymunk space.
+
+    Attributes:
+        mechanism, effects: what was built.
+        space: the pymunk space.
+        links: the dynamic bodies, in order from the root.
+        hub: the kinematic body that carries the root, or None.
+        steps: engine steps taken so far.
+    """
+
+    def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
+        """Build the space; the links hang at angle 0 until placed."""
+        self.mechanism = mechanism
+        self.effects = effects
+        self.steps = 0
+        self.space = pymunk.Space()
+        self.space.iterations = _flight_iterations(len(mechanism.links))
+        self.space.collision_slop = 10.0 * MARGIN
+        self.space.collision_bias = 1.0
+        if effects.gravity:
+            self.space.gravity = (0.0, -effects.gravity)
+        self.hub = self._add_hub() if mechanism.hub_radius or effects.stiffness is not None else None
+        self.links: list[pymunk.Body] = []
+        for link in mechanism.links:
+            self._add_link(link)
+        if effects.stiffness is not None:
+            assert self.hub is not None
+            self.space.add(pymunk.DampedRotarySpring(self.hub, self.links[0], 0.0, effects.stiffness, effects.damping))
+        self._shapes: dict[str, tuple[pymunk.Shape, pymunk.Shape]] = {}
+        for obstacle in effects.obstacles:
+            self._add_obstacle(obstacle)
+
+    def _add_hub(self) -> pymunk.Body:
+        hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+        hub.angular_velocity = self.mechanism.hub_speed
+        self.space.add(hub)
+        return hub
+
+    def _add_link(self, link: Link) -> None:
+        body = pymunk.Body(link.mass, link.inertia)
+        own = (-link.centre[0], -link.centre[1])
+        if self.links:
+            carrier, before = self.links[-1], self.mechanism.links[len(self.links) - 1]
+            anchor = (before.tip[0] - before.centre[0], before.tip[1] - before.centre[1])
+        elif self.hub is not None:
+            carrier, anchor = self.hub, (0.0, -self.mechanism.hub_radius)
+        else:
+            carrier, anchor = self.space.static_body, (0.0, 0.0)
+        joint = pymunk.PivotJoint(carrier, body, anchor, own)
+        joint.error_bias = 1.0
+        joint.collide_bodies = False
+        self.space.add(body, joint)
+        self.links.append(body)
+
+    def _add_obstacle(self, obstacle: Obstacle) -> None:
+        last = self.mechanism.links[-1]
+        tip = (last.tip[0] - last.centre[0], last.tip[1] - last.centre[1])
+        pair = obstacle.shapes(self.space, self.links[-1], tip)
+        for shape in pair:
+            shape.filter = _NOWHERE
+            shape.friction = 1.0
+            shape.elasticity = 1.0
+        self.space.add(*pair)
+        self._shapes[obstacle.name] = pair
+
+    def engage(self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int) -> None:
+        """Let the engine's own contact act between the last link and an obstacle from the next step on."""
+        fixed, moving = self._shapes[obstacle.name]
+        fixed.filter = moving.filter = _EVERYWHERE
+        fixed.friction, fixed.elasticity = friction, elasticity
+        self.space.iterations = iterations
+
+    def release(self, obstacle: Obstacle) -> None:
+        """Let the engine ignore the obstacle again."""
+        fixed, moving = self._shapes[obstacle.name]
+        fixed.filter = moving.filter = _NOWHERE
+        self.space.iterations = _flight_iterations(len(self.links))
+
+    def place(self, state: State) -> None:
+        """Put every body exactly where the state says, joints closed, velocities consistent."""
+        if self.hub is not None:
+            self.hub.angle = self.mechanism.hub_angle(state.time)
+        for body, pose, angle, rate in zip(
+            self.links, self.mechanism.poses(state), state.angles, state.rates, strict=True
+        ):
+            body.angle = angle
+            body.position = pose.centre
+            body.velocity = pose.centre_velocity
+            body.angular_velocity = rate
+
+    def angles(self) -> list[float]:
+        """Absolute angles of the links as they are in the engine, rad."""
+        return [body.angle for body in self.links]
+
+    def rates(self) -> list[float]:
+        """Absolute rates of the links as they are in the engine."""
+        return [body.angular_velocity for body in self.links]
+
+    def step(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
+        """Take ``count`` engine steps of one length; ``act`` is called before each of them with the length."""
+        advance = self.space.step
+        for _ in range(count):
+            if act is not None:
+                act(length)
+            advance(length)
+        self.steps += count
+
+    def contact_impulse(self) -> tuple[float, float]:
+        """(normal, tangential) impulse of the last step on the last link, whatever it touches."""
+        total = [0.0, 0.0]
+
+        def add(arbiter: pymunk.Arbiter) -> None:
+            # The engine's normal points from its first shape to its second. The sign of its impulse depends on their
+            # order inside the engine; a contact only pushes.
+            outwards = 1.0 if arbiter.shapes[1].body is self.links[-1] else -1.0
+            normal, impulse = arbiter.normal * outwards, arbiter.total_impulse
+            push = math.copysign(1.0, impulse.dot(normal))
+            total[0] += push * impulse.dot(normal)
+            total[1] += push * impulse.dot((normal.y, -normal.x))
+
+        self.links[-1].each_arbiter(add)
+        return total[0], total[1]
+
+
+def _flight_iterations(links: int) -> int:
+    """A single joint is solved exactly at once; a chain takes some rounds."""
+    return 1 if links == 1 else 40

@@ -1,0 +1,241 @@
+"""A contact resolved in time: a stiff spring with energetic restitution at the tip, Coulomb friction and true stick.
+
+Normal force over penetration delta is bilinear: k delta while penetration grows, and (k/e*^2)(delta - delta_r) with
+delta_r = (1 - e*^2) delta_max on the way out, so that the spring returns e*^2 of the work it took, whatever the bodies
+do. The tangential force is -mu sign(v_t) N in slip; in stick it is what stops the point within each engine step,
+-(K_nt N + v_t/h)/K_tt. Compression, restitution, slip and stick are smooth stretches; the instants between them are
+located. As the contact gets shorter the outcome tends to that of the rigid-body law with the energetic coefficient.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact_laws import Coefficients, contact_at
+from bristle_sim.scene.events import locate
+from bristle_sim.scene.mechanism import State, Vector
+from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.spring import Spring, time_at_unit_stiffness
+from bristle_sim.scene.stepping import Advance, Extrapolation, PlainSteps, Stepper
+from bristle_sim.theory.impact import energetic_impact
+from bristle_sim.trajectory import ContactHistory, ContactRecord
+
+__all__ = ["CompliantLaw"]
+
+LEAST_DURATION = 1e-8
+"""Shortest contact in scene time units: penetrations stay well above the rounding of positions."""
+
+SAMPLES = 24
+"""Least number of stretches a contact is cut into."""
+
+PATIENCE = 10.0
+"""A contact that lasts this many times longer than an impact of its speed would is no impact: something presses the
+point on. It ends as ``no rebound``, to be held."""
+
+MOST_STRETCHES = 4000
+"""A contact that takes more stretches than this is given up."""
+
+
+class CompliantLaw:
+    """Contact resolved in time by the engine.
+
+    Args:
+        duration: time in touch, engine units; None is short enough for the rigid-body limit to ``accuracy``.
+        accuracy: relative accuracy asked for.
+        plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
+    """
+
+    name = "compliant"
+
+    def __init__(self, duration: float | None, accuracy: float, plain_steps: int | None = None) -> None:
+        """See the class."""
+        self.duration = duration
+        self.accuracy = accuracy
+        self.plain_steps = plain_steps
+
+    def resolve(
+        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
+    ) -> tuple[State, ContactRecord]:
+        """Carry the scene through the contact; the state returned is later than the one given.
+
+        Raises:
+            ValueError: if the contact comes to no end.
+        """
+        touch, space = contact_at(scene, state, obstacle)
+        rigid = energetic_impact(
+            space.inverse_mass,
+            space.velocity,
+            coefficients.friction,
+            coefficients.restitution,
+            coefficients.restitution_friction,
+        )
+        fastest = max(1.0, *(abs(rate) for rate in state.rates))
+        duration = self.duration or max(LEAST_DURATION, 0.1 * self.accuracy / fastest)
+        stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
+        spring = Spring(scene, touch, space.inverse_mass, stiffness, coefficients)
+        stepper: Stepper = Extrapolation(0.1 * self.accuracy, fastest)
+        if self.plain_steps is not None:
+            stepper = PlainSteps(duration / self.plain_steps)
+        passage = _Passage(scene, state, spring, stepper, duration, rigid.outcome_name)
+        passage.go()
+        return passage.state, passage.record(obstacle, state)
+
+
+@dataclass(frozen=True, slots=True)
+class _Turn:
+    """A function of the stretch whose change of sign ends it, and what the spring does then."""
+
+    value: Callable[[Advance], float]
+    rising: bool
+    act: Callable[[], None]
+
+
+class _Passage:
+    """One contact on its way: the state, what has been added up, and the record in time."""
+
+    def __init__(
+        self, scene: Scene, state: State, spring: Spring, stepper: Stepper, duration: float, expected: str
+    ) -> None:
+        self.scene = scene
+        self.state = state
+        self.spring = spring
+        self.stepper = stepper
+        self.duration = duration
+        self.expected = expected
+        self.done = ""
+        self.phases: list[str] = []
+        self.totals = np.zeros(4)
+        self.at_compression_end: np.ndarray | None = None
+        self.rows: list[tuple[float, ...]] = []
+        self.initial_slip = spring.slip
+        self._settle_if_at_rest()
+        self._note_phase()
+        self._sample()
+
+    def go(self) -> None:
+        """Stretch after stretch until the contact is over."""
+        for _ in range(MOST_STRETCHES):
+            if self.done:
+                return
+            self._stretch()
+        raise ValueError(
+            f"contact: not over after {MOST_STRETCHES} stretches of its motion; friction below the jam is allowed"
+        )
+
+    def _stretch(self) -> None:
+        length = self.stepper.propose(self.duration / SAMPLES)
+        result = self._advance(length)
+        if not self.stepper.accepts(result, length):
+            return
+        act: Callable[[], None] | None = None
+        for turn in self._turns():
+            span = result.state.time - self.state.time
+            right = turn.value(result)
+            left = turn.value(Advance(self.state, (), (), 0.0))
+            if (right > 0.0) if turn.rising else (right < 0.0):
+                before = min(left, -TINY) if turn.rising else max(left, TINY)
+                found = locate(lambda at, turn=turn: turn.value(self._advance(at)), 0.0, span, before, right, TINY)  # type: ignore[misc]
+                result, act = self._advance(found), turn.act
+        self.state = result.state
+        self.totals += result.totals
+        if act is not None:
+            self._sample()
+            act()
+            self._note_phase()
+        self._sample()
+        if not self.done and self.state.time - self.rows[0][0] > PATIENCE * self.duration:
+            self.done = "no rebound"
+
+    def _advance(self, length: float) -> Advance:
+        return self.stepper.advance(self.scene, self.state, length, self.spring)
+
+    def _turns(self) -> list[_Turn]:
+        """What can end the smooth motion that the contact is in."""
+        spring = self.spring
+        turns: list[_Turn] = []
+        if spring.loading:
+            turns.append(_Turn(lambda at: self._velocity(at)[0], True, self._end_compression))
+        else:
+            turns.append(_Turn(lambda at: self._penetration(at) - spring.residual, False, self._separate))
+            turns.append(_Turn(lambda at: self._penetration(at) - spring.peak, True, self._reload))
+        if spring.slip:
+            turns.append(_Turn(lambda at: spring.slip * self._velocity(at)[1], False, spring.settle))
+        return turns
+
+    def _end_compression(self) -> None:
+        self.at_compression_end = self.totals.copy()
+        spring = self.spring
+        spring.unload(self.scene.mechanism.poses(self.state)[-1].tip)
+        if spring.coefficients.restitution == 0.0:
+            self.done = "no rebound"
+        elif self.expected == "stiction":
+            self.done = "stiction"
+        elif not spring.slip:
+            spring.settle()
+
+    def _separate(self) -> None:
+        self.done = "rebound"
+
+    def _reload(self) -> None:
+        self.spring.loading = True
+
+    def _settle_if_at_rest(self) -> None:
+        if not self.spring.slip:
+            self.spring.settle()
+
+    def _penetration(self, at: Advance) -> float:
+        return self.spring.penetration(self.scene.mechanism.poses(at.state)[-1].tip)
+
+    def _velocity(self, at: Advance) -> Vector:
+        return self.spring.components(self.scene.mechanism.poses(at.state)[-1].tip_velocity)
+
+    def _note_phase(self) -> None:
+        if self.done:
+            return
+        slip = self.spring.slip
+        motion = "stick" if not slip else "slip" if slip == self.initial_slip else "reverse slip"
+        name = f"{'compression' if self.spring.loading else 'restitution'} {motion}"
+        if not self.phases or self.phases[-1] != name:
+            self.phases.append(name)
+        if self.expected == "jam" and not slip and self.spring.loading:
+            self.done = "jam"
+
+    def _sample(self) -> None:
+        pose = self.scene.mechanism.poses(self.state)[-1]
+        depth = self.spring.penetration(pose.tip)
+        normal, tangential = (0.0, 0.0) if self.done == "rebound" else self.spring.forces(depth)
+        self.rows.append((self.state.time, normal, tangential, depth, *self.spring.components(pose.tip_velocity)))
+
+    def record(self, obstacle: Obstacle, before: State) -> ContactRecord:
+        """The ledger entry; works of the spring follow from its energy, friction's is added up step by step."""
+        total = self.totals.tolist()
+        middle = total if self.at_compression_end is None else self.at_compression_end.tolist()
+        history = ContactHistory(*(np.array(column) for column in zip(*self.rows, strict=True)))
+        first, last = self.rows[0], self.rows[-1]
+        return ContactRecord(
+            obstacle=obstacle.name,
+            law=CompliantLaw.name,
+            outcome=self.done,
+            time=before.time,
+            duration=self.state.time - before.time,
+            impulse=(total[0], total[1]),
+            compressive_impulse=(middle[0], middle[1]),
+            compressive_work=(middle[2], middle[3]),
+            restitutive_work=(total[2] - middle[2], total[3] - middle[3]),
+            velocity_before=(first[4], first[5]),
+            velocity_after=(last[4], last[5]),
+            angles=before.angles,
+            rates_before=before.rates,
+            rates_after=self.state.rates,
+            phases=tuple(self.phases),
+            history=history,
+        )
+
+
+TINY = math.ulp(1.0)
+"""Velocities and penetrations of scene units to which a turn is located."""

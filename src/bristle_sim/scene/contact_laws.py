@@ -1,0 +1,147 @@
+"""Laws that carry a scene through an impact. One signature: scene, state, obstacle in; state after, ledger entry out.
+
+To add a law, write a class with :meth:`ContactLaw.resolve` and name it in :func:`contact_law`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact_space import ContactSpace, contact_space
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.theory.impact import energetic_impact
+from bristle_sim.trajectory import ContactRecord
+
+__all__ = ["Coefficients", "ContactLaw", "EnergeticLaw", "EngineLaw", "contact_at"]
+
+
+@dataclass(frozen=True, slots=True)
+class Coefficients:
+    """Friction in compression and restitution, and the coefficient of restitution."""
+
+    friction: float
+    restitution_friction: float
+    restitution: float
+
+    @classmethod
+    def of(cls, obstacle: Obstacle) -> Coefficients:
+        """Those of an obstacle."""
+        return cls(obstacle.friction, obstacle.restitution_friction, obstacle.restitution)
+
+
+class ContactLaw(Protocol):
+    """A way through an impact."""
+
+    name: str
+
+    def resolve(
+        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
+    ) -> tuple[State, ContactRecord]:
+        """Carry the scene from the instant of touch to the end of the impact; engine units throughout."""
+
+
+def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[Touch, ContactSpace]:
+    """Place the scene and describe its contact with an obstacle, from the bodies as they are in the engine."""
+    scene.place(state)
+    pose = scene.mechanism.poses(state)[-1]
+    touch = obstacle.touch(pose, state.rates[-1])
+    point = (pose.joint[0] + touch.arm[0], pose.joint[1] + touch.arm[1])
+    return touch, contact_space(scene.links[-1], point, touch.normal)
+
+
+class EnergeticLaw:
+    """Stronge's energetic restitution with Coulomb friction, on the contact-space inverse mass of the scene."""
+
+    name = "energetic"
+
+    def resolve(
+        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
+    ) -> tuple[State, ContactRecord]:
+        """Instantaneous: positions stay, all bodies' velocities change."""
+        _, space = contact_at(scene, state, obstacle)
+        impact = energetic_impact(
+            space.inverse_mass,
+            space.velocity,
+            coefficients.friction,
+            coefficients.restitution,
+            coefficients.restitution_friction,
+        )
+        impulse = (impact.impulse_normal, impact.impulse_tangential)
+        space.apply(impulse)
+        after = State(state.time, state.angles, tuple(scene.rates()))
+        record = ContactRecord(
+            obstacle=obstacle.name,
+            law=self.name,
+            outcome=impact.outcome_name,
+            time=state.time,
+            duration=0.0,
+            impulse=impulse,
+            compressive_impulse=(impact.compressive_impulse_normal, impact.compressive_impulse_tangential),
+            compressive_work=(float(impact.compressive_work_normal), float(impact.compressive_work_tangential)),
+            restitutive_work=(float(impact.restitutive_work_normal), float(impact.restitutive_work_tangential)),
+            velocity_before=space.velocity,
+            velocity_after=(impact.velocity_normal, impact.velocity_tangential),
+            angles=state.angles,
+            rates_before=state.rates,
+            rates_after=after.rates,
+            phases=impact.phases,
+        )
+        return after, record
+
+
+class EngineLaw:
+    """The engine's own contact: Newton's coefficient, friction clamped by the accumulated impulse, iterated.
+
+    ``elasticity`` is taken as the coefficient of restitution. It knows no phases, takes one friction coefficient, and
+    may gain energy where bodies are joined in a chain; it is here to be compared.
+    """
+
+    name = "engine"
+
+    def __init__(self, iterations: int = 10) -> None:
+        """``iterations`` of the engine's solver; 10 is the engine's default."""
+        self.iterations = iterations
+
+    def resolve(
+        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
+    ) -> tuple[State, ContactRecord]:
+        """One engine step, so short that nothing but the impact happens in it."""
+        touch, space = contact_at(scene, state, obstacle)
+        scene.engage(
+            obstacle,
+            friction=coefficients.friction,
+            elasticity=coefficients.restitution,
+            iterations=self.iterations,
+        )
+        scene.step(INSTANT, 1)
+        impulse = scene.contact_impulse()
+        scene.release(obstacle)
+        after = State(state.time, state.angles, tuple(scene.rates()))
+        scene.place(after)
+        pose = scene.mechanism.poses(after)[-1]
+        velocity = obstacle.touch(pose, after.rates[-1]).velocity
+        record = ContactRecord(
+            obstacle=obstacle.name,
+            law=self.name,
+            outcome="rebound" if velocity[0] > 0.0 else "no rebound",
+            time=state.time,
+            duration=0.0,
+            impulse=impulse,
+            compressive_impulse=None,
+            compressive_work=None,
+            restitutive_work=None,
+            velocity_before=touch.velocity,
+            velocity_after=velocity,
+            angles=state.angles,
+            rates_before=state.rates,
+            rates_after=after.rates,
+        )
+        del space
+        return after, record
+
+
+INSTANT = 1e-12
+"""Step of an engine impact in scene time units: forces and motion within it are below rounding."""

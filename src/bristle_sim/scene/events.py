@@ -1,0 +1,100 @@
+"""Finding the instant at which something happens within a stretch of motion, without missing it.
+
+A stretch is first searched on the cubic through the states at its two ends, then the engine is run again with the
+stretch shortened, from the restored state, until the event is at its end. Gaps are searched by conservative
+advancement (Mirtich 1996): from a gap g no contact can happen before g / (largest speed), so nothing is jumped over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from bristle_sim.scene.mechanism import Mechanism, State
+
+__all__ = ["first_touch", "interpolate", "locate"]
+
+CUBIC_ERROR = 0.01
+"""Gap by which the cubic may be off, per fourth power of the stretch, in a scene's units: h^4/384 times some safety."""
+
+SHORTEST = 1e-15
+"""Stretches of a scene's time unit shorter than this are an instant."""
+
+RESOLUTION = 1.0 / 64.0
+"""Least advance in a search, as a share of the stretch; minima of the gap in between are looked at separately."""
+
+
+def interpolate(start: State, end: State, share: float) -> State:
+    """The cubic through angles and rates at both ends, at a share of the stretch between them."""
+    length = end.time - start.time
+    rest = 1.0 - share
+    h_00, h_01 = (1.0 + 2.0 * share) * rest * rest, share * share * (3.0 - 2.0 * share)
+    h_10, h_11 = length * share * rest * rest, -length * share * share * rest
+    d_0, d_1 = 6.0 * share * rest / length, rest * rest - 2.0 * share * rest
+    d_2 = share * share - 2.0 * share * rest
+    rows = list(zip(start.angles, start.rates, end.angles, end.rates, strict=True))
+    angles = tuple(h_00 * a + h_10 * u + h_01 * b + h_11 * v for a, u, b, v in rows)
+    rates = tuple(d_0 * (b - a) + d_1 * u + d_2 * v for a, u, b, v in rows)
+    return State(start.time + share * length, angles, rates)
+
+
+def first_touch(mechanism: Mechanism, gap: Callable[[State], float], start: State, end: State) -> float | None:
+    """Share of the stretch at which the gap is closed, or nearly so at its least, on the cubic; None if it stays open.
+
+    The share may be later than the touch but never past a second one.
+    """
+    length = end.time - start.time
+    bound = 1.5 * max(mechanism.speed_bound(start), mechanism.speed_bound(end)) * length
+    margin = CUBIC_ERROR * length**4
+    share, value = 0.0, gap(start)
+    while share < 1.0 and value <= bound * (1.0 - share) + margin:
+        ahead = min(1.0, share + max(value / bound if bound else 1.0, RESOLUTION))
+        following = gap(interpolate(start, end, ahead)) if ahead < 1.0 else gap(end)
+        if following < 0.0:
+            return ahead
+        if share > 0.0 or value > margin:
+            dip = _dip(lambda at: gap(interpolate(start, end, at)), share, ahead, margin)
+            if dip is not None:
+                return dip
+        share, value = ahead, following
+    return None
+
+
+def _dip(gap: Callable[[float], float], left: float, right: float, margin: float) -> float | None:
+    """Share at which a gap that falls at its left and rises at its right end has its least value, if that is small."""
+    nudge = 1e-6 * (right - left)
+    if gap(left + nudge) >= gap(left) or gap(right - nudge) >= gap(right):
+        return None
+    for _ in range(40):
+        first, second = left + 0.382 * (right - left), left + 0.618 * (right - left)
+        low, high = gap(first), gap(second)
+        if min(low, high) < 0.0:
+            return first if low < 0.0 else second
+        left, right = (left, second) if low < high else (first, right)
+    return right if gap(right) < margin else None
+
+
+def locate(
+    value: Callable[[float], float], left: float, right: float, at_left: float, at_right: float, tolerance: float
+) -> float:
+    """Root of a function between two durations at which its signs differ: false position, Illinois variant.
+
+    The function runs the engine, so evaluations are dear and a library's root finder not worth its import. The result
+    is where the value is within ``tolerance``, or the first duration past the root.
+    """
+    side = 0
+    for _ in range(100):
+        if right - left <= 4e-16 * right + SHORTEST:
+            break
+        middle = left + (right - left) * min(max(at_left / (at_left - at_right), 1e-4), 1.0 - 1e-4)
+        found = value(middle)
+        if abs(found) <= tolerance:
+            return middle
+        if (found < 0.0) == (at_right < 0.0):
+            right, at_right = middle, found
+            at_left *= 0.5 if side == 1 else 1.0
+            side = 1
+        else:
+            left, at_left = middle, found
+            at_right *= 0.5 if side == -1 else 1.0
+            side = -1
+    return right

@@ -1,0 +1,92 @@
+"""A chain of rigid links on a root that stands still or rides on a turning hub: its shape, without any dynamics."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+__all__ = ["Link", "Mechanism", "Pose", "State"]
+
+Vector = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Link:
+    """A rigid link; ``centre`` and ``tip`` are seen from its joint when the link's angle is 0, along (0, -1).
+
+    Engine units: mass, inertia about the centre of mass, lengths.
+    """
+
+    mass: float
+    inertia: float
+    centre: Vector
+    tip: Vector
+
+    @classmethod
+    def rod(cls, mass: float, length: float) -> Link:
+        """Uniform slender rod, inertia m L^2/12."""
+        return cls(mass, mass * length**2 / 12.0, (0.0, -length / 2.0), (0.0, -length))
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Time, and absolute angle and rate of every link; engine units, rad."""
+
+    time: float
+    angles: tuple[float, ...]
+    rates: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """One link in space: its joint, centre and tip, and their velocities."""
+
+    joint: Vector
+    centre: Vector
+    tip: Vector
+    joint_velocity: Vector
+    centre_velocity: Vector
+    tip_velocity: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanism:
+    """Links in order from the root; the root moves on a circle of ``hub_radius`` at ``hub_speed``, from ``hub_start``.
+
+    Without a hub (radius and speed 0) the root is the origin.
+    """
+
+    links: tuple[Link, ...]
+    hub_radius: float = 0.0
+    hub_speed: float = 0.0
+    hub_start: float = 0.0
+
+    def hub_angle(self, time: float) -> float:
+        """Angle of the root, rad."""
+        return self.hub_start + self.hub_speed * time
+
+    def poses(self, state: State) -> list[Pose]:
+        """Where every link is and how it moves."""
+        joint, joint_velocity = _carried(
+            (0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), self.hub_angle(state.time), self.hub_speed
+        )
+        poses = []
+        for link, angle, rate in zip(self.links, state.angles, state.rates, strict=True):
+            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, angle, rate)
+            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, angle, rate)
+            poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity))
+            joint, joint_velocity = tip, tip_velocity
+        return poses
+
+    def speed_bound(self, state: State) -> float:
+        """No point of the mechanism is faster than this while no link's rate exceeds the state's."""
+        reach = sum(math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True))
+        return self.hub_radius * abs(self.hub_speed) + reach
+
+
+def _carried(origin: Vector, velocity: Vector, arm: Vector, angle: float, rate: float) -> tuple[Vector, Vector]:
+    """Position and velocity of a point fixed on a link that turns about ``origin``."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    x = cosine * arm[0] - sine * arm[1]
+    y = sine * arm[0] + cosine * arm[1]
+    return (origin[0] + x, origin[1] + y), (velocity[0] - rate * y, velocity[1] + rate * x)

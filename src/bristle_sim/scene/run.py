@@ -1,0 +1,350 @@
+"""The run of a scene: smooth stretches between events, impacts by law, sustained touch by the engine's own contact.
+
+In flight nothing touches and the engine's contact is off. Where a gap closes, its instant is located and the contact
+law resolves the impact. If that leaves the link at rest against the obstacle and pressed on it, the engine's contact
+holds it there, with Coulomb friction, until its force has fallen to zero; the instant of release is located too.
+Positions of a held link are set back onto the obstacle after every stretch, because the engine's contact only keeps
+velocities.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+
+from bristle_sim.scene.build import HOLD_ITERATIONS, Scene
+from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
+from bristle_sim.scene.events import first_touch, locate
+from bristle_sim.scene.hold import EngineHold, ledger_of_hold, set_back
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.scene.stepping import Advance, Stepper
+from bristle_sim.scene.watches import Watch, freedom, in_flight, in_touch
+from bristle_sim.trajectory import ContactRecord, Event
+
+__all__ = ["Plan", "Recording", "run"]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """When a run ends and how finely it is recorded; engine units.
+
+    Attributes:
+        end: time at which the run stops.
+        accuracy: relative accuracy asked for; sets how finely events are located.
+        stop_after: name of an event that ends the run.
+        longest_stretch: upper bound of the distance between samples.
+        maximum_steps: engine steps after which the run gives up.
+        retraction_limit: largest angle of the first link relative to the hub, rad.
+    """
+
+    end: float
+    accuracy: float
+    stop_after: str | None = None
+    longest_stretch: float = math.inf
+    maximum_steps: int = 5_000_000
+    retraction_limit: float = math.inf
+
+
+@dataclass(slots=True)
+class Recording:
+    """What a run leaves behind, in engine units."""
+
+    states: list[State] = field(default_factory=list)
+    forces: list[float] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    contacts: list[ContactRecord] = field(default_factory=list)
+    error: float = 0.0
+    stop_reason: str = ""
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    steps: int = 0
+
+
+def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Plan) -> Recording:
+    """Run a scene from a state to the plan's end.
+
+    Args:
+        scene: the scene; its bodies are placed by the run.
+        start: the state to start from; obstacles must not be overlapped.
+        stepper: how smooth stretches are carried.
+        law: how impacts on the workpart are resolved; the bar's are resolved by the energetic law.
+        plan: when to stop.
+
+    Raises:
+        ValueError: if the start overlaps an obstacle.
+    """
+    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
+    runner = _Runner(scene, start, stepper, law, plan)
+    runner.go()
+    recording = runner.recording
+    recording.wall_s, recording.cpu_s = clock.perf_counter() - wall, clock.process_time() - cpu
+    recording.steps = scene.steps - steps
+    return recording
+
+
+class _Runner:
+    """State of a run: where it is, what it touches, what it has recorded."""
+
+    def __init__(self, scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Plan) -> None:
+        self.scene = scene
+        self.mechanism = scene.mechanism
+        self.stepper = stepper
+        self.law = law
+        self.plan = plan
+        self.state = start
+        self.before: Advance | None = None
+        self.held: Obstacle | None = None
+        self.hold = EngineHold(scene)
+        self.hold_start = 0
+        self.budget = scene.steps + plan.maximum_steps
+        # After a contact the first stretch is short, and then each is at most twice the last: gaps that open
+        # slowly are followed closely while they are small.
+        self.shortest = min(1e-2, max(1e-5, math.sqrt(plan.accuracy)))
+        self.growth = math.inf
+        self.releasing = False
+        self.force_slope = 0.0
+        self.departing: Obstacle | None = None
+        self.signs: dict[str, float] = {}
+        self.recording = Recording()
+        self.stopped = False
+        self._sample(start, 0.0)
+        for obstacle in scene.effects.obstacles:
+            self._check_start(obstacle)
+
+    def _check_start(self, obstacle: Obstacle) -> None:
+        gap = self._gap(obstacle, self.state)
+        if gap < -GAP_ROUNDING:
+            raise ValueError(
+                f"{obstacle.name}: overlaps the bristle at the start by {-gap:.3g} of its length; no overlap is allowed"
+            )
+
+    def go(self) -> None:
+        """Run to the end."""
+        for obstacle in self.scene.effects.obstacles:
+            if abs(self._gap(obstacle, self.state)) <= GAP_ROUNDING and not self.stopped:
+                self._touch(obstacle)
+        while not self.stopped:
+            if self.state.time >= self.plan.end * (1.0 - 1e-15):
+                self._stop("end of the planned time")
+            elif self.scene.steps > self.budget:
+                self._stop("step budget spent")
+            else:
+                self._stretch()
+
+    def _stretch(self) -> None:
+        """One accepted stretch, cut short at its first event."""
+        room = min(self.plan.end - self.state.time, self.plan.longest_stretch, self.growth)
+        length = self.stepper.propose(room)
+        result = self._advance(length)
+        if result.failed:
+            self._approach_release(length)
+            return
+        if not self.stepper.accepts(result, length):
+            if not math.isfinite(result.error) or length < SHORTEST:
+                self._stop("no step is short enough for the accuracy asked for")
+            return
+        result, act = self._first_event(result)
+        self._commit(result)
+        if act is not None:
+            act(result)
+
+    def _approach_release(self, length: float) -> None:
+        """The hold would end within this stretch: come closer to where its force vanishes, or let go."""
+        if self.before is None or length <= max(1e-9, 0.1 * self.plan.accuracy):
+            self._let_go(self.state)
+            return
+        self.releasing = True
+        predicted = -self.before.totals[0] / self.force_slope if self.force_slope < 0.0 else 0.0
+        self.growth = min(0.5 * length, max(0.95 * predicted, length / 16.0))
+
+    def _advance(self, length: float) -> Advance:
+        return self.stepper.advance(self.scene, self.state, length, self.hold if self.held is not None else None)
+
+    def _commit(self, result: Advance) -> None:
+        length = result.state.time - self.state.time
+        state = result.state
+        if self.held is not None:
+            state = set_back(self.mechanism, self.held, state)
+        if self.held is not None and self.before is not None:
+            self.force_slope = (result.totals[0] - self.before.totals[0]) / length
+        self.state, self.before = state, result
+        self.recording.error += result.error
+        self._sample(state, result.totals[0] if result.totals else 0.0)
+        if self.growth != math.inf:
+            self.growth = length if self.releasing else max(2.0 * length, self.shortest)
+
+    def _sample(self, state: State, force: float) -> None:
+        self.recording.states.append(state)
+        self.recording.forces.append(force)
+
+    def _first_event(self, result: Advance) -> tuple[Advance, Callable[[Advance], None] | None]:
+        """The stretch up to its first event, and what to do there."""
+        act: Callable[[Advance], None] | None = None
+        for obstacle in self.scene.effects.obstacles:
+            if obstacle is not self.held:
+                result, act = self._look_for_touch(obstacle, result, act)
+        for watch in self._watches():
+            result, act = self._look_for_change(watch, result, act)
+        return result, act
+
+    def _look_for_touch(
+        self, obstacle: Obstacle, result: Advance, act: Callable[[Advance], None] | None
+    ) -> tuple[Advance, Callable[[Advance], None] | None]:
+        def touch(_: Advance) -> None:
+            self._touch(obstacle)
+
+        length = result.state.time - self.state.time
+        if obstacle is self.departing:
+            gap = self._gap(obstacle, result.state)
+            if gap > GAP_ROUNDING:
+                self.departing = None
+            elif gap < -GAP_ROUNDING and self._touch_of(obstacle, result.state).velocity[0] < 0.0:
+                # It never left: what the law left of the approach is taken up by holding it.
+                return result, lambda _: self._hold(obstacle)
+            return result, act
+        share = first_touch(self.mechanism, lambda state: self._gap(obstacle, state), self.state, result.state)
+        if share is None:
+            return result, act
+        reached = result if share == 1.0 else self._advance(share * length)
+        at_end = self._gap(obstacle, reached.state)
+        if at_end > 0.0:
+            return reached, None
+        at_start = max(self._gap(obstacle, self.state), 1e-300)
+        if at_end < 0.0:
+            duration = locate(
+                lambda span: self._gap(obstacle, self._advance(span).state),
+                0.0,
+                share * length,
+                at_start,
+                at_end,
+                GAP_TOLERANCE,
+            )
+            reached = self._advance(duration)
+        return reached, touch
+
+    def _look_for_change(
+        self, watch: Watch, result: Advance, act: Callable[[Advance], None] | None
+    ) -> tuple[Advance, Callable[[Advance], None] | None]:
+        right = watch.value(result)
+        sign = self.signs.get(watch.name)
+        if abs(right) > NOISE:
+            self.signs[watch.name] = math.copysign(1.0, right)
+        if sign is None or self.before is None or sign * right >= 0.0 or abs(right) <= NOISE:
+            return result, act
+        if watch.falling is not None and watch.falling != (sign > 0.0):
+            return result, act
+        left = sign * max(sign * watch.value(self.before), NOISE)
+        length = result.state.time - self.state.time
+        tolerance = max(1e-3 * self.plan.accuracy * max(abs(left), abs(right)), NOISE)
+        duration = locate(lambda span: watch.value(self._advance(span)), 0.0, length, left, right, tolerance)
+        return self._advance(duration), partial(self._notice, watch)
+
+    def _watches(self) -> list[Watch]:
+        """Events other than touches, for what the link is doing now."""
+        found = in_flight(self.mechanism) if self.held is None else in_touch(self.mechanism, self.held)
+        if math.isfinite(self.plan.retraction_limit):
+            found.append(freedom(self.mechanism, self.plan.retraction_limit))
+        return found
+
+    def _touch_of(self, obstacle: Obstacle, state: State) -> Touch:
+        return obstacle.touch(self.mechanism.poses(state)[-1], state.rates[-1])
+
+    def _gap(self, obstacle: Obstacle, state: State) -> float:
+        return obstacle.gap(self.mechanism.poses(state)[-1])
+
+    def _notice(self, watch: Watch, at: Advance) -> None:
+        if watch.event is not None:
+            self._event(watch.event, at.state.time)
+        if watch.final:
+            self._stop(watch.name)
+
+    def _event(self, name: str, at: float) -> None:
+        self.recording.events.append(Event(name, at))
+        if name == self.plan.stop_after:
+            self._stop(name)
+
+    def _stop(self, reason: str) -> None:
+        self.stopped = True
+        self.recording.stop_reason = self.recording.stop_reason or reason
+
+    def _touch(self, obstacle: Obstacle) -> None:
+        """An impact, and what follows it: flight, or being held."""
+        law = self.law if obstacle.name == "workpart" else EnergeticLaw()
+        coefficients = Coefficients.of(obstacle)
+        touch = self._touch_of(obstacle, self.state)
+        slow = -touch.velocity[0] <= CAPTURE * self.mechanism.speed_bound(self.state)
+        if slow:
+            law, coefficients = EnergeticLaw(), Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
+        first = not any(each.obstacle == obstacle.name for each in self.recording.contacts)
+        after, record = law.resolve(self.scene, self.state, obstacle, coefficients)
+        self.recording.contacts.append(record)
+        if record.history is not None:
+            self._sample(self.state, 0.0)
+        self.state = after
+        self._sample(after, 0.0)
+        self._event(_touch_event(obstacle.name, first), record.time)
+        if record.outcome == "jam":
+            self._event("jam", after.time)
+            self._stop("jam")
+        elif record.outcome != "rebound" or record.velocity_after[0] <= CAPTURE * self.mechanism.speed_bound(after):
+            self._hold(obstacle)
+        else:
+            self._depart(obstacle)
+
+    def _hold(self, obstacle: Obstacle) -> None:
+        """Let the engine's contact hold the link from here on."""
+        self.held, self.departing = obstacle, None
+        self._begin()
+        self.state = set_back(self.mechanism, obstacle, self.state)
+        self.hold_start = len(self.recording.states) - 1
+        self.scene.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=HOLD_ITERATIONS)
+
+    def _let_go(self, state: State) -> None:
+        """The contact's force has fallen to zero."""
+        assert self.held is not None
+        obstacle = self.held
+        self.scene.release(obstacle)
+        self.held = None
+        self.state = state
+        if self.before is not None:
+            since = slice(self.hold_start, None)
+            record = ledger_of_hold(
+                self.mechanism, obstacle, self.recording.states[since], self.recording.forces[since]
+            )
+            self.recording.contacts.append(record)
+        self._event(f"{obstacle.name} release", state.time)
+        self._depart(obstacle)
+
+    def _depart(self, obstacle: Obstacle) -> None:
+        self.departing = obstacle
+        self._begin()
+
+    def _begin(self) -> None:
+        """A new smooth motion begins: nothing of the last one's accelerations and signs holds."""
+        self.before, self.growth, self.releasing, self.force_slope = None, self.shortest, False, 0.0
+        self.signs.clear()
+
+
+def _touch_event(obstacle: str, first: bool) -> str:
+    return f"{obstacle} touch" if obstacle != "workpart" else "strike" if first else "workpart touch"
+
+
+GAP_ROUNDING = 1e-11
+"""A gap of the scene's unit below this is closed."""
+
+GAP_TOLERANCE = 1e-14
+"""To which a touch is located."""
+
+SHORTEST = 1e-13
+"""A stretch shorter than this share of the scene's time unit means that no stretch is short enough."""
+
+NOISE = 1e-10
+"""Rates, accelerations and forces of a scene's units below this have no sign."""
+
+CAPTURE = 1e-8
+"""An impact slower than this share of the fastest point's speed takes the rest of the approach away: repeated taps of
+a restitution below 1 add up in finite time."""

@@ -1,0 +1,204 @@
+"""How a scene is carried over a smooth stretch of motion: plain engine steps, or engine steps extrapolated to zero.
+
+The engine moves positions by the old velocities and then changes the velocities, so its error over a stretch without
+events is smooth in the step h, of first order. Repeating the stretch with n = 4, 6, 8, 12 ... steps and extrapolating the
+results to h = 0 (Richardson; Bulirsch and Stoer 1966) removes one power of h per repetition. The difference between
+the last two extrapolates estimates the error; step and number of repetitions follow from it as in Hairer, Norsett and
+Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from operator import mul
+from typing import Protocol
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import State
+
+__all__ = ["Advance", "Extrapolation", "PlainSteps", "StepBudgetError", "Stepper"]
+
+SEQUENCE = (4, 6, 8, 12, 16, 24, 32, 48)
+RUN_OVERHEAD = 6.0
+"""Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
+
+ROUNDING = 2e-14
+"""Extrapolation weights amplify rounding to about this share of an angle of 1 rad; less cannot be asked of a step."""
+
+
+class StepBudgetError(RuntimeError):
+    """A run needed more engine steps than it was given."""
+
+
+class Load(Protocol):
+    """What acts on the links besides springs and joints, and what it adds up over a stretch."""
+
+    def begin(self) -> None:
+        """A run over a stretch begins: forget what was added up."""
+
+    def apply(self, step: float) -> None:
+        """Act on the bodies for the next engine step."""
+
+    def totals(self, step: float) -> list[float]:
+        """What was added up, as numbers that are smooth in the step."""
+
+    def fails(self, totals: list[float]) -> bool:
+        """Whether the load could not act as it should, so that the stretch is of no use."""
+
+
+@dataclass(frozen=True, slots=True)
+class Advance:
+    """Result of carrying a scene over a stretch.
+
+    Attributes:
+        state: at the end.
+        accelerations: of the links at the end (extrapolated) or over the last step (plain).
+        totals: what a load added up.
+        error: estimated error of the state, of angles in rad and of rates per time unit; 0 where there is no estimate.
+        failed: the load could not act as it should; the rest of the result is then of no use.
+    """
+
+    state: State
+    accelerations: tuple[float, ...]
+    totals: tuple[float, ...]
+    error: float
+    failed: bool = False
+
+
+class Stepper(Protocol):
+    """A way to carry a scene over a stretch."""
+
+    def propose(self, remaining: float) -> float:
+        """Length of the next stretch, at most ``remaining``."""
+
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+        """Carry the scene over exactly ``duration``; says nothing about events."""
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """Whether the stretch is accurate enough; adapts the next proposal either way."""
+
+
+class PlainSteps:
+    """One engine step after the other, of a fixed length."""
+
+    def __init__(self, step: float) -> None:
+        """``step`` in engine units."""
+        self.step = step
+
+    def propose(self, remaining: float) -> float:
+        """One step."""
+        return min(self.step, remaining)
+
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+        """One engine step of the given length."""
+        values = _run(scene, state, duration, 1, load)
+        failed = load is not None and load.fails(values[3 * len(scene.links) :])
+        return _unpack(scene, state, duration, values, 0.0, failed)
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """A plain step knows nothing of its error."""
+        del result, duration
+        return True
+
+
+class Extrapolation:
+    """Engine steps extrapolated to zero step, to a tolerance for each stretch.
+
+    Args:
+        tolerance: of the error of a stretch, relative to ``scale``.
+        scale: size of the motion: angles in rad and rates per time unit.
+    """
+
+    def __init__(self, tolerance: float, scale: float = 1.0) -> None:
+        """Start with a stretch of a sixth of a radian of the scene's time unit."""
+        self.tolerance = tolerance
+        self.scale = scale
+        self.rows = 4
+        self.length = 0.16
+        self._errors: list[float] = []
+
+    def propose(self, remaining: float) -> float:
+        """The stretch that costs least per time; what is left is cut evenly rather than into a stub."""
+        return remaining / max(1, math.ceil(remaining / self.length - 0.1))
+
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+        """Repeat the stretch with finer steps until the estimate is within the tolerance."""
+        runs: list[list[float]] = []
+        self._errors = []
+        limit = max(self.tolerance * self.scale, ROUNDING)
+        size = len(scene.links)
+        best: list[float] = []
+        for row, count in enumerate(SEQUENCE):
+            runs.append(_run(scene, state, duration, count, load))
+            if load is not None and load.fails(runs[-1][3 * size :]):
+                return _unpack(scene, state, duration, runs[-1], math.inf, failed=True)
+            if row == 0:
+                continue
+            best = _combine(WEIGHTS[row], runs)
+            check = _combine(WEIGHTS_TAIL[row], runs[1:])
+            self._errors.append(max(abs(a - b) for a, b in zip(best[: 2 * size], check[: 2 * size], strict=True)))
+            if row + 1 >= self.rows and self._errors[-1] <= limit:
+                break
+        return _unpack(scene, state, duration, best, self._errors[-1])
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """Whether the estimate is within the tolerance; chooses next stretch and repetitions by cost per time."""
+        limit = max(self.tolerance * self.scale, ROUNDING)
+        lengths = []
+        for row, error in enumerate(self._errors, start=1):
+            ratio = 0.5 * limit / max(error, 1e-3 * limit)
+            lengths.append(duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1)))))
+        prices = [COSTS[row] / length for row, length in enumerate(lengths, start=1)]
+        best = min(range(1, len(prices)), key=prices.__getitem__)
+        self.length, self.rows = lengths[best], best + 2
+        if best == len(prices) - 1 and best + 2 < len(SEQUENCE) and prices[best] < 0.9 * prices[best - 1]:
+            # Still getting cheaper: one more repetition, with the stretch that would keep the price.
+            self.length *= COSTS[best + 2] / COSTS[best + 1]
+            self.rows += 1
+        if result.error > limit:
+            self.length = min(self.length, 0.5 * duration)
+            return False
+        return True
+
+
+def _weights(counts: tuple[int, ...]) -> tuple[float, ...]:
+    """Weights that extrapolate results of ``counts`` steps to zero step: the Lagrange polynomial in h = 1/n at h = 0."""
+    return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
+
+
+COSTS = [RUN_OVERHEAD * (row + 1) + sum(SEQUENCE[: row + 1]) for row in range(len(SEQUENCE))]
+WEIGHTS = [_weights(SEQUENCE[: row + 1]) for row in range(len(SEQUENCE))]
+WEIGHTS_TAIL = [_weights(SEQUENCE[1 : row + 1]) for row in range(len(SEQUENCE))]
+
+
+def _combine(weights: tuple[float, ...], runs: list[list[float]]) -> list[float]:
+    return [sum(map(mul, weights, column)) for column in zip(*runs, strict=True)]
+
+
+def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:
+    """Angles, rates, accelerations and the load's totals after ``count`` engine steps."""
+    scene.place(state)
+    step = duration / count
+    act = None
+    if load is not None:
+        load.begin()
+        act = load.apply
+    if count > 1:
+        scene.step(step, count - 1, act)
+    before = scene.rates()
+    scene.step(step, 1, act)
+    rates = scene.rates()
+    values = [*scene.angles(), *rates, *((b - a) / step for a, b in zip(before, rates, strict=True))]
+    if load is not None:
+        values += load.totals(step)
+    return values
+
+
+def _unpack(
+    scene: Scene, state: State, duration: float, values: list[float], error: float, failed: bool = False
+) -> Advance:
+    size = len(scene.links)
+    angles, rates, accelerations = (tuple(values[i * size : (i + 1) * size]) for i in range(3))
+    end = State(state.time + duration, angles, rates)
+    return Advance(end, accelerations, tuple(values[3 * size :]), error, failed)

@@ -1,0 +1,206 @@
+"""The bristle-blasting tool as a scene: from SI parameters to engine units and back."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.parameters import Contact, Tool
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
+from bristle_sim.scene.run import Plan, Recording, run
+from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.units import Units
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
+
+__all__ = ["build_tool", "simulate"]
+
+START = -math.pi / 2.0
+"""Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
+
+
+def tool_units(tool: Tool) -> Units:
+    """Bristle length, bristle mass, and the fastest of belt, hub and gravity as units of the tool's scene."""
+    stiffness = tool.belt.stiffness + tool.bristle.mass * (
+        tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2 + tool.gravity * tool.bristle.length
+    )
+    rate = max(math.sqrt(stiffness / tool.bristle.inertia_about_root), tool.hub.speed)
+    return Units(tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate else 1.0)
+
+
+def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
+    """The tool's scene with exactly the effects its parameters call for, and the units it runs in."""
+    units = tool_units(tool)
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start)
+    obstacles: list[Obstacle] = []
+    if tool.bar is not None:
+        centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
+        obstacles.append(
+            BarObstacle(
+                centre,
+                tool.bar.radius / units.length,
+                tool.bristle.wire_diameter / 2.0 / units.length,
+                tool.bar.friction,
+                tool.bar.restitution,
+            )
+        )
+    if tool.workpart is not None:
+        part = tool.workpart
+        obstacles.append(
+            WorkpartObstacle(
+                tool.workpart_depth / units.length, part.friction, part.friction_in_restitution, part.restitution
+            )
+        )
+    effects = Effects(
+        stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness or tool.belt.damping_ratio else None,
+        damping=tool.belt_damping / units.angular_damping,
+        gravity=tool.gravity / units.acceleration,
+        obstacles=tuple(obstacles),
+    )
+    return Scene(mechanism, effects), units
+
+
+def simulate(
+    tool: Tool,
+    settings: Settings | None = None,
+    *,
+    start_hub_angle: float = START,
+    start_relative_angle: float = 0.0,
+    start_relative_rate: float = 0.0,
+    stop_after: str | None = None,
+) -> Trajectory:
+    """Simulate the bristle in pymunk from a given start.
+
+    Args:
+        tool: what to simulate; parts that are None are absent from the scene.
+        settings: numerical settings.
+        start_hub_angle: of the root from the direction of the workpart, rad.
+        start_relative_angle, start_relative_rate: of the bristle relative to the radial direction, rad and rad/s.
+        stop_after: name of the event that ends the run, e.g. ``strike`` or ``highest relative speed``.
+
+    Returns:
+        The trajectory, in SI units.
+
+    Raises:
+        ValueError: if the start overlaps an obstacle.
+    """
+    settings = settings or Settings()
+    scene, units = build_tool(tool, hub_start=start_hub_angle)
+    start = State(
+        0.0,
+        (start_hub_angle + start_relative_angle,),
+        (scene.mechanism.hub_speed + start_relative_rate * units.time,),
+    )
+    speed = scene.mechanism.hub_speed
+    plan = Plan(
+        end=settings.hub_turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
+        accuracy=settings.accuracy,
+        stop_after=stop_after,
+        longest_stretch=2.0 * math.pi / settings.samples_per_period,
+        maximum_steps=settings.maximum_steps,
+        retraction_limit=math.pi / 2.0,
+    )
+    recording = run(scene, start, _stepper(settings, units), contact_law(tool.contact, settings, units), plan)
+    _note_absences(recording, tool)
+    return _trajectory(tool, settings, scene, units, recording)
+
+
+REST_PERIODS = 3.0
+"""Length of a run on a hub at rest, in the scene's periods."""
+
+
+def _stepper(settings: Settings, units: Units) -> Stepper:
+    if settings.step is not None:
+        return PlainSteps(settings.step / units.time)
+    return Extrapolation(LOCAL_SHARE * settings.accuracy)
+
+
+LOCAL_SHARE = 0.02
+"""Share of the accuracy asked for that each stretch may spend; a pass up to the strike takes some fifty."""
+
+
+def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
+    """The contact law that the parameters name."""
+    if contact.law == "compliant":
+        duration = None if contact.duration is None else contact.duration / units.time
+        return CompliantLaw(duration, settings.accuracy)
+    return EngineLaw() if contact.law == "engine" else EnergeticLaw()
+
+
+def _note_absences(recording: Recording, tool: Tool) -> None:
+    """Give a name to what never happened."""
+    end = recording.states[-1].time
+    names = {event.name for event in recording.events}
+    if tool.bar is not None and "bar touch" not in names:
+        recording.events.append(Event("bar not touched", end))
+    if tool.workpart is not None and "strike" not in names:
+        recording.events.append(Event("workpart not reached", end))
+
+
+def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, recording: Recording) -> Trajectory:
+    states = recording.states
+    time = np.array([state.time for state in states])
+    angles = np.array([state.angles for state in states])
+    rates = np.array([state.rates for state in states])
+    hub = np.asarray(scene.mechanism.hub_start + scene.mechanism.hub_speed * time)
+    poses = [scene.mechanism.poses(state)[-1] for state in states]
+    velocity = np.array([pose.centre_velocity for pose in poses])
+    height = np.array([pose.centre[1] for pose in poses])
+    kinetic = 0.5 * (velocity**2).sum(axis=1) + 0.5 * scene.mechanism.links[-1].inertia * rates[:, 0] ** 2
+    potential = 0.5 * (scene.effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2 + scene.effects.gravity * height
+    return Trajectory(
+        time=time * units.time,
+        hub_angle=hub,
+        angles=angles,
+        rates=rates / units.time,
+        tip=np.array([pose.tip for pose in poses]) * units.length,
+        kinetic_energy=kinetic * units.energy,
+        potential_energy=potential * units.energy,
+        normal_force=np.array(recording.forces) * units.force,
+        hub_speed=tool.hub.speed,
+        events=tuple(Event(event.name, event.time * units.time) for event in recording.events),
+        contacts=tuple(_contact_in_si(contact, units) for contact in recording.contacts),
+        stop_reason=recording.stop_reason,
+        cost=Cost(
+            recording.wall_s, recording.cpu_s, recording.steps, recording.error if settings.step is None else None
+        ),
+        parameters={"tool": dataclasses.asdict(tool), "settings": dataclasses.asdict(settings)},
+    )
+
+
+def _contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
+    def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
+        return None if pair is None else (pair[0] * unit, pair[1] * unit)
+
+    return dataclasses.replace(
+        contact,
+        time=contact.time * units.time,
+        duration=contact.duration * units.time,
+        impulse=scaled(contact.impulse, units.impulse),
+        compressive_impulse=scaled(contact.compressive_impulse, units.impulse),
+        compressive_work=scaled(contact.compressive_work, units.energy),
+        restitutive_work=scaled(contact.restitutive_work, units.energy),
+        velocity_before=scaled(contact.velocity_before, units.velocity),
+        velocity_after=scaled(contact.velocity_after, units.velocity),
+        rates_before=tuple(rate / units.time for rate in contact.rates_before),
+        rates_after=tuple(rate / units.time for rate in contact.rates_after),
+        history=None if contact.history is None else _history_in_si(contact.history, units),
+    )
+
+
+def _history_in_si(history: ContactHistory, units: Units) -> ContactHistory:
+    return ContactHistory(
+        time=history.time * units.time,
+        normal_force=history.normal_force * units.force,
+        tangential_force=history.tangential_force * units.force,
+        penetration=history.penetration * units.length,
+        normal_velocity=history.normal_velocity * units.velocity,
+        tangential_velocity=history.tangential_velocity * units.velocity,
+    )

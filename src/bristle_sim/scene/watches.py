@@ -1,0 +1,72 @@
+"""What a run looks out for besides touches: functions whose change of sign within a smooth stretch is an event."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bristle_sim.scene.mechanism import Mechanism
+from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.stepping import Advance
+
+__all__ = ["Watch", "freedom", "in_flight", "in_touch"]
+
+
+@dataclass(frozen=True, slots=True)
+class Watch:
+    """One thing to look out for.
+
+    Attributes:
+        name: what it is.
+        value: function of the result of a stretch; a change of its sign is the event.
+        falling: True or False if only falling or rising through zero counts, None for both.
+        event: name under which it is recorded; None for a mere kink in the motion, where a stretch has to end.
+        final: whether it ends the run.
+    """
+
+    name: str
+    value: Callable[[Advance], float]
+    falling: bool | None = None
+    event: str | None = None
+    final: bool = False
+
+
+def in_flight(mechanism: Mechanism) -> list[Watch]:
+    """Extremes of the first link's motion relative to the hub."""
+    return [
+        _retraction(mechanism),
+        Watch("highest relative speed", _acceleration, falling=True, event="highest relative speed"),
+    ]
+
+
+def in_touch(mechanism: Mechanism, obstacle: Obstacle) -> list[Watch]:
+    """Largest retraction, and kinks of a held motion: contact passing the wire's end, slip that turns."""
+
+    def end(at: Advance) -> float:
+        return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).end
+
+    def slip(at: Advance) -> float:
+        return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).velocity[1]
+
+    watches = [_retraction(mechanism), Watch("end of the wire", end)]
+    return [*watches, Watch("slip", slip)] if obstacle.friction else watches
+
+
+def freedom(mechanism: Mechanism, limit: float) -> Watch:
+    """The first link's angle relative to the hub reaches what the geometry allows."""
+
+    def left(at: Advance) -> float:
+        return limit - abs(at.state.angles[0] - mechanism.hub_angle(at.state.time))
+
+    return Watch("retraction limit", left, falling=True, event="retraction limit", final=True)
+
+
+def _retraction(mechanism: Mechanism) -> Watch:
+    def relative_rate(at: Advance) -> float:
+        return at.state.rates[0] - mechanism.hub_speed
+
+    return Watch("largest retraction", relative_rate, falling=False, event="largest retraction")
+
+
+def _acceleration(at: Advance) -> float:
+    return at.accelerations[0]

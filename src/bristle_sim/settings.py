@@ -1,0 +1,45 @@
+"""Numerical settings of a run, apart from anything physical."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bristle_sim.quantity import quantity, validate
+
+__all__ = ["Settings"]
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How accurately to compute, and at what price to give up.
+
+    Attributes:
+        accuracy: relative accuracy asked for.
+        step: fixed engine step in s; None extrapolates engine steps to the accuracy asked for.
+        maximum_steps: engine steps after which a run stops and says so.
+        hub_turn: turn of the hub after which a pass ends, rad.
+        samples_per_period: least number of samples in a period of the bristle on its belt.
+    """
+
+    accuracy: float = quantity(
+        1e-6,
+        "accuracy",
+        "1",
+        at_least=1e-11,
+        at_most=0.1,
+        source="chosen; less than 1e-11 is more than double precision gives",
+    )
+    step: float | None = quantity(
+        None, "step", "s", above=0.0, at_most=1.0, source="off: the step follows from accuracy"
+    )
+    maximum_steps: int = 5_000_000
+    hub_turn: float = quantity(
+        4.71238898038469, "hub_turn", "rad", above=0.0, at_most=1e6, source="three quarters of a turn"
+    )
+    samples_per_period: int = 24
+
+    def __post_init__(self) -> None:
+        validate(self)
+        for name in ("maximum_steps", "samples_per_period"):
+            if not isinstance(getattr(self, name), int) or getattr(self, name) < 1:
+                raise ValueError(f"{name} = {getattr(self, name)!r}: a whole number of at least 1 is allowed")

@@ -1,0 +1,186 @@
+"""How well the quasi-static cue formulas place the bar: release from rest, simulated, beside them.
+
+The formulas let an undamped belt swing the bristle a quarter period while the hub turns. They leave out the rotating
+root's centrifugal stiffening and everything the bar does: the tap of first touch, the swing that goes on after the last
+touch. The first is in the simulation here; the second is what the whole pass shows.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Belt, Tool
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.theory import cueing
+from bristle_sim.trajectory import Trajectory
+
+__all__ = ["CueTiming", "cue_timing", "stiffness_readings"]
+
+PRINTED_DIRECTION = math.degrees(math.atan2(0.05037, 0.0225))
+"""A + theta_1 + gamma of the printed bar position, deg (Zhang 2020, eq. 2.3)."""
+
+WITHIN = math.radians(2.0)
+"""A bar within this of where a reading needs it can be cued there: the tip's speed is then within 0.5 % of its highest."""
+
+UNITS = {
+    "cue_time": "s",
+    "cue_hub_turn_deg": "deg",
+    "highest_relative_speed": "rad/s",
+    "bar_direction_deg": "deg",
+    "bar_horizontal": "m",
+    "bar_vertical": "m",
+}
+PRINTED = {
+    "highest_relative_speed": 845.6,
+    "bar_direction_deg": PRINTED_DIRECTION,
+    "bar_horizontal": 0.05037,
+    "bar_vertical": 0.0225,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class CueTiming:
+    """A simulated release with the tool and retraction it belongs to."""
+
+    tool: Tool
+    retraction: float
+    trajectory: Trajectory
+
+
+def stiffness_readings(tool: Tool) -> dict[str, float]:
+    """The readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
+    filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
+    return {
+        "per_radian": PRINTED_BELT_STIFFNESS,
+        "per_degree": math.degrees(PRINTED_BELT_STIFFNESS),
+        "from_254_hz": filmed,
+    }
+
+
+def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_reference: bool = True) -> Report:
+    """Simulate the release from rest at a retraction (rad) and place the bar by what came out.
+
+    Raises:
+        ValueError: if nothing drives the bristle, or the tip cannot reach the workpart radially.
+    """
+    trajectory = _release(tool, retraction, settings)
+    simulated = _placed(tool, retraction, trajectory)
+    theory = _formulas(tool, retraction)
+    reference: dict[str, float | None] = {}
+    if with_reference:
+        from bristle_sim.reference import simulate_reference
+
+        referred = simulate_reference(
+            _bare(tool),
+            start_relative_angle=-retraction,
+            accuracy=1e-10,
+            hub_turn=FULL_TURNS * 2.0 * math.pi,
+            stop_after="highest relative speed",
+        )
+        reference = _placed(tool, retraction, referred)
+    tolerance = max(1e-8, 10.0 * settings.accuracy) if reference else None
+    at_print = tool == Tool() and retraction == math.radians(44.5)
+    rows = [
+        Quantity(
+            name,
+            unit,
+            simulated[name],
+            theory[name],
+            reference.get(name),
+            PRINTED.get(name) if at_print else None,
+            tolerance,
+        )
+        for name, unit in UNITS.items()
+    ]
+    readings, verdicts = _readings(tool, retraction, settings)
+    return Report(
+        outcome="no contact",
+        quantities=(*rows, *readings),
+        events=tuple((event.name, event.time) for event in trajectory.events),
+        wall_s=trajectory.cost.wall_s,
+        steps=trajectory.cost.steps,
+        remarks=(*verdicts, *LEFT_OUT),
+        subject=CueTiming(tool, retraction, trajectory),
+    )
+
+
+FULL_TURNS = 1e3
+"""Hub turns after which a bristle that is still accelerating is given up: only an extremely soft belt takes as long."""
+
+LEFT_OUT = (
+    "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
+    "and the bar's dynamics (first tap, swing beyond the last touch), which scenarios/cue_and_impact.py simulates.",
+)
+
+
+def _bare(tool: Tool) -> Tool:
+    """The tool without bar and workpart."""
+    return dataclasses.replace(tool, bar=None, workpart=None)
+
+
+def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
+    turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi)
+    return simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
+
+
+def _placed(tool: Tool, retraction: float, run: Trajectory) -> dict[str, float | None]:
+    """Cue time and speed of a run, and the bar position that follows from them (Zhang 2020, eq. 2.1)."""
+    time = run.event_time("highest relative speed")
+    if time is None:
+        return dict.fromkeys(UNITS)
+    geometry = (tool.hub.radius, tool.bristle.length)
+    assert tool.workpart is not None
+    turn = tool.hub.speed * time
+    direction = (
+        float(cueing.tip_lag(*geometry, retraction))
+        + turn
+        + float(cueing.impact_angle(*geometry, tool.workpart.penetration))
+    )
+    distance = cueing.bar_distance(tool.bar_reach, cueing.tip_radius(*geometry, retraction))
+    horizontal, vertical = cueing.bar_position(distance, direction)
+    speed = float(run.relative_rate[int(abs(run.time - time).argmin())])
+    values = (time, math.degrees(turn), speed, math.degrees(direction), float(horizontal), float(vertical))
+    return dict(zip(UNITS, values, strict=True))
+
+
+def _formulas(tool: Tool, retraction: float) -> dict[str, float | None]:
+    if not tool.belt.stiffness:
+        return dict.fromkeys(UNITS)
+    cue = cueing.cue(tool, retraction)
+    values = (
+        cue.cue_time,
+        math.degrees(cue.hub_turn),
+        cue.highest_relative_speed,
+        math.degrees(cue.bar_direction),
+        cue.bar_horizontal,
+        cue.bar_vertical,
+    )
+    return dict(zip(UNITS, values, strict=True))
+
+
+def _readings(tool: Tool, retraction: float, settings: Settings) -> tuple[list[Quantity], list[str]]:
+    """Cue time and bar direction for every reading of the printed stiffness, and which one the printed bar can cue."""
+    rows, verdicts = [], []
+    for reading, stiffness in stiffness_readings(tool).items():
+        belt = Belt(stiffness, tool.belt.damping_ratio)
+        read = dataclasses.replace(tool, belt=belt)
+        simulated, theory = _placed(tool, retraction, _release(read, retraction, settings)), _formulas(read, retraction)
+        for name in ("cue_time", "bar_direction_deg"):
+            rows.append(
+                Quantity(f"{name}_{reading}", UNITS[name], simulated[name], theory[name], printed=PRINTED.get(name))
+            )
+        verdicts.append(_verdict(reading, stiffness, simulated["bar_direction_deg"]))
+    return rows, verdicts
+
+
+def _verdict(reading: str, stiffness: float, direction: float | None) -> str:
+    words = f"belt stiffness {reading.replace('_', ' ')} ({stiffness:.5g} N m/rad): "
+    if direction is None:
+        return words + "never reaches a highest speed; cannot be cued at the printed bar"
+    off = direction - PRINTED_DIRECTION
+    can = "can" if abs(math.radians(off)) <= WITHIN else "cannot"
+    return f"{words}bar needed at {direction:.2f} deg, {off:+.2f} deg from the printed one; {can} be cued there"
