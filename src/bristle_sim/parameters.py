@@ -137,17 +137,9 @@ class Bar:
 
 
 @dataclass(frozen=True, slots=True)
-class Workpart:
-    """Flat, rigid workpart below the hub, and how the tip rubs and rebounds on it."""
+class Surface:
+    """How a tip rubs and rebounds on a flat, rigid surface."""
 
-    penetration: float = quantity(
-        0.0045,
-        "penetration",
-        "m",
-        at_least=-1e3,
-        at_most=1e3,
-        source="Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
-    )
     friction: float = quantity(
         0.31, "friction", "1", at_least=0.0, at_most=1e9, source="Zhang 2020, caption of fig. 2.8: mu_1"
     )
@@ -170,6 +162,23 @@ class Workpart:
     def friction_in_restitution(self) -> float:
         """mu_2, equal to mu_1 unless given."""
         return self.friction if self.restitution_friction is None else self.restitution_friction
+
+
+@dataclass(frozen=True, slots=True)
+class Workpart(Surface):
+    """Flat, rigid workpart below the hub."""
+
+    penetration: float = quantity(
+        0.0045,
+        "penetration",
+        "m",
+        at_least=-1e3,
+        at_most=1e3,
+        source="Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,6 +288,53 @@ class Strike:
     )
     impact_angle_deg: float = quantity(
         23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, sec. 2.3: gamma"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class SinglePendulum:
+    """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
+
+    mass: float = quantity(
+        8.387e-5, "rod_mass", "kg", above=0.0, at_most=1e6, source="the bristle's: Zhang 2020, 2.4.1"
+    )
+    length: float = quantity(
+        0.027, "rod_length", "m", above=0.0, at_most=1e3, source="the bristle's: Zhang 2020, 2.4.1"
+    )
+    impact_angle_deg: float = quantity(
+        23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, fig. 2.25: rod to the normal"
+    )
+    rate: float = quantity(
+        -845.6, "rate", "rad/s", at_least=-1e9, at_most=1e9, source="Zhang 2020, fig. 2.30; negative approaches"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class DoublePendulum:
+    """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
+
+    mass: float = quantity(5.0, "rod_mass", "kg", above=0.0, at_most=1e6, source="Zhang 2020, fig. 2.28: m_2")
+    mass_ratio: float = quantity(
+        1.0, "mass_ratio", "1", at_least=1e-9, at_most=1e15, source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2"
+    )
+    length: float = quantity(1.0, "rod_length", "m", above=0.0, at_most=1e3, source="Zhang 2020, sec. 2.4.2: both rods")
+    angle_1_deg: float = quantity(
+        20.0, "angle_1_deg", "deg", at_least=-90.0, at_most=90.0, source="Zhang 2020, fig. 2.28: theta_1, to the normal"
+    )
+    angle_2_deg: float = quantity(
+        30.0, "angle_2_deg", "deg", at_least=-90.0, at_most=90.0, source="Zhang 2020, fig. 2.28: theta_2, to the normal"
+    )
+    rate_1: float = quantity(
+        -0.1, "rate_1", "rad/s", at_least=-1e9, at_most=1e9, source="Zhang 2020, fig. 2.28; negative approaches"
+    )
+    rate_2: float = quantity(
+        -0.2, "rate_2", "rad/s", at_least=-1e9, at_most=1e9, source="Zhang 2020, fig. 2.28; negative approaches"
     )
 
     def __post_init__(self) -> None:

@@ -36,6 +36,7 @@ class Scenario:
         run: answers the question for given key values; may raise ValueError for values that do not fit together.
         plot, video: draw a report to a path; they import what they need themselves.
         defaults: key values that differ from the parameter classes' own.
+        without: keys of the parts that mean nothing to the question.
         plot_is_folder: ``--plot`` names a folder instead of a picture.
     """
 
@@ -46,6 +47,7 @@ class Scenario:
     plot: Callable[[Report, Path], None] | None = None
     video: Callable[[Report, Path], None] | None = None
     defaults: Mapping[str, Any] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
     plot_is_folder: bool = False
 
     def keys(self) -> dict[str, tuple[Quantity | Choice, Any]]:
@@ -53,8 +55,8 @@ class Scenario:
         found: dict[str, tuple[Quantity | Choice, Any]] = {}
         for part in self.parts:
             for each in dataclasses.fields(part):
-                if "declaration" in each.metadata:
-                    declared = each.metadata["declaration"]
+                declared = each.metadata.get("declaration")
+                if declared is not None and declared.key not in self.without:
                     found[declared.key] = (declared, self.defaults.get(declared.key, each.default))
         return found
 

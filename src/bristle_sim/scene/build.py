@@ -91,7 +91,6 @@ class Scene:
             carrier, anchor = self.space.static_body, (0.0, 0.0)
         joint = pymunk.PivotJoint(carrier, body, anchor, own)
         joint.error_bias = 1.0
-        joint.collide_bodies = False
         self.space.add(body, joint)
         self.links.append(body)
 

@@ -78,6 +78,15 @@ class Mechanism:
             joint, joint_velocity = tip, tip_velocity
         return poses
 
+    def kinetic_energy(self, state: State) -> float:
+        """Sum of m v^2/2 + I rate^2/2 over the links."""
+        poses = self.poses(state)
+        return sum(
+            0.5 * link.mass * (pose.centre_velocity[0] ** 2 + pose.centre_velocity[1] ** 2)
+            + 0.5 * link.inertia * rate**2
+            for link, pose, rate in zip(self.links, poses, state.rates, strict=True)
+        )
+
     def speed_bound(self, state: State) -> float:
         """No point of the mechanism is faster than this while no link's rate exceeds the state's."""
         reach = sum(math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True))

@@ -20,7 +20,7 @@ from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["build_tool", "simulate"]
+__all__ = ["build_tool", "contact_in_si", "contact_law", "simulate"]
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
@@ -166,7 +166,7 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
         normal_force=np.array(recording.forces) * units.force,
         hub_speed=tool.hub.speed,
         events=tuple(Event(event.name, event.time * units.time) for event in recording.events),
-        contacts=tuple(_contact_in_si(contact, units) for contact in recording.contacts),
+        contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
         stop_reason=recording.stop_reason,
         cost=Cost(
             recording.wall_s, recording.cpu_s, recording.steps, recording.error if settings.step is None else None
@@ -175,7 +175,9 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
     )
 
 
-def _contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
+def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
+    """A ledger entry turned from engine units to SI."""
+
     def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
         return None if pair is None else (pair[0] * unit, pair[1] * unit)
 

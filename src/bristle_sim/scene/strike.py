@@ -1,0 +1,87 @@
+"""One impact of a chain of rods on a flat surface, through the scene: the tip touches, the law acts, done."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass
+
+from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.obstacles import WorkpartObstacle
+from bristle_sim.scene.tool import contact_in_si, contact_law
+from bristle_sim.scene.units import Units
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import ContactRecord
+
+__all__ = ["Chain", "ChainStrike", "strike"]
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """Rods in order from the root, at the instant of impact; SI units.
+
+    Angles are measured from the direction that points at the surface, rates are absolute, both positive in the hub's
+    sense of rotation; a root on a hub stands at ``hub_angle``.
+    """
+
+    masses: tuple[float, ...]
+    lengths: tuple[float, ...]
+    angles: tuple[float, ...]
+    rates: tuple[float, ...]
+    hub_radius: float = 0.0
+    hub_speed: float = 0.0
+    hub_angle: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class ChainStrike:
+    """An impact and what it did to the kinetic energy, J."""
+
+    contact: ContactRecord
+    kinetic_energy_before: float
+    kinetic_energy_after: float
+    steps: int
+    wall_s: float
+
+    @property
+    def kinetic_energy_ratio(self) -> float | None:
+        """After over before; None for a chain at rest."""
+        return self.kinetic_energy_after / self.kinetic_energy_before if self.kinetic_energy_before else None
+
+
+def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> ChainStrike:
+    """Let the last rod's tip strike a surface that it touches, by the contact law asked for.
+
+    A tip that does not approach leaves at once, whatever the law.
+
+    Raises:
+        ValueError: if a compliant contact comes to no end.
+    """
+    begin = clock.perf_counter()
+    scene, start, obstacle, units = _build(chain, surface)
+    approach = obstacle.touch(scene.mechanism.poses(start)[-1], start.rates[-1]).velocity[0]
+    law: ContactLaw = contact_law(contact, settings, units) if approach < 0.0 else EnergeticLaw()
+    after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
+    return ChainStrike(
+        contact=contact_in_si(record, units),
+        kinetic_energy_before=scene.mechanism.kinetic_energy(start) * units.energy,
+        kinetic_energy_after=scene.mechanism.kinetic_energy(after) * units.energy,
+        steps=scene.steps,
+        wall_s=clock.perf_counter() - begin,
+    )
+
+
+def _build(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
+    fastest = max(*(abs(rate) for rate in chain.rates), chain.hub_speed)
+    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / fastest if fastest else 1.0)
+    links = tuple(
+        Link.rod(mass / units.mass, length / units.length)
+        for mass, length in zip(chain.masses, chain.lengths, strict=True)
+    )
+    mechanism = Mechanism(links, chain.hub_radius / units.length, chain.hub_speed * units.time, chain.hub_angle)
+    start = State(0.0, chain.angles, tuple(rate * units.time for rate in chain.rates))
+    height = mechanism.poses(start)[-1].tip[1]
+    obstacle = WorkpartObstacle(-height, surface.friction, surface.friction_in_restitution, surface.restitution)
+    return Scene(mechanism, Effects(obstacles=(obstacle,))), start, obstacle, units
