@@ -20,7 +20,8 @@ class Quantity:
         theory: from a closed form.
         reference: from the independent solution.
         printed: in the dissertation.
-        tolerance: allowed relative difference, or None where a difference is a finding rather than an error.
+        tolerance: allowed relative difference (absolute where the other side is 0), or None where a difference is a
+            finding rather than an error.
     """
 
     name: str
@@ -51,15 +52,15 @@ class Quantity:
 
     @property
     def ok(self) -> bool | None:
-        """Whether the difference is within the tolerance; None where nothing is asked."""
+        """Whether the difference is within the tolerance, which NaN never is; None where nothing is asked."""
         if self.tolerance is None or self.judge is None:
             return None
         if self.simulated is None:
             return False
         if self.judge == 0.0:
-            return abs(self.simulated) <= self.tolerance
+            return bool(abs(self.simulated) <= self.tolerance)
         difference = self.relative_difference
-        return difference is not None and abs(difference) <= self.tolerance
+        return difference is not None and bool(abs(difference) <= self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
         """The row as plain values, finite or None."""
@@ -142,4 +143,4 @@ def _number(value: float | None) -> str:
 
 
 def _small(value: float | None) -> str:
-    return "-" if value is None else f"{value:.1e}"
+    return "-" if value is None or not math.isfinite(value) else f"{value:.1e}"

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import reprlib
 from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 __all__ = ["Choice", "Quantity", "check", "choice", "declaration", "quantity", "validate"]
@@ -33,25 +35,31 @@ class Quantity:
         return f"{self.lowest:g} {sign} {self.key} <= {self.highest:g}"
 
     def parse(self, text: str) -> float:
-        """Turn typed text into a checked value; raises ValueError in one line."""
+        """Turn a typed decimal number into a checked value; raises ValueError in one line."""
         try:
-            value = float(text)
+            number = float(text)
         except ValueError:
-            raise self._refusal(repr(text)) from None
-        return self.check(value)
+            number = math.nan
+        # float() also takes grouped digits and those of other scripts, which nobody types on purpose here.
+        if "_" in text or not text.isascii() or not self._admits(number):
+            raise self._refusal(reprlib.repr(text))
+        return number + 0.0
 
     def check(self, value: Any) -> float:
         """Return the value as a float, or raise ValueError naming key, value, range and unit."""
-        if isinstance(value, bool):
-            raise self._refusal(repr(value))
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise self._refusal(reprlib.repr(value))
         try:
             number = float(value)
-        except (TypeError, ValueError, OverflowError):
-            raise self._refusal(repr(value)) from None
+        except OverflowError:
+            number = -math.inf if value < 0 else math.inf
+        if not self._admits(number):
+            raise self._refusal(repr(number))
+        return number + 0.0  # no negative zero
+
+    def _admits(self, number: float) -> bool:
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        if not (math.isfinite(number) and above and number <= self.highest):
-            raise self._refusal(f"{number:g}")
-        return number
+        return math.isfinite(number) and above and number <= self.highest
 
     def _refusal(self, shown: str) -> ValueError:
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
@@ -80,7 +88,7 @@ class Choice:
     def check(self, value: Any) -> str:
         """Return the word, or raise ValueError naming key, value and the allowed words."""
         if not isinstance(value, str) or value not in self.options:
-            raise ValueError(f"{self.key} = {value!r}: one word of {self.allowed} is allowed")
+            raise ValueError(f"{self.key} = {reprlib.repr(value)}: one word of {self.allowed} is allowed")
         return value
 
 

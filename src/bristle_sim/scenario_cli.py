@@ -11,15 +11,19 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
-from bristle_sim.comparison import Report, table
+from bristle_sim.comparison import Report, finite, table
+from bristle_sim.files import complete_or_absent
 from bristle_sim.quantity import Choice, Quantity
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
 __all__ = ["Scenario", "build", "main"]
 
 Values = Mapping[str, Any]
-T = TypeVar("T")
+T = TypeVar("T", bound="DataclassInstance")
 
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
@@ -64,7 +68,7 @@ class Scenario:
 def build(part: type[T], values: Values) -> T:
     """A parameter object of the given class from key values."""
     arguments = {}
-    for each in dataclasses.fields(part):  # type: ignore[arg-type]
+    for each in dataclasses.fields(part):
         declared = each.metadata.get("declaration")
         if declared is not None and declared.key in values:
             arguments[each.name] = values[declared.key]
@@ -74,44 +78,43 @@ def build(part: type[T], values: Values) -> T:
 def main(scenario: Scenario, arguments: Sequence[str] | None = None) -> int:
     """Run a scenario from the command line and return its exit status: 0, 1 (a tolerance missed) or 2 (bad input)."""
     parser = _parser(scenario)
-    options = parser.parse_args(arguments)
-    if options.list_keys:
-        print(_key_list(scenario))
-        return 0
     try:
-        values = _values(scenario, options.set)
-        plot = _target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder)
-        video = _target("--video", options.video, VIDEOS)
-        json_file = None if options.json in (None, "-") else _target("--json", options.json, (".json",))
-        report = scenario.run(values)
-    except ValueError as error:
-        parser.error(str(error))
-    if options.json is not None:
-        text = json.dumps(_document(scenario, values, report), indent=1, allow_nan=False)
-        if json_file is None:
-            print(text)
-        else:
-            _write(json_file, text + "\n")
-    if options.json != "-":
-        _print_report(report)
-    try:
-        _draw(scenario, report, plot, video)
+        return _answer(scenario, parser.parse_args(arguments))
     except (ValueError, OSError) as error:
-        parser.error(str(error))
+        line = " ".join(str(error).split())
+        print(f"{parser.prog}: error: {line}", file=sys.stderr)
+        return 2
+
+
+def _answer(scenario: Scenario, options: argparse.Namespace) -> int:
+    if options.list_keys:
+        _say(_key_list(scenario))
+        return 0
+    values = _values(scenario, options.set)
+    plot = _target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder)
+    video = _target("--video", options.video, VIDEOS)
+    json_file = None if options.json in (None, "-") else _target("--json", options.json, (".json",))
+    report = scenario.run(values)
+    _draw(scenario, report, plot, video)
+    document = json.dumps(_plain(_document(scenario, values, report)), indent=1, allow_nan=False)
+    if json_file is not None:
+        with complete_or_absent(json_file) as partial:
+            partial.write_text(document + "\n", encoding="utf-8")
+    _say(document if options.json == "-" else _words(report))
     return 1 if any(row.ok is False for row in report.quantities) else 0
 
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        """Bad input is one line on standard error and exit status 2."""
-        line = " ".join(message.split())
-        print(f"{self.prog}: error: {line}", file=sys.stderr)
-        raise SystemExit(2)
+        """Leave it to ``main`` to say so in one line."""
+        raise ValueError(message)
 
 
 def _parser(scenario: Scenario) -> _Parser:
     parser = _Parser(prog=f"{scenario.name}.py", description=scenario.question, allow_abbrev=False)
-    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="override a parameter")
+    parser.add_argument(
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="override a parameter; the last of a key counts"
+    )
     parser.add_argument("--json", metavar="FILE", help="write the results as JSON; - for standard output")
     if scenario.plot is not None:
         what = "FOLDER" if scenario.plot_is_folder else "FILE"
@@ -132,9 +135,9 @@ def _values(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
     for setting in settings:
         key, equals, text = setting.partition("=")
         if not equals:
-            raise ValueError(f"--set {setting}: KEY=VALUE is allowed")
+            raise ValueError(f"--set {setting!r}: KEY=VALUE is allowed")
         if key not in keys:
-            raise ValueError(f"--set {setting}: unknown key {key!r}; allowed are {', '.join(keys)}")
+            raise ValueError(f"--set {setting!r}: unknown key {key!r}; allowed are {', '.join(keys)}")
         values[key] = keys[key][0].parse(text)
     return values
 
@@ -157,12 +160,12 @@ def _target(option: str, name: str | None, suffixes: tuple[str, ...], *, folder:
         return None
     path = Path(name)
     if not folder and path.suffix.lower() not in suffixes:
-        raise ValueError(f"{option} = {name}: a file name that ends in {', '.join(suffixes)} is allowed")
+        raise ValueError(f"{option} = {name!r}: a file name that ends in {', '.join(suffixes)} is allowed")
     if path.is_dir() != folder and path.exists():
-        raise ValueError(f"{option} = {name}: {'a folder' if folder else 'a file, not a folder,'} is allowed")
+        raise ValueError(f"{option} = {name!r}: {'a folder' if folder else 'a file, not a folder,'} is allowed")
     parent = path if folder and path.is_dir() else path.parent
     if not parent.is_dir() or not os.access(parent, os.W_OK):
-        raise ValueError(f"{option} = {name}: a path in an existing, writable folder is allowed")
+        raise ValueError(f"{option} = {name!r}: a path in an existing, writable folder is allowed")
     return path
 
 
@@ -179,20 +182,31 @@ def _document(scenario: Scenario, values: Values, report: Report) -> dict[str, A
     }
 
 
-def _print_report(report: Report) -> None:
-    print(table(report.quantities))
-    print(f"\noutcome: {report.outcome}" + (f" ({', '.join(report.phases)})" if report.phases else ""))
-    for remark in report.remarks:
-        print(remark)
+def _plain(value: Any) -> Any:
+    """The same in JSON's own types; a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
+        return _plain(value.tolist())
+    return finite(value) if isinstance(value, float) else value
 
 
-def _write(path: Path, text: str) -> None:
-    partial = path.with_name(path.name + ".part")
+def _words(report: Report) -> str:
+    phases = f" ({', '.join(report.phases)})" if report.phases else ""
+    return "\n".join([table(report.quantities), "", f"outcome: {report.outcome}{phases}", *report.remarks])
+
+
+def _say(text: str) -> None:
+    """Print on standard output, where a reader that has seen enough, such as ``head``, is no error."""
     try:
-        partial.write_text(text, encoding="utf-8")
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
+        print(text, flush=True)
+    except OSError as error:
+        # Python flushes once more at exit: what is left must have somewhere to go.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise OSError(f"standard output: {error.strerror}") from None
 
 
 def _draw(scenario: Scenario, report: Report, plot: Path | None, video: Path | None) -> None:

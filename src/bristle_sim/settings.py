@@ -41,5 +41,6 @@ class Settings:
     def __post_init__(self) -> None:
         validate(self)
         for name in ("maximum_steps", "samples_per_period"):
-            if not isinstance(getattr(self, name), int) or getattr(self, name) < 1:
-                raise ValueError(f"{name} = {getattr(self, name)!r}: a whole number of at least 1 is allowed")
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise ValueError(f"{name} = {value!r}: a whole number of at least 1 is allowed")

@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.files import complete_or_absent
+
 __all__ = ["ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
 
 Array = NDArray[np.float64]
@@ -173,32 +175,35 @@ class Trajectory:
             "cost": dataclasses.asdict(self.cost),
             "parameters": self.parameters,
         }
-        target = Path(path)
-        partial = target.with_name(target.name + ".part")
-        try:
-            with partial.open("wb") as stream:
-                np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
-            partial.replace(target)
-        finally:
-            partial.unlink(missing_ok=True)
+        with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
+            np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a file written by :meth:`save`; raises ValueError for any other file."""
+        """Read a file written by :meth:`save`.
+
+        Raises:
+            OSError: if there is no such file or it cannot be read.
+            ValueError: for any other file.
+        """
         try:
             with np.load(path, allow_pickle=False) as stored:
                 meta = json.loads(str(stored["metadata"]))
                 if meta["format"] != FORMAT:
                     raise ValueError(f"format {meta['format']} is not {FORMAT}")
-                contacts = tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"]))
-                arrays = {name: stored[name] for name in _ARRAYS}
-        except (KeyError, TypeError, ValueError, OSError, EOFError) as error:
+                return cls._from(meta, stored)
+        except OSError:
+            raise
+        except Exception as error:  # zip, JSON and NumPy each have their own for a file that is something else
             raise ValueError(f"{path}: not a trajectory file ({error})") from error
+
+    @classmethod
+    def _from(cls, meta: dict[str, Any], stored: Any) -> Trajectory:
         return cls(
-            **arrays,
+            **{name: stored[name] for name in _ARRAYS},
             hub_speed=meta["hub_speed"],
             events=tuple(Event(**row) for row in meta["events"]),
-            contacts=contacts,
+            contacts=tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"])),
             stop_reason=meta["stop_reason"],
             cost=Cost(**meta["cost"]),
             parameters=meta["parameters"],

@@ -46,7 +46,7 @@ class Scene:
     Attributes:
         mechanism, effects: what was built.
         space: the pymunk space.
-        links: the dynamic bodies, in order from the root.
+        links: the dynamic bodies, in order from the root; ``joints`` are the pivots they hang on.
         hub: the kinematic body that carries the root, or None.
         steps: engine steps taken so far.
     """
@@ -64,11 +64,9 @@ class Scene:
             self.space.gravity = (0.0, -effects.gravity)
         self.hub = self._add_hub() if mechanism.hub_radius or effects.stiffness is not None else None
         self.links: list[pymunk.Body] = []
+        self.joints: list[pymunk.PivotJoint] = []
         for link in mechanism.links:
             self._add_link(link)
-        if effects.stiffness is not None:
-            assert self.hub is not None
-            self.space.add(pymunk.DampedRotarySpring(self.hub, self.links[0], 0.0, effects.stiffness, effects.damping))
         self._shapes: dict[str, tuple[pymunk.Shape, pymunk.Shape]] = {}
         for obstacle in effects.obstacles:
             self._add_obstacle(obstacle)
@@ -92,7 +90,13 @@ class Scene:
         joint = pymunk.PivotJoint(carrier, body, anchor, own)
         joint.error_bias = 1.0
         self.space.add(body, joint)
+        if self.effects.stiffness is not None and carrier is self.hub:
+            # After the joint: damping then sees velocities that the joint has settled, not what its warm start left of
+            # an earlier step, and stays smooth in the step.
+            belt = pymunk.DampedRotarySpring(carrier, body, 0.0, self.effects.stiffness, self.effects.damping)
+            self.space.add(belt)
         self.links.append(body)
+        self.joints.append(joint)
 
     def _add_obstacle(self, obstacle: Obstacle) -> None:
         last = self.mechanism.links[-1]
@@ -146,6 +150,17 @@ class Scene:
                 act(length)
             advance(length)
         self.steps += count
+
+    def drift(self, duration: float) -> None:
+        """Move all bodies on (or back) at their velocities, without forces."""
+        for body in self.links if self.hub is None else [self.hub, *self.links]:
+            body.position += body.velocity * duration
+            body.angle += body.angular_velocity * duration
+
+    def correct_joints(self, *, completely: bool) -> None:
+        """Have the engine close the joints at every step, or leave them alone."""
+        for joint in self.joints:
+            joint.error_bias = 0.0 if completely else 1.0
 
     def contact_impulse(self) -> tuple[float, float]:
         """(normal, tangential) impulse of the last step on the last link, whatever it touches."""

@@ -3,15 +3,17 @@
 With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (rows: normal and tangential velocity
 of the first body's point relative to the other's), an impulse p at the contact changes the velocities by
 dV = M^-1 (C^T p + J^T lambda) with J dV = 0. In coordinates scaled by the square root of the mass this is a projection:
-with A = M^-1/2 J^T and B = M^-1/2 C^T, what is left of B after taking away its part in the span of A gives
+the part B' of B = M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^T gives
 
-    K = B'^T B'    and    dV = M^-1/2 B' p,
+    K = B'^T B'    and    dV = M^-1/2 B' p.
 
-so K is symmetric and positive semidefinite whatever the mass ratios. Static and kinematic bodies have no inverse mass.
+One orthogonal factorization [A B] = Q R holds both, B' = Q_2 R_22, so K = R_22^T R_22 is symmetric and positive
+semidefinite whatever the mass ratios. Static and kinematic bodies have no inverse mass.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,6 +24,8 @@ from numpy.typing import NDArray
 __all__ = ["ContactSpace", "contact_space"]
 
 Array = NDArray[np.float64]
+Vector = tuple[float, float]
+Rigid = pymunk.PivotJoint | pymunk.PinJoint
 
 _SOFT = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 """Constraints of finite force: they pass no impulse."""
@@ -80,30 +84,53 @@ def contact_space(
         raise ValueError(f"normal = {tuple(normal)}: a vector of length 1 is allowed")
     ends = [each for each in (body, other) if each is not None]
     bodies, joints = _joined(ends)
-    columns = {each: 3 * index for index, each in enumerate(bodies)}
-    axes = (normal, (normal[1], -normal[0]))
-
-    scaled_contact = np.zeros((3 * len(bodies), 2))
-    velocity = [0.0, 0.0]
-    for each, sign in zip(ends, (1.0, -1.0), strict=False):
-        arm = (point[0] - each.position.x, point[1] - each.position.y)
-        moving = each.velocity_at_world_point(point)
-        for axis, direction in enumerate(axes):
-            velocity[axis] += sign * (moving.x * direction[0] + moving.y * direction[1])
-            _fill(scaled_contact[:, axis], columns, each, direction, arm, sign)
-    scaled_joints = np.zeros((3 * len(bodies), 2 * len(joints)))
-    for index, joint in enumerate(joints):
-        _fill_joint(scaled_joints[:, 2 * index : 2 * index + 2], columns, joint)
-
-    scale = np.array([_root_inverse(value) for each in bodies for value in (each.mass, each.mass, each.moment)])
-    free = _project_out(scale[:, None] * scaled_joints, scale[:, None] * scaled_contact)
+    frames = {each: _Frame.of(each, 3 * index) for index, each in enumerate(bodies)}
+    size = 3 * len(bodies)
+    columns = [column for joint in joints for column in _joint_columns(joint, frames, size)]
+    constraints = len(columns)
+    velocity = []
+    for direction in (normal, (normal[1], -normal[0])):
+        column = [0.0] * size
+        speed = 0.0
+        for each, sign in zip(ends, (1.0, -1.0), strict=False):
+            if each in frames:
+                frames[each].fill(column, point, direction, sign)
+            moving = each.velocity_at_world_point(point)
+            speed += sign * (moving.x * direction[0] + moving.y * direction[1])
+        columns.append(column)
+        velocity.append(speed)
+    scale = np.array([share for frame in frames.values() for share in (frame.linear, frame.linear, frame.angular)])
+    free = _free_part(np.array(columns).T, constraints)
     return ContactSpace(free.T @ free, (velocity[0], velocity[1]), tuple(bodies), scale[:, None] * free)
 
 
-def _joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[pymunk.Constraint]]:
+@dataclass(frozen=True, slots=True)
+class _Frame:
+    """Where a body is and the inverse roots of its mass and moment; ``at`` is its first row."""
+
+    x: float
+    y: float
+    linear: float
+    angular: float
+    at: int
+
+    @classmethod
+    def of(cls, body: pymunk.Body, at: int) -> _Frame:
+        x, y = body.position
+        return cls(x, y, 1.0 / math.sqrt(body.mass), 1.0 / math.sqrt(body.moment), at)
+
+    def fill(self, column: list[float], point: Vector, direction: Vector, sign: float) -> None:
+        """Add the scaled Jacobian of the velocity of a world point of the body along a direction."""
+        lever = (point[0] - self.x) * direction[1] - (point[1] - self.y) * direction[0]
+        column[self.at] += sign * self.linear * direction[0]
+        column[self.at + 1] += sign * self.linear * direction[1]
+        column[self.at + 2] += sign * self.angular * lever
+
+
+def _joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[Rigid]]:
     """Dynamic bodies reachable from the contact over rigid joints, and those joints."""
     bodies: list[pymunk.Body] = []
-    joints: list[pymunk.Constraint] = []
+    joints: list[Rigid] = []
     waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
     while waiting:
         body = waiting.pop()
@@ -113,7 +140,7 @@ def _joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[pymunk
         for constraint in body.constraints:
             if isinstance(constraint, _SOFT) or constraint in joints:
                 continue
-            if not isinstance(constraint, pymunk.PivotJoint | pymunk.PinJoint):
+            if not isinstance(constraint, Rigid):
                 raise ValueError(
                     f"{type(constraint).__name__}: only pivot and pin joints (and springs) are allowed on bodies that"
                     " take an impact"
@@ -123,50 +150,35 @@ def _joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[pymunk
     return bodies, joints
 
 
-def _fill(
-    column: Array,
-    columns: dict[pymunk.Body, int],
-    body: pymunk.Body,
-    direction: tuple[float, float],
-    arm: tuple[float, float],
-    sign: float,
-) -> None:
-    """Jacobian of a body point's velocity along a direction, into the body's rows of a column."""
-    if body in columns:
-        at = columns[body]
-        column[at] += sign * direction[0]
-        column[at + 1] += sign * direction[1]
-        column[at + 2] += sign * (arm[0] * direction[1] - arm[1] * direction[0])
-
-
-def _fill_joint(pair: Array, columns: dict[pymunk.Body, int], joint: pymunk.Constraint) -> None:
-    """Jacobian of a pivot (both axes) or of a pin (along itself, the second column left empty)."""
-    assert isinstance(joint, pymunk.PivotJoint | pymunk.PinJoint)
+def _joint_columns(joint: Rigid, frames: dict[pymunk.Body, _Frame], size: int) -> list[list[float]]:
+    """Scaled Jacobian of a pivot (two columns) or of a pin (one, along itself)."""
     first, second = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
-    directions = [(1.0, 0.0), (0.0, 1.0)]
+    directions: tuple[Vector, ...] = ((1.0, 0.0), (0.0, 1.0))
     if isinstance(joint, pymunk.PinJoint):
         along = (second - first).normalized()
-        directions = [(along.x, along.y)]
-    for axis, direction in enumerate(directions):
+        directions = ((along.x, along.y),)
+    columns = []
+    for direction in directions:
+        column = [0.0] * size
         for body, anchor, sign in ((joint.a, first, 1.0), (joint.b, second, -1.0)):
-            arm = (anchor.x - body.position.x, anchor.y - body.position.y)
-            _fill(pair[:, axis], columns, body, direction, arm, sign)
+            if body in frames:
+                frames[body].fill(column, anchor, direction, sign)
+        columns.append(column)
+    return columns
 
 
-def _root_inverse(mass: float) -> float:
-    return 1.0 / float(np.sqrt(mass))
-
-
-def _project_out(span: Array, vectors: Array) -> Array:
-    """What is left of the vectors' columns outside the span of the other columns."""
-    if span.shape[1] == 0:
-        return vectors
-    basis, triangle = np.linalg.qr(span)
-    pivots = np.abs(np.diagonal(triangle))
-    if pivots.min() <= DEPENDENT * pivots.max():
-        basis, sizes, _ = np.linalg.svd(span, full_matrices=False)
-        basis = basis[:, sizes > DEPENDENT * sizes[0]]
+def _free_part(columns: Array, constraints: int) -> Array:
+    """The part of the last columns that is orthogonal to the first ``constraints`` ones."""
+    if not constraints:
+        return columns
+    basis, triangle = np.linalg.qr(columns)
+    pivots = np.abs(np.diagonal(triangle))[:constraints]
+    if len(pivots) == constraints and pivots.min() > DEPENDENT * pivots.max():
+        return np.asarray(basis[:, constraints:] @ triangle[constraints:, constraints:])
+    span, vectors = columns[:, :constraints], columns[:, constraints:]
+    directions, sizes, _ = np.linalg.svd(span, full_matrices=False)
+    kept = directions[:, sizes > DEPENDENT * sizes[0]]
     # Twice is enough: the second pass removes what rounding left of the first (Kahan and Parlett).
     for _ in range(2):
-        vectors = vectors - basis @ (basis.T @ vectors)
+        vectors = vectors - kept @ (kept.T @ vectors)
     return vectors

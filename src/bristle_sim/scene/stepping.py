@@ -17,7 +17,7 @@ from typing import Protocol
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 
-__all__ = ["Advance", "Extrapolation", "PlainSteps", "StepBudgetError", "Stepper"]
+__all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps"]
 
 SEQUENCE = (4, 6, 8, 12, 16, 24, 32, 48)
 RUN_OVERHEAD = 6.0
@@ -25,10 +25,6 @@ RUN_OVERHEAD = 6.0
 
 ROUNDING = 2e-14
 """Extrapolation weights amplify rounding to about this share of an angle of 1 rad; less cannot be asked of a step."""
-
-
-class StepBudgetError(RuntimeError):
-    """A run needed more engine steps than it was given."""
 
 
 class Load(Protocol):
@@ -80,24 +76,75 @@ class Stepper(Protocol):
 
 
 class PlainSteps:
-    """One engine step after the other, of a fixed length."""
+    """One engine step after the other, of a fixed length, with joints that the engine corrects: first order."""
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
         self.step = step
+        self._left: State | None = None
 
     def propose(self, remaining: float) -> float:
         """One step."""
         return min(self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """One engine step of the given length."""
-        values = _run(scene, state, duration, 1, load)
+        """One engine step of the given length, from where the bodies are if they were left there."""
+        scene.correct_joints(completely=True)
+        if self._left is not state:
+            scene.place(state)
+        values = _steps(scene, duration, 1, load)
+        scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * len(scene.links) :])
-        return _unpack(scene, state, duration, values, 0.0, failed)
+        result = _unpack(scene, state, duration, values, 0.0, failed)
+        self._left = result.state
+        return result
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """A plain step knows nothing of its error."""
+        del result, duration
+        return True
+
+
+class SymmetricSteps:
+    """Engine steps started and read half a drift off, which makes undamped free motion of second order.
+
+    The engine drifts, then kicks; shifting the positions back by half a drift before and on by half a drift after turns
+    the sequence into a symmetric one (leapfrog). It needs joints that the engine corrects at every step.
+    """
+
+    COUNT = 8
+    """Steps in a stretch."""
+
+    def __init__(self, step: float) -> None:
+        """``step`` in engine units."""
+        self.step = step
+        self._left: tuple[State, float] | None = None
+
+    def propose(self, remaining: float) -> float:
+        """Some steps, or what is left in as many steps as it takes."""
+        return min(self.COUNT * self.step, remaining)
+
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+        """Go on from where the bodies were left, or shift them back to begin; read the state shifted on."""
+        count = max(1, math.ceil(duration / self.step - 1e-9))
+        step = duration / count
+        scene.correct_joints(completely=True)
+        if self._left is not None and self._left[0] is state:
+            scene.drift(self._left[1] - 0.5 * step)
+        else:
+            scene.place(state)
+            scene.drift(-0.5 * step)
+        values = _steps(scene, step, count, load)
+        size = len(scene.links)
+        values[:size] = [angle + 0.5 * step * rate for angle, rate in zip(values, values[size:], strict=False)][:size]
+        scene.correct_joints(completely=False)
+        failed = load is not None and load.fails(values[3 * size :])
+        result = _unpack(scene, state, duration, values, 0.0, failed)
+        self._left = (result.state, 0.5 * step)
+        return result
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """A fixed step knows nothing of its error."""
         del result, duration
         return True
 
@@ -177,9 +224,13 @@ def _combine(weights: tuple[float, ...], runs: list[list[float]]) -> list[float]
 
 
 def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:
-    """Angles, rates, accelerations and the load's totals after ``count`` engine steps."""
+    """Angles, rates, accelerations and the load's totals after ``count`` engine steps from a state."""
     scene.place(state)
-    step = duration / count
+    return _steps(scene, duration / count, count, load)
+
+
+def _steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:
+    """The same from where the bodies are."""
     act = None
     if load is not None:
         load.begin()

@@ -1,0 +1,128 @@
+"""Equation of motion of one bristle on a hub that keeps its speed.
+
+Points and vectors of the plane are complex numbers x + iy: multiplying by i turns counterclockwise by 90 degrees, so a
+point with the arm r from a centre that turns at the rate w moves with i w r. Every function broadcasts over arrays.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.parameters import Tool
+
+__all__ = ["Mechanics", "Motion", "State", "dot"]
+
+Number = Any
+"""A float or an array of floats."""
+
+Vector = Any
+"""A complex number or an array of them."""
+
+Motion = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Times of shape (n,) -> relative angle and relative rate, shape (2, n)."""
+
+
+class State(NamedTuple):
+    """Relative angle alpha and relative rate at an instant; s, rad, rad/s."""
+
+    time: float
+    angle: float
+    rate: float
+
+
+def dot(first: Vector, second: Vector) -> Number:
+    """Scalar product of two plane vectors."""
+    return (np.conj(first) * second).real
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanics:
+    """A tool's bristle and hub as plain numbers, SI units; ``start_hub_angle`` is psi_0, rad."""
+
+    speed: float
+    hub_radius: float
+    length: float
+    mass: float
+    inertia: float
+    stiffness: float
+    damping: float
+    gravity: float
+    start_hub_angle: float
+
+    @classmethod
+    def of(cls, tool: Tool, start_hub_angle: float) -> Mechanics:
+        """The mechanics of a tool."""
+        return cls(
+            speed=tool.hub.speed,
+            hub_radius=tool.hub.radius,
+            length=tool.bristle.length,
+            mass=tool.bristle.mass,
+            inertia=tool.bristle.inertia_about_root,
+            stiffness=tool.belt.stiffness,
+            damping=tool.belt_damping,
+            gravity=tool.gravity,
+            start_hub_angle=start_hub_angle,
+        )
+
+    def hub_angle(self, time: Number) -> Number:
+        """Hub angle, psi = psi_0 + omega t, rad."""
+        return self.start_hub_angle + self.speed * time
+
+    def torque(self, time: Number, angle: Number, rate: Number) -> Number:
+        """Torque on alpha without contact, N m.
+
+        From T = m r_h^2 omega^2/2 + m r_h (L/2) omega phi' cos alpha + I phi'^2/2 with phi = psi + alpha, I = m L^2/3,
+        and V = k alpha^2/2 + m g y_centre, Lagrange's equation is
+
+            I alpha'' = -k alpha - c alpha' - m r_h (L/2) omega^2 sin alpha - m g (L/2) sin(psi + alpha).
+        """
+        moment = 0.5 * self.mass * self.length
+        centrifugal = moment * self.hub_radius * self.speed**2 * np.sin(angle)
+        weight = moment * self.gravity * np.sin(self.hub_angle(time) + angle) if self.gravity else 0.0
+        return -self.stiffness * angle - self.damping * rate - centrifugal - weight
+
+    def right_hand_side(self, time: float, state: NDArray[np.float64]) -> tuple[float, float]:
+        """(alpha', alpha'') in flight."""
+        return state[1], self.torque(time, state[0], state[1]) / self.inertia
+
+    def root(self, hub_angle: Number) -> Vector:
+        """Position of the bristle's root, m."""
+        return self.hub_radius * self.direction(hub_angle)
+
+    @staticmethod
+    def direction(angle: Number) -> Vector:
+        """Unit vector (sin, -cos) of an angle from -y."""
+        return -1j * np.exp(1j * angle)
+
+    def tip(self, hub_angle: Number, angle: Number) -> Vector:
+        """Position of the centre line's end, m."""
+        return self.root(hub_angle) + self.length * self.direction(hub_angle + angle)
+
+    def kinetic_energy(self, angle: Number, rate: Number) -> Number:
+        """Kinetic energy of the whole rod, J."""
+        absolute = self.speed + rate
+        root_speed = self.hub_radius * self.speed
+        coupling = 0.5 * self.mass * root_speed * self.length * absolute * np.cos(angle)
+        return 0.5 * self.mass * root_speed**2 + coupling + 0.5 * self.inertia * absolute**2
+
+    def potential_energy(self, hub_angle: Number, angle: Number) -> Number:
+        """Energy of belt and gravity, k alpha^2/2 + m g y_centre, J."""
+        height = -self.hub_radius * np.cos(hub_angle) - 0.5 * self.length * np.cos(hub_angle + angle)
+        return 0.5 * self.stiffness * angle**2 + self.mass * self.gravity * height
+
+    @property
+    def natural_rate(self) -> float:
+        """Rate of small undamped oscillations about the radial position, belt, hub and gravity together, rad/s."""
+        moment = 0.5 * self.mass * self.length * (self.hub_radius * self.speed**2 + self.gravity)
+        return math.sqrt((self.stiffness + moment) / self.inertia)
+
+    @property
+    def fastest_rate(self) -> float:
+        """Upper bound of the rates at which the motion changes: oscillation, damping and hub, rad/s."""
+        return self.natural_rate + self.damping / self.inertia + self.speed

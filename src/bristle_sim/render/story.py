@@ -1,0 +1,106 @@
+"""What happened when: the events worth a label, and the phases between them in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from bristle_sim.trajectory import Event, Trajectory
+
+__all__ = ["Phase", "key_events", "phase_at", "phases", "story_end"]
+
+MOST_LABELS = 9
+"""As many labels as fit above a panel of full width."""
+
+AFTERMATH = 0.12
+"""How long the story goes on after the tip has left the workpart, as a share of the time before."""
+
+CARRIED = math.radians(1.0)
+"""A bristle that starts nearer than this to the radial direction is carried along, not thrown, rad."""
+
+_LAST_COUNTS = ("bar release",)  # after a few taps the last release is the one that throws the tip
+
+_CAPTIONS = {
+    "bar release": "released: the belt throws the tip",
+    "workpart release": "off the workpart",
+    "retraction limit": "retraction limit",
+    "jam": "jammed",
+}
+_OUTCOMES = {"rebound": "rebound", "no rebound": "no rebound", "stiction": "stiction: no rebound", "jam": "jammed"}
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """A stretch of the run and its caption; it lasts to the next phase's start, s."""
+
+    start: float
+    caption: str
+
+
+def story_end(trajectory: Trajectory) -> float:
+    """The instant to which a pass is worth showing, s: shortly after the last touch of the workpart, or the end."""
+    start, end = float(trajectory.time[0]), float(trajectory.time[-1])
+    touches = [event.time for event in trajectory.events if event.name.startswith("workpart ")]
+    touches += [contact.time + contact.duration for contact in trajectory.contacts if contact.obstacle == "workpart"]
+    if not touches or trajectory.event_time("strike") is None:
+        return end
+    return min(end, start + (1.0 + AFTERMATH) * (max(touches) - start))
+
+
+def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
+    """The events worth a label, in order of time: of each name one up to the strike and one after it.
+
+    Of several it is the first that counts; of releases from the bar, the last. At most nine are returned.
+    """
+    strike = trajectory.event_time("strike")
+    chosen: dict[tuple[str, bool], Event] = {}
+    for event in (each for each in trajectory.events if each.time <= until):
+        rank = (event.name, strike is not None and event.time > strike)
+        if rank not in chosen or event.name in _LAST_COUNTS:
+            chosen[rank] = event
+    return tuple(sorted(chosen.values(), key=lambda event: event.time)[:MOST_LABELS])
+
+
+def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ...]:
+    """The run in words, in order of time; the first phase starts with the run.
+
+    ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
+    """
+    thrown = abs(trajectory.relative_angle[0]) > CARRIED
+    found = [Phase(float(trajectory.time[0]), "released: the belt throws the tip" if thrown else "turns with the hub")]
+    for number, event in enumerate(trajectory.events):
+        if event.name == "strike":
+            found += [Phase(event.time, "strike"), Phase(event.time + strike_shown, _outcome(trajectory))]
+        elif (caption := _caption(trajectory, number)) is not None:
+            found.append(Phase(event.time, caption))
+    return tuple(sorted(found, key=lambda phase: phase.start))
+
+
+def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
+    """The phase that holds at an instant."""
+    return next((phase for phase in reversed(run) if phase.start <= time), run[0])
+
+
+def _caption(trajectory: Trajectory, number: int) -> str | None:
+    event, strike = trajectory.events[number], trajectory.event_time("strike")
+    if event.name in ("bar touch", "workpart touch"):
+        obstacle = event.name.removesuffix(" touch")
+        return _touch_caption(trajectory, number, obstacle)
+    if event.name == "largest retraction" and strike is not None and event.time > strike:
+        return "thrown forward again"
+    if event.name == "highest relative speed" and strike is None:
+        return "past its highest speed"
+    return _CAPTIONS.get(event.name)
+
+
+def _touch_caption(trajectory: Trajectory, number: int, obstacle: str) -> str:
+    """A touch that a release follows is sustained, one without is a bounce."""
+    following = (each.name for each in trajectory.events[number + 1 :] if each.name.startswith(obstacle))
+    held = next(following, None) == f"{obstacle} release"
+    sustained = {"bar": "held back by the bar", "workpart": "drags along the workpart"}
+    return sustained[obstacle] if held else f"bounces off the {obstacle}"
+
+
+def _outcome(trajectory: Trajectory) -> str:
+    contact = trajectory.first_contact("workpart")
+    return "rebound" if contact is None else _OUTCOMES.get(contact.outcome, contact.outcome)

@@ -1,0 +1,161 @@
+"""The tool drawn to scale in millimetres: hub, belt root, wire, bar and workpart, for figures and films alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from bristle_sim.parameters import Tool
+from bristle_sim.render.motion import Course, direction, wire_ends
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT
+
+__all__ = [
+    "MILLIMETRES",
+    "View",
+    "WireDrawing",
+    "close_up",
+    "draw_bar",
+    "draw_hub",
+    "draw_workpart",
+    "name_parts",
+    "wire_outline",
+]
+
+Array = NDArray[np.float64]
+
+MILLIMETRES = 1e3
+"""Millimetres in a metre: drawings are in mm, everything else in m."""
+
+HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """The rectangle that a drawing shows, mm."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    def widened(self, aspect: float) -> View:
+        """The view grown about its centre, on two sides only, to a ratio of width to height."""
+        width, height = self.right - self.left, self.top - self.bottom
+        across, up = max(0.0, height * aspect - width) / 2.0, max(0.0, width / aspect - height) / 2.0
+        return View(self.left - across, self.right + across, self.bottom - up, self.top + up)
+
+    def apply(self, axes: Axes) -> None:
+        """Show this rectangle with equal scales."""
+        axes.set_xlim(self.left, self.right)
+        axes.set_ylim(self.bottom, self.top)
+        axes.set_aspect("equal", adjustable="box")
+
+
+def close_up(course: Course, tool: Tool, aspect: float, margin: float = 0.05) -> View:
+    """The smallest view of that ratio of width to height that holds the wire's path, the bar and the surface."""
+    points = list(wire_ends(tool, course.hub_angle, course.angles[:, 0]))
+    if tool.bar is not None:
+        points.append(np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
+    if tool.workpart is not None:
+        points.append(np.array([[points[1][0, 0], -tool.workpart_depth]]))
+    every = np.concatenate(points) * MILLIMETRES
+    (left, bottom), (right, top) = every.min(axis=0), every.max(axis=0)
+    border = margin * max(right - left, top - bottom)
+    return View(left - border, right + border, bottom - border, top + border).widened(aspect)
+
+
+def draw_hub(axes: Axes, tool: Tool) -> Circle:
+    """The root circle that carries the belt, the hub's centre, and which way it turns."""
+    radius = tool.hub.radius * MILLIMETRES
+    circle = Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8)
+    axes.add_patch(circle)
+    axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
+    if tool.hub.speed > 0.0:
+        ends = 0.5 * radius * direction(np.radians([-35.0, 35.0]))
+        style, bend = "-|>,head_length=4,head_width=2", "arc3,rad=0.33"
+        axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, connectionstyle=bend, color=GREY, linewidth=0.8))
+    return circle
+
+
+def draw_bar(axes: Axes, tool: Tool) -> Circle | None:
+    """The accelerator bar, or nothing."""
+    if tool.bar is None:
+        return None
+    centre = (tool.bar.centre[0] * MILLIMETRES, tool.bar.centre[1] * MILLIMETRES)
+    circle = Circle(centre, tool.bar.radius * MILLIMETRES, facecolor=BAR_COLOUR, edgecolor=BLACK, linewidth=0.8)
+    axes.add_patch(circle)
+    return circle
+
+
+def draw_workpart(axes: Axes, tool: Tool, view: View) -> Rectangle | None:
+    """The workpart, hatched from its surface down to the view's edge, or nothing."""
+    if tool.workpart is None:
+        return None
+    surface = -tool.workpart_depth * MILLIMETRES
+    # Drawn beyond the view, so that only the surface shows an edge.
+    below, beyond = view.bottom - 10.0, 10.0
+    block = Rectangle(
+        (view.left - beyond, below),
+        view.right - view.left + 2.0 * beyond,
+        surface - below,
+        facecolor=LIGHT,
+        edgecolor=GREY,
+        linewidth=0.8,
+        hatch="////",
+    )
+    axes.add_patch(block)
+    return block
+
+
+def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
+    """Names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    places: dict[str, tuple[float, float, str]] = {"hub": (0.0, -0.25 * tool.hub.radius * MILLIMETRES, "center")}
+    if tool.bar is not None:
+        places["bar"] = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1], "center")
+    if tool.workpart is not None:
+        places["workpart"] = (left + 0.025 * (right - left), bottom + 0.03 * (top - bottom), "left")
+    grounds = {"hub": HUB_COLOUR, "bar": BAR_COLOUR, "workpart": "white"}
+    for name, (x, y, side) in places.items():
+        halo = [withStroke(linewidth=2.5, foreground=grounds[name])]
+        axes.text(x, y, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
+
+
+def wire_outline(root: Array, tip: Array, diameter: float) -> Array:
+    """Corners of a flat-ended wire about its centre line, in the unit of its arguments, shape (4, 2)."""
+    along = (tip - root) / np.hypot(*(tip - root))
+    half = 0.5 * diameter * np.array([-along[1], along[0]])
+    return np.array([root + half, tip + half, tip - half, root - half])
+
+
+class WireDrawing:
+    """The wire, its root in the belt, the radial line it is measured from, and a ring of roots that shows the turn."""
+
+    def __init__(self, axes: Axes, tool: Tool, *, color: str = BLUE, alpha: float = 1.0, details: bool = False) -> None:
+        self._tool = tool
+        # The outline's line keeps a hair-thin wire visible.
+        self.wire = Polygon(np.zeros((4, 2)), facecolor=color, edgecolor=color, linewidth=0.5, alpha=alpha, zorder=4)
+        axes.add_patch(self.wire)
+        (self.root,) = axes.plot([], [], "o", color=GREEN, markersize=4.5, markeredgecolor="white", zorder=5)
+        self.artists: list[Artist] = [self.wire, self.root]
+        if details:
+            (self.radial,) = axes.plot([], [], color=GREY, linewidth=0.8, dashes=(5, 3), zorder=2)
+            (self.ring,) = axes.plot([], [], "o", color=GREY, markersize=3, zorder=3)
+            self.artists = [self.radial, self.ring, *self.artists]
+
+    def place(self, hub_angle: float, angle: float) -> None:
+        """Move everything to the hub's and the wire's angle, rad."""
+        root, tip = (end * MILLIMETRES for end in wire_ends(self._tool, hub_angle, angle))
+        self.wire.set_xy(wire_outline(root, tip, self._tool.bristle.wire_diameter * MILLIMETRES))
+        self.root.set_data(root[:1], root[1:])
+        if len(self.artists) > 2:
+            reach = (self._tool.hub.radius + self._tool.bristle.length) * MILLIMETRES
+            self.radial.set_data(*np.array([root, reach * direction(hub_angle)]).T)
+            others = hub_angle + np.arange(1, 12) * (np.pi / 6.0)
+            self.ring.set_data(*(self._tool.hub.radius * MILLIMETRES * direction(others)).T)

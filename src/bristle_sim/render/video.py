@@ -1,0 +1,218 @@
+"""Moving pictures without a display: a canvas that redraws only what moves, and writers of mp4 and gif."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import zlib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from bristle_sim.render.readout import Readout
+from bristle_sim.render.style import checked_target, complete_or_absent, styled
+
+__all__ = ["VIDEO_SUFFIXES", "Stage", "check_film", "checked_video_target", "write_video"]
+
+VIDEO_SUFFIXES = (".mp4", ".gif")
+DOTS_PER_INCH = 100.0
+GIF_COLOURS = 64
+GIF_SAMPLES = 30
+"""Frames from which the gif's one palette is taken."""
+
+_Item = TypeVar("_Item")
+
+
+class Stage:
+    """A figure of so many pixels whose background is drawn once, and what moves in front of it.
+
+    Add axes and still artists to ``figure``, hand over moving artists to ``add`` and numbers to ``write``, change them
+    and take a ``frame``. What is still may change now and then: say so with ``refresh``.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        with styled():
+            self.figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
+        self.size = (width, height)
+        self._canvas: Any = FigureCanvasAgg(self.figure)
+        self._moving: list[Artist] = []
+        self._readouts: list[Readout] = []
+        self._background: Any = None
+
+    def add(self, *artists: Artist) -> None:
+        """Take artists of the figure for moving ones; they are drawn in this order, over everything still."""
+        for artist in artists:
+            artist.set_animated(True)
+        self._moving.extend(artists)
+        self.refresh()
+
+    def write(self, *readouts: Readout) -> None:
+        """Take readouts, written over everything else."""
+        self._readouts.extend(readouts)
+
+    def refresh(self) -> None:
+        """Draw what is still anew with the next frame."""
+        self._background = None
+
+    def frame(self) -> memoryview:
+        """Draw the moving artists and return the picture as height x width x 4 bytes, good until the next frame."""
+        if self._background is None:
+            with styled():
+                self._canvas.draw()
+            self._background = self._canvas.copy_from_bbox(self.figure.bbox)
+        self._canvas.restore_region(self._background)
+        renderer = self._canvas.get_renderer()
+        for artist in self._moving:
+            artist.draw(renderer)
+        pixels = np.asarray(self._canvas.buffer_rgba())
+        for readout in self._readouts:
+            readout.paint(pixels)
+        return memoryview(self._canvas.buffer_rgba())
+
+
+def checked_video_target(path: str | Path) -> Path:
+    """Return the path of a video that can be written, or raise ValueError in one line; cheap, so ask it first.
+
+    Raises:
+        ValueError: for a suffix other than mp4 and gif, a missing folder, or mp4 where imageio-ffmpeg is missing.
+    """
+    target = checked_target(path, VIDEO_SUFFIXES)
+    if target.suffix.lower() == ".mp4":
+        _ffmpeg(target)
+    return target
+
+
+def check_film(suffix: str, size: tuple[int, int], fps: float) -> None:
+    """Raise ValueError unless a film of that kind can have this size (px) and so many frames per second.
+
+    A gif counts time in hundredths of a second, and h264 in yuv420p halves both edges.
+    """
+    kind = suffix.lower()
+    highest = 50.0 if kind == ".gif" else 1000.0
+    if not 0.0 < fps <= highest:
+        raise ValueError(f"fps = {fps:g}: 0 < fps <= {highest:g} is allowed for {kind} (in 1/s)")
+    if not all(16 <= edge <= 8192 for edge in size):
+        raise ValueError(f"size = {size[0]} x {size[1]}: 16 to 8192 is allowed for either edge (in px)")
+    if kind == ".mp4" and any(edge % 2 for edge in size):
+        raise ValueError(f"size = {size[0]} x {size[1]}: even numbers are allowed for .mp4 (in px)")
+
+
+def write_video(
+    path: str | Path, frames: Iterable[memoryview], size: tuple[int, int], fps: float, total: int | None = None
+) -> Path:
+    """Write RGBA frames to an mp4 (h264, yuv420p) or gif file, which appears only when complete.
+
+    Args:
+        path: of the file; its suffix decides.
+        frames: pictures of height x width x 4 bytes, each used before the next one is asked for.
+        size: width and height, px; even for mp4.
+        fps: frames per second of film.
+        total: number of frames, for the progress bar that a terminal is shown.
+
+    Raises:
+        ValueError: for what cannot be written; see also :func:`checked_video_target`.
+        OSError: if the encoder fails.
+    """
+    target = checked_video_target(path)
+    writers: dict[str, Callable[..., None]] = {".mp4": _write_mp4, ".gif": _write_gif}
+    check_film(target.suffix, size, fps)
+    shown = _progress(_of_size(frames, size), total, target.name)
+    with complete_or_absent(target) as partial:
+        writers[target.suffix.lower()](partial, shown, size, fps)
+    return target
+
+
+def _of_size(frames: Iterable[memoryview], size: tuple[int, int]) -> Iterator[memoryview]:
+    """The same frames, each refused unless it has the announced size; a raw stream would shear without a word."""
+    for frame in frames:
+        if frame.shape != (size[1], size[0], 4):
+            raise ValueError(f"frame of shape {frame.shape}: {(size[1], size[0], 4)} is allowed (in px)")
+        yield frame
+
+
+def _progress(items: Iterable[_Item], total: int | None, name: str) -> Iterable[_Item]:
+    """The same items, counted on standard error where that is a terminal and tqdm is installed."""
+    if not sys.stderr.isatty():
+        return items
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        return items
+    counted: Iterable[_Item] = tqdm(items, total=total, desc=name, unit="frame", file=sys.stderr, leave=False)
+    return counted
+
+
+def _ffmpeg(target: Path) -> str:
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        raise ValueError(f"{target}: mp4 needs imageio-ffmpeg: pip install bristle-sim[video], or a .gif") from None
+    try:
+        return str(get_ffmpeg_exe())
+    except RuntimeError:
+        raise ValueError(f"{target}: imageio-ffmpeg carries no ffmpeg for this machine; a .gif is allowed") from None
+
+
+def _write_mp4(partial: Path, frames: Iterable[memoryview], size: tuple[int, int], fps: float) -> None:
+    source = ["-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{size[0]}x{size[1]}", "-r", f"{fps:g}", "-i", "-"]
+    encoder = ["-an", "-c:v", "libx264", "-pix_fmt", "yuv420p", "-preset", "veryfast", "-crf", "18"]
+    # Two encoding threads leave the drawing its own core; fixed numbers of threads give the same file anywhere.
+    container = ["-threads", "2", "-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4", str(partial)]
+    command = [_ffmpeg(partial), "-y", "-loglevel", "error", *source, *encoder, *container]
+    with tempfile.TemporaryFile() as complaints:
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=complaints) as process:
+            assert process.stdin is not None
+            try:
+                for frame in frames:
+                    process.stdin.write(frame)
+            except BrokenPipeError:
+                pass  # the encoder ended early; its status and words follow below
+            except BaseException:
+                process.kill()
+                raise
+            finally:
+                _close(process.stdin)
+        if process.returncode:
+            complaints.seek(0)
+            words = complaints.read().decode(errors="replace").strip().splitlines()
+            raise OSError(f"{partial.name}: ffmpeg failed: {words[-1] if words else process.returncode}")
+
+
+def _close(stream: Any) -> None:
+    """Close a pipe whose reader may be gone."""
+    with suppress(BrokenPipeError):
+        stream.close()
+
+
+def _write_gif(partial: Path, frames: Iterable[memoryview], size: tuple[int, int], fps: float) -> None:
+    from PIL import Image
+
+    # The common palette needs frames of the whole film, so all are kept, packed: a few kilobytes each.
+    packed = [zlib.compress(np.asarray(frame)[..., :3].tobytes(), 1) for frame in frames]
+    if not packed:
+        raise ValueError(f"{partial.name}: no frames")
+    pictures = (Image.frombytes("RGB", size, zlib.decompress(each)) for each in packed)
+    palette = _palette(packed[:: -(-len(packed) // GIF_SAMPLES)], size)
+    first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
+    # A gif counts hundredths of a second: rounding the instants, not the durations, keeps the film's length.
+    instants = [round(100.0 * number / fps) for number in range(len(packed) + 1)]
+    durations = [10 * (after - before) for before, after in pairwise(instants)]
+    first.save(partial, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=True)
+
+
+def _palette(packed: Sequence[bytes], size: tuple[int, int]) -> Any:
+    """A picture whose palette suits all of some packed frames."""
+    from PIL import Image
+
+    shapes = [np.frombuffer(zlib.decompress(each), np.uint8).reshape(size[1], size[0], 3) for each in packed]
+    # Every other pixel and line will do; maximum coverage keeps small areas' colours, one round of k-means the large ones'.
+    montage = Image.fromarray(np.concatenate([each[::2, ::2] for each in shapes]))
+    return montage.quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)

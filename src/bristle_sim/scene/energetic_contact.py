@@ -1,0 +1,117 @@
+"""The energetic impact law in anybody's pymunk space: contacts are found by the engine and resolved by the law.
+
+Chipmunk restores a share of the approach velocity (Newton's restitution) and iterates Coulomb friction; where bodies are
+joined, that can create energy. Here the engine still finds the contacts and solves the joints, but an approaching contact
+takes the impulse of Stronge's law, on all bodies that joints connect to it, at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import pymunk
+
+from bristle_sim.quantity import Quantity
+from bristle_sim.scene.contact_space import contact_space
+from bristle_sim.theory.impact import Impact, energetic_impact
+
+__all__ = ["EnergeticContact"]
+
+ROUNDS = 10
+"""Rounds over the contacts of a step: an impact at one can drive another into its surface again."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Touching:
+    body: pymunk.Body
+    other: pymunk.Body
+    point: tuple[float, float]
+    normal: tuple[float, float]
+
+
+class EnergeticContact:
+    """Energetic restitution and Coulomb friction between two collision types of a space.
+
+    Args:
+        space: the space; its own units.
+        collision_type_a, collision_type_b: of the shapes concerned; the engine no longer responds to their contacts.
+        friction: Coulomb's mu, >= 0.
+        restitution: energetic coefficient e*, in [0, 1].
+        restitution_friction: mu in restitution; equal to ``friction`` by default.
+        resting_speed: approach slower than this takes no restitution, so that bodies come to rest.
+        report: called with each Impact.
+
+    Raises:
+        ValueError: for coefficients out of range.
+
+    Step the space with :meth:`step` instead of ``space.step``. Several contacts at one instant are resolved one after
+    the other, the fastest approach first. Penetration is not corrected.
+    """
+
+    def __init__(
+        self,
+        space: pymunk.Space,
+        collision_type_a: int,
+        collision_type_b: int,
+        *,
+        friction: float,
+        restitution: float,
+        restitution_friction: float | None = None,
+        resting_speed: float = 0.0,
+        report: Callable[[Impact], None] | None = None,
+    ) -> None:
+        """See the class."""
+        self.space = space
+        self.friction = Quantity("friction", "1", 0.0, 1e9, True, "Coulomb").check(friction)
+        self.restitution = Quantity("restitution", "1", 0.0, 1.0, True, "Stronge 1990").check(restitution)
+        later = friction if restitution_friction is None else restitution_friction
+        self.restitution_friction = Quantity("restitution_friction", "1", 0.0, 1e9, True, "Coulomb").check(later)
+        self.resting_speed = Quantity("resting_speed", "length/time", 0.0, 1e300, True, "chosen").check(resting_speed)
+        self.report = report
+        self._touching: list[_Touching] = []
+        space.on_collision(collision_type_a, collision_type_b, pre_solve=self._notice)
+
+    def step(self, duration: float) -> None:
+        """One engine step, then the impacts of the contacts it found.
+
+        Raises:
+            ValueError: if a body that is hit hangs on a joint that is neither pivot nor pin.
+        """
+        self._touching.clear()
+        self.space.step(duration)
+        for _ in range(ROUNDS):
+            if not self._resolve_fastest():
+                return
+
+    def _notice(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: Any) -> None:
+        """Remember the points of a contact, and keep the engine from responding to it."""
+        arbiter.process_collision = False
+        body, other = arbiter.bodies
+        normal = -arbiter.contact_point_set.normal
+        if body.body_type != pymunk.Body.DYNAMIC:
+            body, other, normal = other, body, -normal
+        for point in arbiter.contact_point_set.points:
+            middle = (point.point_a + point.point_b) / 2.0
+            self._touching.append(_Touching(body, other, (middle.x, middle.y), (normal.x, normal.y)))
+
+    def _resolve_fastest(self) -> bool:
+        """Resolve the contact that approaches fastest; whether there was one."""
+        spaces = [contact_space(each.body, each.point, each.normal, each.other) for each in self._touching]
+        approaching = [space for space in spaces if space.velocity[0] < 0.0]
+        if not approaching:
+            return False
+        fastest = min(approaching, key=lambda space: space.velocity[0])
+        rests = -fastest.velocity[0] <= self.resting_speed
+        impact = energetic_impact(
+            fastest.inverse_mass,
+            fastest.velocity,
+            self.friction,
+            0.0 if rests else self.restitution,
+            self.restitution_friction,
+        )
+        fastest.apply((impact.impulse_normal, impact.impulse_tangential))
+        if self.report is not None:
+            self.report(impact)
+        return True

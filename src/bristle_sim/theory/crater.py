@@ -1,0 +1,147 @@
+"""Crater depth by Merchant's modified circle, summed over plies of equal time (Zhang 2020, eqs. 4.48-4.57).
+
+Each ply adds the depth that the growth of the cutting force shears off at the width the tip has then,
+
+    depth = cos(gamma) sum_i [F_c(t_i) - F_c(t_{i-1})] sin(eta) cos(eta + beta - alpha)/(b(t_i) tau_s cos(beta - alpha)).
+
+As n grows this is the integral of F_c'(t)/b(t). The width starts like sqrt(t), so the integrand has an inverse square
+root at t = 0 and the sum, a rule of right end points, falls short of the limit by -zeta(1/2) = 1.4604 times the
+coefficient of 1/sqrt(t) times sqrt(t_c/n) (Navot 1961): order one half, not one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bristle_sim.theory.checks import finite, positive, require, whole
+from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, IMPACT_ANGLE, PRINTED_WIDTH
+from bristle_sim.theory.force_history import BRISTLE, ForceCurve
+from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
+
+__all__ = [
+    "CUTTING_FRICTION",
+    "PLIES",
+    "friction_for_crater_depth",
+    "merchant_crater_depth",
+    "merchant_crater_depth_limit",
+]
+
+Number = Any
+"""A float where the arguments are, else an array of their broadcast shape."""
+
+Width = Callable[[ArrayLike], Any]
+"""Cutting width in m over time in s."""
+
+CUTTING_FRICTION = 0.5
+"""Friction coefficient while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact."""
+
+PLIES = 300
+"""Number of plies of the dissertation's depths (Zhang 2020, below eq. 4.56)."""
+
+NODES = 64
+"""Gauss-Legendre nodes; the integrand is smooth once the root is substituted away, 20 would reach rounding."""
+
+MOST_PLIES = 10_000_000
+"""Plies are summed in one array."""
+
+
+def merchant_crater_depth(
+    friction: ArrayLike = CUTTING_FRICTION,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    shear_yield_stress: ArrayLike = API_5L,
+    plies: ArrayLike = PLIES,
+    *,
+    angles: CuttingAngles | None = None,
+    force: ForceCurve = BRISTLE,
+    width: Width = PRINTED_WIDTH,
+    compression_time: float = COMPRESSION_TIME,
+) -> Number:
+    """Crater depth as a sum over n plies of equal time (4.50), m.
+
+    Args:
+        friction: mu while cutting.
+        impact_angle: gamma, rad.
+        shear_yield_stress: tau_s, Pa.
+        plies: n, whole numbers.
+        angles: of the cut; by default exact ones for mu and gamma, PRINTED_ANGLES for the rounded ones of (4.52).
+        force: resultant R(t), N.
+        width: b(t), m.
+        compression_time: t_c, s.
+
+    Raises:
+        ShearAngleError: where mu < tan(gamma), by default angles.
+        ValueError: for any other argument out of its range.
+    """
+    ratio = _depth_ratio(friction, impact_angle, shear_yield_stress, angles)
+    counts = np.asarray(plies)
+    whole("plies", counts, MOST_PLIES)
+    sums = np.reshape([_ply_sum(int(n), force, width, compression_time) for n in counts.flat], counts.shape)
+    return ratio * sums
+
+
+def merchant_crater_depth_limit(
+    friction: ArrayLike = CUTTING_FRICTION,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    shear_yield_stress: ArrayLike = API_5L,
+    *,
+    angles: CuttingAngles | None = None,
+    force: ForceCurve = BRISTLE,
+    width: Width = PRINTED_WIDTH,
+    compression_time: float = COMPRESSION_TIME,
+) -> Number:
+    """What merchant_crater_depth tends to as the plies grow in number, m; arguments as there.
+
+    t = t_c u^2 turns the integrand R'(t)/b(t), which is like 1/sqrt(t), into a smooth one.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(NODES)
+    u = 0.5 * (nodes + 1.0)
+    time = compression_time * u**2
+    growth = float(np.sum(weights * compression_time * u * force.rate(time) / width(time)))
+    return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
+
+
+def friction_for_crater_depth(
+    depth: ArrayLike,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    shear_yield_stress: ArrayLike = API_5L,
+    plies: int = PLIES,
+    *,
+    force: ForceCurve = BRISTLE,
+    width: Width = PRINTED_WIDTH,
+    compression_time: float = COMPRESSION_TIME,
+) -> Number:
+    """Friction that makes the crater ``depth`` deep (Zhang 2020, fig. 4.16): merchant_crater_depth solved for mu.
+
+    With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) - gamma)]/2.
+
+    Raises:
+        ValueError: for a depth that no mu >= tan(gamma) gives.
+    """
+    gamma, stress = np.asarray(impact_angle, dtype=float), np.asarray(shear_yield_stress, dtype=float)
+    deepest = np.cos(gamma) / stress * _ply_sum(plies, force, width, compression_time)
+    sine = 1.0 - 2.0 * np.asarray(depth, dtype=float) / deepest
+    # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
+    given = (sine <= np.cos(2.0 * gamma) + 1e-12) & (sine > -np.sin(gamma))
+    require("depth", depth, given, "a depth that some friction >= tan(impact_angle) gives is allowed (in m)")
+    return 1.0 / np.tan(np.arcsin(sine) + gamma)
+
+
+def _depth_ratio(
+    friction: ArrayLike, impact_angle: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles | None
+) -> Number:
+    """Crater depth per sum of dR/b, 1/Pa; cos(beta - alpha) of F_c cancels against the one below (4.50)."""
+    stress = np.asarray(shear_yield_stress, dtype=float)
+    positive("shear_yield_stress", stress, "Pa")
+    finite("impact_angle", impact_angle, "rad")
+    chosen = oblique_angles(friction, impact_angle) if angles is None else angles
+    return chosen.resultant_ratio * np.cos(impact_angle) / stress
+
+
+def _ply_sum(plies: int, force: ForceCurve, width: Width, compression_time: float) -> float:
+    """Sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
+    time: NDArray[np.float64] = np.linspace(0.0, compression_time, plies + 1)
+    return float(np.sum(np.diff(force(time)) / width(time[1:])))

@@ -1,0 +1,194 @@
+"""Motion of the bristle while its tip cuts, and the width of the cut (Zhang 2020, section 4.1, compression only).
+
+The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda t)) (4.1) and takes
+c_1 from a micrograph, lambda c_1 from the tip's speed. Everything else follows from the bristle's geometry. The printed
+constants carry the rounding of hand calculation; CraterKinematics holds them as they stand and ``of_tool`` works them
+out unrounded.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bristle_sim.parameters import Tool
+
+__all__ = ["PRINTED_KINEMATICS", "PRINTED_WIDTH", "CraterKinematics", "CuttingWidth", "TipFace"]
+
+Number = Any
+"""A float where the argument is one, else an array of its shape."""
+
+COMPRESSION_TIME = 5e-5
+"""t_c, read off high-speed camera frames, s (Zhang 2020, eq. 3.20)."""
+
+IMPACT_ANGLE = math.radians(23.4)
+"""Impact angle, rad (Zhang 2020, eq. 4.51)."""
+
+
+@dataclass(frozen=True, slots=True)
+class CraterKinematics:
+    """Motion during compression with e = e^(-decay t), t in s (Zhang 2020, eqs. 4.4-4.10); defaults as printed.
+
+    Attributes:
+        decay: lambda, 1/s.
+        excursion: S = excursion (1 - e), m.
+        tip_speed: v_C = tip_speed e, m/s.
+        rate, final_rate: absolute rate of the bristle, rate e - final_rate, rad/s.
+        centre_speed, final_centre_speed: v_G = centre_speed e + final_centre_speed, m/s.
+        depth, face_depth: depth (1 - e) below the surface and its trace on the tip's face, m.
+    """
+
+    decay: float = 92400.0
+    excursion: float = 3.25e-4
+    tip_speed: float = 30.0
+    rate: float = 1111.0
+    final_rate: float = 266.65
+    centre_speed: float = 15.0
+    final_centre_speed: float = 3.615
+    depth: float = 1.3e-4
+    face_depth: float = 2.8e-4
+
+    @classmethod
+    def of_tool(
+        cls,
+        tool: Tool,
+        bristle_rate: float,
+        *,
+        excursion: float = 3.25e-4,
+        impact_angle: float = IMPACT_ANGLE,
+        face_angle: float | None = None,
+    ) -> CraterKinematics:
+        """The same relations unrounded, for a radial bristle that arrives at ``bristle_rate`` (rad/s, absolute).
+
+        The tip arrives with v = r_h w + L rate (2.24), so lambda = v/c_1 (4.3); at rest the tip leaves the bristle with
+        the rate -r_h w/L (2.36) and its centre with half the rim's speed.
+        """
+        rim = tool.hub.speed * tool.hub.radius
+        length = tool.bristle.length
+        tip_speed = rim + length * bristle_rate
+        depth = excursion * math.sin(impact_angle)
+        return cls(
+            decay=tip_speed / excursion,
+            excursion=excursion,
+            tip_speed=tip_speed,
+            rate=tip_speed / length,
+            final_rate=rim / length,
+            centre_speed=0.5 * tip_speed,
+            final_centre_speed=0.5 * rim,
+            depth=depth,
+            face_depth=depth / math.sin(TipFace().face_angle if face_angle is None else face_angle),
+        )
+
+    def tip_displacement(self, time: ArrayLike) -> Number:
+        """S along the path (4.4a), m."""
+        return self.excursion * self._grown(time)
+
+    def tip_velocity(self, time: ArrayLike) -> Number:
+        """v_C along the path (4.4b), m/s."""
+        return self.tip_speed * self._left(time)
+
+    def bristle_rate(self, time: ArrayLike) -> Number:
+        """Absolute rate of the bristle (4.6), rad/s."""
+        return self.rate * self._left(time) - self.final_rate
+
+    def centre_velocity(self, time: ArrayLike) -> Number:
+        """v_G (4.7), m/s."""
+        return self.centre_speed * self._left(time) + self.final_centre_speed
+
+    def crater_depth(self, time: ArrayLike) -> Number:
+        """Depth below the surface, S sin(gamma) (4.8), m."""
+        return self.depth * self._grown(time)
+
+    def crater_face_depth(self, time: ArrayLike) -> Number:
+        """Trace of the depth on the tip's face (4.10), m."""
+        return self.face_depth * self._grown(time)
+
+    def _left(self, time: ArrayLike) -> Number:
+        return np.exp(-self.decay * np.asarray(time, dtype=float))
+
+    def _grown(self, time: ArrayLike) -> Number:
+        return -np.expm1(-self.decay * np.asarray(time, dtype=float))
+
+
+@dataclass(frozen=True, slots=True)
+class TipFace:
+    """The cutting face: an ellipse where a plane cuts the wire (Zhang 2020, eqs. 4.9-4.13).
+
+    Attributes:
+        wire_diameter: d, m.
+        tilt: between the face's normal and the wire's axis, rad (39.5 deg, measured; fig. 4.5).
+        face_angle: between face and surface as (4.10) uses it, rad (28 deg).
+
+    The rake angle gamma + 11.5 deg (4.36) puts the face at 55.1 deg to the surface, not 28 deg; both are kept as printed.
+    """
+
+    wire_diameter: float = 7.1e-4
+    tilt: float = math.radians(39.5)
+    face_angle: float = math.radians(28.0)
+
+    @property
+    def short_axis(self) -> float:
+        """a_2 = d (4.11), m."""
+        return self.wire_diameter
+
+    @property
+    def long_axis(self) -> float:
+        """a_1 = d/cos(tilt) (4.12), m."""
+        return self.wire_diameter / math.cos(self.tilt)
+
+    @property
+    def full_depth(self) -> float:
+        """Depth below the surface at which the cut is as wide as the wire, (a_1/2) sin(face_angle), m."""
+        return 0.5 * self.long_axis * math.sin(self.face_angle)
+
+    def width(self, depth: ArrayLike) -> Number:
+        """Width of the cut at a depth below the surface (4.9, 4.14), m; the wire's diameter from the centre line on."""
+        share = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
+        return self.short_axis * np.sqrt(share * (2.0 - share))
+
+
+@dataclass(frozen=True, slots=True)
+class CuttingWidth:
+    """b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, t in s (Zhang 2020, eq. 4.16); defaults as printed.
+
+    Attributes:
+        half_width: h = d/2, m.
+        swing: s, the trace of the final depth on the face times a_2/a_1, m; the other printed constant, 1.39e-4, is h - s.
+        decay: lambda, 1/s.
+
+    Raises:
+        ValueError: unless 0 < swing <= half_width; deeper than its centre line the face no longer widens.
+    """
+
+    half_width: float = 3.55e-4
+    swing: float = 2.16e-4
+    decay: float = 92400.0
+
+    def __post_init__(self) -> None:
+        if not (0.0 < self.swing <= self.half_width and self.decay > 0.0):
+            raise ValueError(
+                f"swing, half_width, decay = {self.swing:g}, {self.half_width:g}, {self.decay:g}:"
+                " 0 < swing <= half_width and decay > 0 is allowed (in m, m, 1/s)"
+            )
+
+    @classmethod
+    def of_face(cls, face: TipFace, kinematics: CraterKinematics) -> CuttingWidth:
+        """The width unrounded, from the face and the motion (4.13-4.15)."""
+        swing = kinematics.face_depth * face.short_axis / face.long_axis
+        return cls(0.5 * face.short_axis, swing, kinematics.decay)
+
+    def __call__(self, time: ArrayLike) -> Number:
+        """Width at times of any shape, m; the difference of squares is factored so that it is exact near t = 0."""
+        gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
+        return 2.0 * np.sqrt(gone * (2.0 * self.half_width - gone))
+
+
+PRINTED_KINEMATICS = CraterKinematics()
+"""Motion with the printed constants (Zhang 2020, eqs. 4.4-4.10)."""
+
+PRINTED_WIDTH = CuttingWidth()
+"""Width with the printed constants (Zhang 2020, eq. 4.16)."""

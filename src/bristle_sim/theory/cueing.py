@@ -1,0 +1,278 @@
+"""Where the bar must stand so that the tip strikes at its highest speed (Zhang 2020, sec. 2.2, eqs. 2.1-2.3).
+
+The bar lets go of the bristle when it lags its radial direction by the retraction theta_p. The tip then lags the hub's
+root radius by A. The belt throws the bristle forward, and after the cue time t_c, in which the hub turns by theta_1, it is
+fastest; it should then touch the workpart radially, at the impact angle gamma. Hence the bar's direction from the
+workpart's normal, A + theta_1 + gamma.
+
+Between contacts, with alpha the bristle's angle relative to the radial direction,
+
+    I alpha'' + c alpha' + k alpha + g sin alpha = 0,    g = m r_h (L/2) omega^2.
+
+The dissertation has c = g = 0. The centrifugal stiffness g comes from the rotating root: the moment about the root, with
+lever (L/2) sin alpha, of the force m r_h omega^2 that acts on the centre of mass in the root's frame (its part that is
+radial from the root has no moment). Here are the plain oscillator, the damped one, and the stiffened one, the latter for
+small angles and exactly.
+
+Arguments are floats or arrays that broadcast, in SI units and rad. Functions raise ValueError where no such geometry or
+motion exists.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
+
+__all__ = [
+    "Cue",
+    "bar_distance",
+    "bar_position",
+    "centrifugal_stiffness",
+    "cue",
+    "cue_time",
+    "damped_cue_time",
+    "damped_highest_speed",
+    "damped_radial_speed",
+    "damping_ratio",
+    "highest_relative_speed",
+    "impact_angle",
+    "natural_rate",
+    "retraction_at_bar",
+    "stiffened_cue",
+    "stiffened_cue_time",
+    "stiffened_highest_speed",
+    "tip_lag",
+    "tip_radius",
+]
+
+Number = Any
+"""A float or an array of floats; results have the arguments' broadcast shape."""
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
+"""Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""
+
+
+def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
+    """gamma of a radial bristle whose tip touches the workpart: cos gamma = (r_h + L - Delta)/(r_h + L), rad."""
+    reach = hub_radius + length
+    depth = _required(penetration, np.greater_equal(penetration, 0.0), "penetration", "0 or more", "m")
+    _required(penetration, depth <= reach, "penetration", "at most hub_radius + length", "m")
+    # arccos of nearly 1 loses half of the digits; 1 - cos gamma = 2 sin^2(gamma/2) keeps them.
+    return 2.0 * np.arcsin(np.sqrt(depth / (2.0 * reach)))
+
+
+def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
+    """Distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos theta_p), m."""
+    return np.hypot(hub_radius + length * np.cos(retraction), length * np.sin(retraction))
+
+
+def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
+    """A, the angle by which the tip lags the root as seen from the hub's centre, rad (fig. 2.3)."""
+    return np.arctan2(length * np.sin(retraction), hub_radius + length * np.cos(retraction))
+
+
+def bar_distance(bar_reach: Number, tip_radius: Number) -> Number:
+    """Distance S of the bar's centre from the hub's, m (2.1).
+
+    The bar's reach is its radius and half of the wire's, which the dissertation neglects.
+    """
+    return bar_reach + tip_radius
+
+
+def bar_position(distance: Number, direction: Number) -> tuple[Number, Number]:
+    """(S_H, S_V) = S (sin, cos)(A + theta_1 + gamma), m, along and normal to the workpart (2.1)."""
+    return distance * np.sin(direction), distance * np.cos(direction)
+
+
+def retraction_at_bar(
+    bar_horizontal: Number, bar_vertical: Number, bar_reach: Number, hub_radius: Number, length: Number
+) -> Number:
+    """theta_p at which the tip slips off a bar that stands at (S_H, S_V): the inverse of tip_radius, rad."""
+    radius = np.hypot(bar_horizontal, bar_vertical) - bar_reach
+    reaches = (radius <= hub_radius + length) & (radius >= np.abs(hub_radius - length))
+    allowed = "a tip radius between |hub_radius - length| and hub_radius + length"
+    _required(radius, reaches, "bar_horizontal, bar_vertical: tip radius", allowed, "m")
+    # Half-angle form of the law of cosines, exact also near the radial bristle.
+    beyond = (hub_radius + length - radius) * (hub_radius + length + radius)
+    half = np.sqrt(beyond / (4.0 * hub_radius * length))
+    return 2.0 * np.arcsin(np.minimum(half, 1.0))
+
+
+def natural_rate(stiffness: Number, inertia: Number) -> Number:
+    """sqrt(k/I), rad/s, of a belt stiffness in N m/rad and the inertia about the root in kg m^2.
+
+    With ``stiffness`` k + g it is the stiffened bristle's, for small angles.
+    """
+    _required(stiffness, np.greater(stiffness, 0.0), "stiffness", "more than 0", "N m/rad")
+    _required(inertia, np.greater(inertia, 0.0), "inertia", "more than 0", "kg m^2")
+    return np.sqrt(np.asarray(stiffness, dtype=float) / inertia)
+
+
+def centrifugal_stiffness(mass: Number, hub_radius: Number, length: Number, hub_speed: Number) -> Number:
+    """g = m r_h (L/2) omega^2, N m/rad."""
+    return 0.5 * mass * hub_radius * length * hub_speed**2
+
+
+def cue_time(natural_rate: Number) -> Number:
+    """t_c, a quarter of the oscillation's period, s."""
+    return 0.5 * np.pi / natural_rate
+
+
+def highest_relative_speed(retraction: Number, natural_rate: Number) -> Number:
+    """Speed of the bristle relative to the hub as it passes the radial direction, theta_p sqrt(k/I), rad/s."""
+    return retraction * natural_rate
+
+
+def stiffened_highest_speed(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
+    """sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), rad/s: the energy integral of the undamped motion."""
+    chord = 2.0 * np.sin(0.5 * retraction)
+    return np.sqrt((stiffness * retraction**2 + centrifugal * chord**2) / inertia)
+
+
+def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
+    """Time from rest at theta_p to the radial direction, undamped, s; |theta_p| < pi.
+
+    With alpha = theta_p sin u the energy integral becomes, without a singularity at the start,
+
+        t_c = integral over 0 <= u <= pi/2 of sqrt(I/(k + g sinc((theta_p + alpha)/2) sinc((theta_p - alpha)/2))) du
+
+    where sinc x = sin x/x, since cos alpha - cos theta_p = 2 sin((theta_p + alpha)/2) sin((theta_p - alpha)/2).
+    """
+    _required(retraction, np.abs(retraction) < np.pi, "retraction", "less than pi in magnitude", "rad")
+    natural_rate(stiffness + centrifugal, inertia)
+    amplitude, stiff, extra, heavy = (
+        np.asarray(each, dtype=float)[..., np.newaxis] for each in (retraction, stiffness, centrifugal, inertia)
+    )
+    alpha = amplitude * np.sin(np.pi / 4.0 * (_NODES + 1.0))
+    shape = _sinc(0.5 * (amplitude + alpha)) * _sinc(0.5 * (amplitude - alpha))
+    return np.pi / 4.0 * np.sum(_WEIGHTS * np.sqrt(heavy / (stiff + extra * shape)), axis=-1)
+
+
+def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
+    """Time from release at rest to the highest speed, s, without g.
+
+        t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
+
+    since alpha' = theta_p Omega/sqrt(1 - zeta^2) e^(-zeta Omega t) sin(Omega_d t), Omega_d = Omega sqrt(1 - zeta^2), is
+    largest where tan(Omega_d t) = sqrt(1 - zeta^2)/zeta. The bristle is then still short of radial.
+    """
+    return _phase(damping_ratio) / natural_rate
+
+
+def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
+    """The speed relative to the hub at that time, theta_p Omega e^(-zeta f(zeta)), rad/s."""
+    return highest_relative_speed(retraction, natural_rate) * np.exp(-_phase(damping_ratio) * damping_ratio)
+
+
+def damped_radial_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
+    """The speed relative to the hub as the bristle passes the radial direction, rad/s; 0 <= zeta < 1.
+
+    Radial is where tan(Omega_d t) = -sqrt(1 - zeta^2)/zeta: f(zeta) as above with pi - arccos(zeta).
+    """
+    _required(damping_ratio, np.less(damping_ratio, 1.0), "damping_ratio", "less than 1", "dimensionless")
+    half_turn = np.pi / np.sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio))
+    return highest_relative_speed(retraction, natural_rate) * np.exp(
+        (_phase(damping_ratio) - half_turn) * damping_ratio
+    )
+
+
+def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
+    """zeta with which the highest speed, or the speed at the radial direction, is this share of the undamped one.
+
+    With zeta = x/sqrt(1 + x^2) the share is e^(-x (pi/2 -+ arctan x)); Newton's method for x is monotone from where it
+    starts. Shares from 0.368 (1/e at zeta = 1), radial ones from 0.001, to 1 are allowed.
+    """
+    least, sign = (0.001, 1.0) if radial else (0.368, -1.0)
+    share = np.asarray(speed_share, dtype=float)
+    _required(share, (share >= least) & (share <= 1.0), "speed_share", f"{least:g} to 1", "dimensionless")
+    loss = -np.log(share)
+    x = loss * 2.0 / np.pi if radial else np.zeros_like(loss)
+    for _ in range(60):
+        slope = np.pi / 2.0 + sign * (np.arctan(x) + x / (1.0 + x**2))
+        x = x - (x * (np.pi / 2.0 + sign * np.arctan(x)) - loss) / slope
+    return x / np.sqrt(1.0 + x**2)
+
+
+def _phase(damping_ratio: Number) -> Number:
+    """f(zeta); 1 at zeta = 1."""
+    zeta = _required(damping_ratio, np.greater_equal(damping_ratio, 0.0), "damping_ratio", "0 or more", "dimensionless")
+    root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
+    angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
+    return np.where(root > 0.0, angle / np.where(root > 0.0, root, 1.0), 1.0)[()]
+
+
+def _sinc(angle: Number) -> Number:
+    return np.sinc(angle / np.pi)
+
+
+def _required(value: Number, holds: Number, name: str, allowed: str, unit: str) -> Number:
+    """The value, or ValueError for the first that does not hold (NaN never does)."""
+    number, inside = np.broadcast_arrays(np.asarray(value, dtype=float), holds)
+    if not inside.all():
+        raise ValueError(f"{name} = {number[~inside].flat[0]:g}: {allowed} is allowed ({unit})")
+    return number[()]
+
+
+@dataclass(frozen=True, slots=True)
+class Cue:
+    """Where the bar of a tool must stand; rad, m, s, rad/s.
+
+    Attributes:
+        impact_angle: gamma.
+        tip_radius, tip_lag: of the tip as it slips off the bar; the lag is A.
+        cue_time, hub_turn: t_c and theta_1 = omega t_c.
+        highest_relative_speed: of the bristle to the hub.
+        bar_distance, bar_direction: S and A + theta_1 + gamma.
+        bar_horizontal, bar_vertical: S_H and S_V.
+    """
+
+    impact_angle: float
+    tip_radius: float
+    tip_lag: float
+    cue_time: float
+    hub_turn: float
+    highest_relative_speed: float
+    bar_distance: float
+    bar_direction: float
+    bar_horizontal: float
+    bar_vertical: float
+
+
+def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
+    """The dissertation's cue of a tool, without g but with the belt's damping if there is any; retraction in rad.
+
+    Raises:
+        ValueError: if the tool lacks bar, workpart or belt stiffness.
+    """
+    rate, damping = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root), tool.belt.damping_ratio
+    speed = damped_highest_speed(retraction, rate, damping)
+    return _placed(tool, retraction, damped_cue_time(rate, damping), speed)
+
+
+def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
+    """The cue with centrifugal stiffening, exact for an undamped belt, whose damping is left out; retraction in rad.
+
+    Raises:
+        ValueError: if the tool lacks bar or workpart, or nothing drives the bristle.
+    """
+    bristle, hub = tool.bristle, tool.hub
+    g = centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
+    swing = (retraction, tool.belt.stiffness, g, bristle.inertia_about_root)
+    return _placed(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
+
+
+def _placed(tool: Tool, retraction: float, time: Number, speed: Number) -> Cue:
+    """The bar's place for a cue time and what goes with it."""
+    if tool.bar is None or tool.workpart is None:
+        raise ValueError("bar, workpart: a tool that has both is allowed")
+    geometry, turn = (tool.hub.radius, tool.bristle.length), tool.hub.speed * time
+    angle = impact_angle(*geometry, tool.workpart.penetration)
+    lag, radius = tip_lag(*geometry, retraction), tip_radius(*geometry, retraction)
+    distance, direction = bar_distance(tool.bar_reach, radius), lag + turn + angle
+    horizontal, vertical = bar_position(distance, direction)
+    values = (angle, radius, lag, time, turn, speed, distance, direction, horizontal, vertical)
+    return Cue(*(float(each) for each in values))

@@ -1,0 +1,185 @@
+"""Merchant's orthogonal cutting, classical and with the tool entering obliquely (Zhang 2020, section 4.2).
+
+The tool pushes the chip with a resultant R that makes the angle beta - alpha with the cutting velocity (beta: friction
+angle, alpha: rake angle); the chip shears off along a plane at the shear angle eta to that velocity, where the yield
+stress tau_s acts over b d_u/sin(eta). The modified circle measures the uncut depth d_u normal to a path that descends at
+the impact angle gamma, so that R makes arccot(mu) with the workpart whatever the rake: beta - alpha = arccot(mu) - gamma.
+
+Forces in N, widths and depths in m, stresses in Pa, angles in rad; everything broadcasts.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bristle_sim.theory.checks import require
+
+__all__ = [
+    "API_5L",
+    "PRINTED_ANGLES",
+    "CuttingAngles",
+    "ShearAngleError",
+    "cutting_force",
+    "depth_of_cut",
+    "oblique_angles",
+    "orthogonal_angles",
+    "resultant_force",
+    "shear_angle",
+    "shear_constant",
+]
+
+Number = Any
+"""A float where the arguments are, else an array of their broadcast shape."""
+
+API_5L = 1.2e8
+"""Shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)."""
+
+RAKE_OFFSET = math.radians(11.5)
+"""Rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36)."""
+
+GAMMA_ALLOWED = "0 <= impact_angle < pi/2 is allowed (in rad)"
+
+LEAST_WORK = 0.5 * math.pi
+"""The constant C of (4.45) for which it is the shear angle of least work (4.25)."""
+
+
+class ShearAngleError(ValueError):
+    """The shear plane of the modified circle would not come out of the surface: eta < gamma (4.35)."""
+
+
+@dataclass(frozen=True, slots=True)
+class CuttingAngles:
+    """Angles of Merchant's circle, rad: rake alpha, friction beta and shear eta; arrays of one broadcast shape."""
+
+    rake: Number
+    friction: Number
+    shear: Number
+
+    @property
+    def resultant_angle(self) -> Number:
+        """Angle between the resultant and the cutting velocity, beta - alpha."""
+        return self.friction - self.rake
+
+    @property
+    def resultant_ratio(self) -> Number:
+        """tau_s b d_u/R = sin(eta) cos(eta + beta - alpha) (4.20)."""
+        return np.sin(self.shear) * np.cos(self.shear + self.resultant_angle)
+
+    @property
+    def cutting_ratio(self) -> Number:
+        """tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha) (4.46); 1 over it is u/tau_s.
+
+        u = F_c/(b d_u) is the specific cutting energy, J per m^3 of chip.
+        """
+        return self.resultant_ratio / np.cos(self.resultant_angle)
+
+
+PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radians(25.0))
+"""Angles at mu = 0.5, gamma = 23.4 deg as rounded in print (Zhang 2020, eqs. 4.36, 4.52)."""
+
+
+def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) -> Number:
+    """Shear angle eta = (C - (beta - alpha))/2 (4.45); by default that of least work, pi/4 - (beta - alpha)/2 (4.25).
+
+    Raises:
+        ValueError: if C is not within 0 < C <= pi/2, or beta - alpha >= C, which pushes the chip into the work.
+    """
+    constant, angle = np.asarray(constant, dtype=float), np.asarray(resultant_angle, dtype=float)
+    require("constant", constant, (constant > 0.0) & (constant <= LEAST_WORK), "0 < C <= pi/2 is allowed (in rad)")
+    require("resultant_angle", angle, angle < constant, "beta - alpha < C is allowed, or nothing is cut (in rad)")
+    return 0.5 * (constant - angle)
+
+
+def shear_constant(slope: ArrayLike) -> Number:
+    """The constant C of (4.45) for tau_s = tau_o + k sigma_s (4.44), k = ``slope``: C = arccot k (Merchant 1951).
+
+    With sigma_s = R sin(eta + beta - alpha)/A_s the resultant is tau_o b d_u/(sin(eta) [cos(x) - k sin(x)]),
+    x = eta + beta - alpha, and cos(x) - k sin(x) ~ cos(x + arctan k); its least value is at 2 eta + beta - alpha =
+    pi/2 - arctan k.
+    """
+    require("slope", slope, np.asarray(slope) >= 0.0, "slope >= 0 is allowed (dimensionless)")
+    return LEAST_WORK - np.arctan(slope)
+
+
+def orthogonal_angles(rake: ArrayLike, friction: ArrayLike, constant: ArrayLike = LEAST_WORK) -> CuttingAngles:
+    """Classical circle: rake angle and Coulomb's friction coefficient on the rake face, beta = arctan(friction) (4.25).
+
+    Raises:
+        ValueError: if friction < 0, rake is not within -pi/2 < rake < pi/2, or the tool cuts nothing.
+    """
+    rake, friction = np.asarray(rake, dtype=float), np.asarray(friction, dtype=float)
+    require("rake", rake, np.abs(rake) < 0.5 * math.pi, "-pi/2 < rake < pi/2 is allowed (in rad)")
+    require("friction", friction, friction >= 0.0, "friction >= 0 is allowed (dimensionless)")
+    angle = np.arctan(friction)
+    return CuttingAngles(rake, angle, shear_angle(angle - rake, constant))
+
+
+def oblique_angles(
+    friction: ArrayLike,
+    impact_angle: ArrayLike,
+    *,
+    constant: ArrayLike = LEAST_WORK,
+    rake_offset: ArrayLike = RAKE_OFFSET,
+    check: bool = True,
+) -> CuttingAngles:
+    """Modified circle: alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45) (Zhang 2020, eqs. 4.36-4.40).
+
+    Args:
+        friction: mu, ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives.
+        impact_angle: gamma, rad.
+        constant: C of (4.45).
+        rake_offset: alpha - gamma, rad.
+        check: refuse eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but
+            the shear plane does not come out of the surface.
+
+    Raises:
+        ShearAngleError: where eta < gamma and check is set.
+        ValueError: if friction <= 0 or gamma is not within 0 <= gamma < pi/2.
+    """
+    friction, gamma = np.asarray(friction, dtype=float), np.asarray(impact_angle, dtype=float)
+    require("friction", friction, friction > 0.0, "friction > 0 is allowed (dimensionless)")
+    require("impact_angle", gamma, (gamma >= 0.0) & (gamma < 0.5 * math.pi), GAMMA_ALLOWED)
+    offset = np.asarray(rake_offset, dtype=float)
+    upright = np.arctan2(1.0, friction)
+    angles = CuttingAngles(gamma + offset, offset + upright, shear_angle(upright - gamma, constant))
+    # The rounding of arccot must not refuse mu = tan(gamma) itself.
+    buried = angles.shear < gamma - 1e-12
+    if check and np.any(buried):
+        worst, least = (
+            float(np.broadcast_to(each, buried.shape)[buried][0]) for each in (friction, _least(gamma, constant))
+        )
+        raise ShearAngleError(
+            f"friction = {worst:g}: friction >= cot(C - impact_angle) = {least:g} is allowed, or the shear plane does"
+            " not come out of the surface (dimensionless)"
+        )
+    return angles
+
+
+def _least(impact_angle: Number, constant: ArrayLike) -> Number:
+    """Least friction with eta >= gamma, cot(C - gamma): tan(gamma) for C = pi/2 (4.42); infinite for gamma >= C."""
+    room = np.maximum(np.asarray(constant, dtype=float) - impact_angle, 0.0)
+    return np.divide(1.0, np.tan(room), out=np.full(np.shape(room), np.inf), where=room > 0.0)
+
+
+def resultant_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
+    """Resultant R = tau_s b d_u/(sin(eta) cos(eta + beta - alpha)) (4.20, 4.30), N."""
+    pressed = (
+        np.asarray(depth, dtype=float) * np.asarray(width, dtype=float) * np.asarray(shear_yield_stress, dtype=float)
+    )
+    return pressed / angles.resultant_ratio
+
+
+def cutting_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
+    """Force along the cutting velocity, F_c = R cos(beta - alpha) (4.17a, 4.21, 4.31), N."""
+    return resultant_force(depth, width, shear_yield_stress, angles) * np.cos(angles.resultant_angle)
+
+
+def depth_of_cut(force: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
+    """Uncut depth d_u that a cutting force F_c shears off at a width b (4.46), m."""
+    yielding = np.asarray(width, dtype=float) * np.asarray(shear_yield_stress, dtype=float)
+    return np.asarray(force, dtype=float) * angles.cutting_ratio / yielding

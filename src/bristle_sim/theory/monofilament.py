@@ -1,0 +1,281 @@
+"""Impact of a radial bristle on a hub that keeps its speed, in closed form (Zhang 2020, eqs. 2.19-2.65).
+
+The bristle, a slender rod of mass m and length L, stands at the angle gamma to the workpart's normal when its tip
+strikes. The hub (radius r_h) turns at omega and the bristle at R omega. The tip moves along one line,
+
+    v_C (cos gamma, -sin gamma),    v_C = L phi' + r_h omega                                                      (2.24)
+
+so slip and compression stop together, where phi' = -(r_h/L) omega. The generalized impulse L cos gamma dp_x
+- L sin gamma dp_y (2.27) changes the momentum m L^2/3 phi' (2.25) and, since friction opposes slip, is -L s_1 dp_y in
+compression and -L s_2 dp_y in restitution, with
+
+    s_1 = sin gamma + mu_1 cos gamma,    s_2 = sin gamma - mu_2 cos gamma.
+
+All else is the integral of that. The dissertation's kappa omega L = (R + r_h/L) omega L is the tip's speed v_C before
+the impact, ``tip_speed`` below.
+
+Arguments broadcast; the functions return floats for floats. Angles are in rad with 0 < gamma <= pi/2, friction mu_1 and
+restitution_friction mu_2 are >= 0 and equal by default (case 2, eq. 2.59), restitution is the energetic coefficient e*
+(2.47) in [0, 1]. Impulses and works are those of the workpart on the bristle; rates are positive in the hub's sense of
+rotation. Every function raises ValueError for an argument outside its range, and none returns NaN.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
+
+__all__ = [
+    "MonofilamentImpact",
+    "final_rate",
+    "monofilament_impact",
+    "normal_compressive_impulse",
+    "normal_compressive_work",
+    "normal_final_impulse",
+    "normal_work_in_compression",
+    "rate_in_compression",
+    "rate_in_restitution",
+    "rest_rate",
+    "stiction_friction",
+    "tangential_compressive_impulse",
+    "tangential_compressive_work",
+    "tip_speed",
+]
+
+Number = Any
+"""A float, or an array of the arguments' broadcast shape."""
+
+_MASS = Quantity("mass", "kg", 0.0, 1e6, lowest_allowed=False, source="Zhang 2020, eq. 2.20")
+_LENGTH = Quantity("length", "m", 0.0, 1e3, lowest_allowed=False, source="Zhang 2020, eq. 2.19")
+_HUB_RADIUS = Quantity("hub_radius", "m", 0.0, 1e3, lowest_allowed=True, source="Zhang 2020, eq. 2.19")
+_HUB_SPEED = Quantity("hub_speed", "rad/s", 0.0, 1e6, lowest_allowed=True, source="Zhang 2020, eq. 2.19")
+_SPEED_RATIO = Quantity("speed_ratio", "1", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.33")
+_TIP_SPEED = Quantity("tip_speed", "m/s", -1e12, 1e12, lowest_allowed=True, source="Zhang 2020, eq. 2.24")
+_IMPACT_ANGLE = Quantity("impact_angle", "rad", 0.0, math.pi / 2.0, lowest_allowed=False, source="Zhang 2020, fig. 2.5")
+_FRICTION = Quantity("friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.28")
+_LATER_FRICTION = Quantity("restitution_friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.28")
+_RESTITUTION = Quantity("restitution", "1", 0.0, 1.0, lowest_allowed=True, source="Zhang 2020, eq. 2.47")
+
+
+@dataclass(frozen=True, slots=True)
+class MonofilamentImpact:
+    """One strike, or an array of them.
+
+    Attributes:
+        normal_compressive_impulse, normal_final_impulse: p_cy, p_fy, N s.
+        tangential_compressive_impulse: p_cx, N s.
+        normal_compressive_work, tangential_compressive_work: W_y, W_x, J.
+        initial_bristle_rate, final_bristle_rate: phi' before and after the impact, rad/s.
+        outcome: index into ``impact.OUTCOMES``: no contact, rebound, no rebound (e* = 0) or stiction.
+    """
+
+    normal_compressive_impulse: Number
+    normal_final_impulse: Number
+    tangential_compressive_impulse: Number
+    normal_compressive_work: Number
+    tangential_compressive_work: Number
+    initial_bristle_rate: Number
+    final_bristle_rate: Number
+    outcome: Number
+
+    @property
+    def rebound_ratio(self) -> Number:
+        """phi' after the impact over phi' before it (2.65); ValueError where the bristle was at rest before it."""
+        if np.any(np.equal(self.initial_bristle_rate, 0.0)):
+            raise ValueError("speed_ratio * hub_speed = 0: not 0 is allowed where a rebound ratio is asked for (rad/s)")
+        return self.final_bristle_rate / self.initial_bristle_rate
+
+    @property
+    def outcome_name(self) -> str:
+        """The outcome of a single strike in words."""
+        return OUTCOMES[int(self.outcome)]
+
+
+def monofilament_impact(
+    mass: ArrayLike,
+    length: ArrayLike,
+    hub_radius: ArrayLike,
+    hub_speed: ArrayLike,
+    speed_ratio: ArrayLike,
+    impact_angle: ArrayLike,
+    friction: ArrayLike,
+    restitution: ArrayLike,
+    restitution_friction: ArrayLike | None = None,
+) -> MonofilamentImpact:
+    """All results of one strike; kg, m, rad/s, rad.
+
+    The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
+    """
+    later = friction if restitution_friction is None else restitution_friction
+    speed = tip_speed(length, hub_radius, hub_speed, speed_ratio)
+    strike = (mass, speed, impact_angle, friction)
+    leaves = np.less(later, stiction_friction(impact_angle))
+    ending = np.where(np.greater(restitution, 0.0), np.where(leaves, REBOUND, STICTION), NO_REBOUND)
+    return MonofilamentImpact(
+        normal_compressive_impulse=normal_compressive_impulse(*strike),
+        normal_final_impulse=normal_final_impulse(*strike, restitution, later),
+        tangential_compressive_impulse=tangential_compressive_impulse(*strike),
+        normal_compressive_work=normal_compressive_work(*strike),
+        tangential_compressive_work=tangential_compressive_work(*strike),
+        initial_bristle_rate=np.multiply(speed_ratio, hub_speed),
+        final_bristle_rate=final_rate(speed, length, hub_radius, hub_speed, *strike[2:], restitution, later),
+        outcome=np.where(speed > 0.0, ending, NO_CONTACT)[()],
+    )
+
+
+def tip_speed(length: ArrayLike, hub_radius: ArrayLike, hub_speed: ArrayLike, speed_ratio: ArrayLike) -> Number:
+    """Speed of the tip towards the workpart before the impact, v_C = (R L + r_h) omega, m/s (2.24, 2.33)."""
+    reach = _checked(_SPEED_RATIO, speed_ratio) * _checked(_LENGTH, length) + _checked(_HUB_RADIUS, hub_radius)
+    return _checked(_HUB_SPEED, hub_speed) * reach
+
+
+def stiction_friction(impact_angle: ArrayLike) -> Number:
+    """Least mu_2 with which no impulse can part the tip from the workpart, tan gamma (2.51)."""
+    # The tangent of the float next to pi/2 is 1.6e16: more than any friction allowed.
+    return np.tan(_checked(_IMPACT_ANGLE, impact_angle))
+
+
+def rest_rate(length: ArrayLike, hub_radius: ArrayLike, hub_speed: ArrayLike) -> Number:
+    """phi'(p_cy) = -(r_h/L) omega, the rate at which the tip is at rest, rad/s (2.36)."""
+    radius_ratio = _checked(_HUB_RADIUS, hub_radius) / _checked(_LENGTH, length)
+    return -radius_ratio * _checked(_HUB_SPEED, hub_speed)
+
+
+def rate_in_compression(
+    impulse: ArrayLike,
+    initial_rate: ArrayLike,
+    mass: ArrayLike,
+    length: ArrayLike,
+    impact_angle: ArrayLike,
+    friction: ArrayLike,
+) -> Number:
+    """phi'(p) = R omega - 3 s_1 p/(m L), rad/s, after a normal impulse 0 <= p <= p_cy in N s (2.34)."""
+    inertia = _checked(_MASS, mass) * _checked(_LENGTH, length)
+    return initial_rate - 3.0 * _lever(impact_angle, friction) * impulse / inertia
+
+
+def rate_in_restitution(
+    impulse: ArrayLike,
+    mass: ArrayLike,
+    length: ArrayLike,
+    hub_radius: ArrayLike,
+    hub_speed: ArrayLike,
+    impact_angle: ArrayLike,
+    restitution_friction: ArrayLike,
+) -> Number:
+    """phi' = -(r_h/L) omega - 3 s_2 p/(m L), rad/s, after a normal impulse p = p_y - p_cy in N s (2.43).
+
+    For mu_2 < tan gamma; beyond that the tip stays at rest whatever the impulse.
+    """
+    inertia = _checked(_MASS, mass) * _checked(_LENGTH, length)
+    lever = _later_lever(impact_angle, restitution_friction)
+    return rest_rate(length, hub_radius, hub_speed) - 3.0 * lever * impulse / inertia
+
+
+def normal_compressive_impulse(
+    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
+) -> Number:
+    """p_cy = m v_C/(3 s_1), N s (2.37)."""
+    momentum = _checked(_MASS, mass) * np.maximum(_checked(_TIP_SPEED, tip_speed), 0.0)
+    return momentum / (3.0 * _lever(impact_angle, friction))
+
+
+def normal_work_in_compression(
+    impulse: ArrayLike, mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
+) -> Number:
+    """W_y(p) = -v_C sin gamma p + 3 s_1 sin gamma p^2/(2 m), J, for a normal impulse 0 <= p <= p_cy in N s (2.40)."""
+    slowing = 3.0 * _lever(impact_angle, friction) * impulse / (2.0 * _checked(_MASS, mass))
+    return (slowing - _checked(_TIP_SPEED, tip_speed)) * np.sin(impact_angle) * impulse
+
+
+def normal_compressive_work(
+    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
+) -> Number:
+    """W_y(p_cy) = -v_C sin gamma p_cy/2, J (2.40)."""
+    impulse = normal_compressive_impulse(mass, tip_speed, impact_angle, friction)
+    return -0.5 * np.multiply(tip_speed, np.sin(impact_angle)) * impulse
+
+
+def tangential_compressive_impulse(
+    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
+) -> Number:
+    """p_cx = -m v_C/(3 (cos gamma + sin gamma/mu_1)) = -mu_1 p_cy, N s (2.56); zero for mu_1 = 0."""
+    return 0.0 - np.multiply(friction, normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
+
+
+def tangential_compressive_work(
+    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
+) -> Number:
+    """W_x(p_cx) = v_C cos gamma p_cx/2, J (2.58)."""
+    impulse = tangential_compressive_impulse(mass, tip_speed, impact_angle, friction)
+    return 0.5 * np.multiply(tip_speed, np.cos(impact_angle)) * impulse
+
+
+def normal_final_impulse(
+    mass: ArrayLike,
+    tip_speed: ArrayLike,
+    impact_angle: ArrayLike,
+    friction: ArrayLike,
+    restitution: ArrayLike,
+    restitution_friction: ArrayLike | None = None,
+) -> Number:
+    """p_fy = (m v_C/3) (s_2 + e* sqrt(s_1 s_2))/(s_1 s_2) = p_cy (1 + e* sqrt(s_1/s_2)), N s (2.48, 2.64).
+
+    It grows without bound as mu_2 approaches tan gamma. From there on there is no restitution: p_fy = p_cy, as for
+    e* = 0.
+    """
+    impulse = normal_compressive_impulse(mass, tip_speed, impact_angle, friction)
+    later = _later_lever(impact_angle, friction if restitution_friction is None else restitution_friction)
+    root = np.sqrt(_lever(impact_angle, friction) / np.where(later > 0.0, later, np.inf))
+    return impulse * (1.0 + _checked(_RESTITUTION, restitution) * root)
+
+
+def final_rate(
+    tip_speed: ArrayLike,
+    length: ArrayLike,
+    hub_radius: ArrayLike,
+    hub_speed: ArrayLike,
+    impact_angle: ArrayLike,
+    friction: ArrayLike,
+    restitution: ArrayLike,
+    restitution_friction: ArrayLike | None = None,
+) -> Number:
+    """phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1), rad/s: eq. 2.43 at the p_fy of eq. 2.48, as in eq. 2.65.
+
+    With mu_2 >= tan gamma or e* = 0 the tip stays at rest, phi'_f = -(r_h/L) omega; where v_C <= 0 it keeps its rate.
+    """
+    later = _later_lever(impact_angle, friction if restitution_friction is None else restitution_friction)
+    thrown = _checked(_RESTITUTION, restitution) * np.sqrt(later / _lever(impact_angle, friction))
+    speed = _checked(_TIP_SPEED, tip_speed)
+    share = np.where(speed > 0.0, -thrown, 1.0)
+    return rest_rate(length, hub_radius, hub_speed) + share * speed / length
+
+
+def _lever(impact_angle: ArrayLike, friction: ArrayLike) -> Number:
+    """s_1."""
+    angle = _checked(_IMPACT_ANGLE, impact_angle)
+    return np.sin(angle) + _checked(_FRICTION, friction) * np.cos(angle)
+
+
+def _later_lever(impact_angle: ArrayLike, friction: ArrayLike) -> Number:
+    """s_2, zero from the stiction friction on."""
+    angle = _checked(_IMPACT_ANGLE, impact_angle)
+    lever = np.sin(angle) - _checked(_LATER_FRICTION, friction) * np.cos(angle)
+    return np.where(np.less(friction, stiction_friction(angle)), np.maximum(lever, 0.0), 0.0)[()]
+
+
+def _checked(declared: Quantity, value: ArrayLike) -> Number:
+    """The value as floats, or ValueError for the first that is out of range."""
+    number = np.asarray(value, dtype=float)
+    above = number >= declared.lowest if declared.lowest_allowed else number > declared.lowest
+    outside = ~(above & (number <= declared.highest))
+    if outside.any():
+        declared.check(number[outside].flat[0])
+    return number[()]

@@ -1,0 +1,234 @@
+"""The cue: printed geometry, elliptic integrals, an energy balance and a fine march as referees."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from scipy.special import ellipk
+
+from bristle_sim.parameters import Belt, Tool, operating_point
+from bristle_sim.theory import cueing
+
+HUB_RADIUS, LENGTH, MASS, HUB_SPEED = 0.0275, 0.027, 8.387e-5, 261.8
+INERTIA = MASS * LENGTH**2 / 3
+RETRACTION = math.radians(44.5)
+PRINTED_PER_RADIAN, PRINTED_PER_DEGREE = 0.00041, math.degrees(0.00041)
+CENTRIFUGAL = cueing.centrifugal_stiffness(MASS, HUB_RADIUS, LENGTH, HUB_SPEED)
+
+
+def march(stiffness: float, centrifugal: float, damping: float, steps: int) -> tuple[float, float, float]:
+    """Time and speed where the bristle is fastest, and its speed at the radial direction, by steps of Runge-Kutta 4.
+
+    Unit inertia, released from rest at -RETRACTION. The highest speed is read off a parabola through three steps.
+    """
+
+    def slope(state: np.ndarray) -> np.ndarray:
+        angle, rate = state
+        return np.array([rate, -damping * rate - stiffness * angle - centrifugal * math.sin(angle)])
+
+    step = 4.0 / math.sqrt(stiffness + centrifugal) / steps
+    states = [np.array([-RETRACTION, 0.0])]
+    for _ in range(steps):
+        state = states[-1]
+        first = slope(state)
+        second = slope(state + step / 2 * first)
+        third = slope(state + step / 2 * second)
+        fourth = slope(state + step * third)
+        states.append(state + step / 6 * (first + 2 * second + 2 * third + fourth))
+    angle, rate = np.array(states).T
+    top = int(np.argmax(rate))
+    low, middle, high = rate[top - 1 : top + 2]
+    shift = 0.5 * (low - high) / (low - 2 * middle + high)
+    crossing = int(np.argmax(angle >= 0.0))
+    share = -angle[crossing - 1] / (angle[crossing] - angle[crossing - 1])
+    at_radial = rate[crossing - 1] + share * (rate[crossing] - rate[crossing - 1])
+    return (top + shift) * step, middle - 0.25 * (low - high) * shift, at_radial
+
+
+def test_impact_angle_from_penetration():
+    angle = cueing.impact_angle(HUB_RADIUS, LENGTH, 0.0045)
+    # Five printed digits; the dissertation rounds it to 23.4 deg.
+    assert math.degrees(angle) == pytest.approx(23.447, abs=5e-4)
+    assert math.cos(angle) == pytest.approx(50.0 / 54.5, rel=1e-15)
+    # gamma ~ sqrt(2 Delta/(r_h + L)), with a relative error of Delta/(12 (r_h + L)).
+    assert cueing.impact_angle(HUB_RADIUS, LENGTH, 1e-18) == pytest.approx(math.sqrt(2e-18 / 0.0545), rel=1e-15)
+    assert cueing.impact_angle(HUB_RADIUS, LENGTH, 0.0) == 0.0
+
+
+def test_printed_release_geometry():
+    """r_tip = 50.442 mm and A = 22.035 deg at 44.5 deg; the printed bar position is at S = 55.167 mm and 65.93 deg."""
+    assert cueing.tip_radius(HUB_RADIUS, LENGTH, RETRACTION) == pytest.approx(0.050442, abs=5e-7)
+    assert math.degrees(cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)) == pytest.approx(22.035, abs=5e-4)
+    horizontal, vertical = cueing.bar_position(0.055167, math.radians(65.93))
+    # Printed to 10 and 100 micrometres; direction and distance are rounded to 1e-4 and 1e-5 of themselves.
+    assert horizontal == pytest.approx(0.05037, abs=5e-6)
+    assert vertical == pytest.approx(0.0225, abs=5e-6)
+
+
+def test_tip_in_cartesian_coordinates():
+    """Root at (r_h, 0), tip one bristle further, retracted: the polar form must give the same point."""
+    for retraction in np.radians([0.0, 10.0, 44.5, 120.0, 180.0]):
+        point = HUB_RADIUS + LENGTH * np.exp(-1j * retraction)
+        assert cueing.tip_radius(HUB_RADIUS, LENGTH, retraction) == pytest.approx(abs(point), rel=1e-14)
+        assert cueing.tip_lag(HUB_RADIUS, LENGTH, retraction) == pytest.approx(-np.angle(point), abs=1e-14)
+
+
+def test_retraction_at_bar_inverts_the_geometry():
+    retraction = np.radians([0.001, 1.0, 20.0, 44.5, 90.0, 150.0])
+    distance = cueing.bar_distance(0.004725, cueing.tip_radius(HUB_RADIUS, LENGTH, retraction))
+    place = cueing.bar_position(distance, 1.15)
+    back = cueing.retraction_at_bar(*place, 0.004725, HUB_RADIUS, LENGTH)
+    # The tip radius is even in the angle: its rounding, 1e-16 of 55 mm, costs 1e-16/theta_p.
+    assert np.all(np.abs(back - retraction) < 1e-15 / retraction + 1e-14)
+    bar = operating_point().bar
+    printed = cueing.retraction_at_bar(bar.horizontal, bar.vertical, 0.0047246, HUB_RADIUS, LENGTH)
+    # r_b + d/2 = 4.725 mm was rounded from 4.7246 mm: 1e-4 mm of radius is 1e-5 rad.
+    assert printed == pytest.approx(RETRACTION, abs=1e-5)
+
+
+def test_printed_stiffness_cannot_be_per_radian():
+    """0.00041 N m/rad: 22.6 Hz; the hub turns 166 deg in a quarter period, 69 deg with centrifugal stiffening."""
+    plain = cueing.natural_rate(PRINTED_PER_RADIAN, INERTIA)
+    assert plain / (2 * math.pi) == pytest.approx(22.6, abs=0.05)
+    assert math.degrees(HUB_SPEED * cueing.cue_time(plain)) == pytest.approx(166.12, abs=0.01)
+    stiffened = cueing.stiffened_cue_time(RETRACTION, PRINTED_PER_RADIAN, CENTRIFUGAL, INERTIA)
+    assert stiffened == pytest.approx(4.6e-3, abs=5e-5)
+    assert math.degrees(HUB_SPEED * stiffened) == pytest.approx(69, abs=0.5)
+
+
+def test_cue_of_the_operating_point():
+    """Per degree: 170.9 Hz. Stiffened: 1.4052 ms, 21.08 deg, 869.1 rad/s, bar at 66.56 deg, each to its last digit."""
+    tool = operating_point()
+    rate = cueing.natural_rate(PRINTED_PER_DEGREE, INERTIA)
+    assert rate / (2 * math.pi) == pytest.approx(170.9, abs=0.05)
+    stiffened = cueing.stiffened_cue(tool)
+    assert stiffened.cue_time == pytest.approx(1.4052e-3, abs=5e-8)
+    assert math.degrees(stiffened.hub_turn) == pytest.approx(21.08, abs=5e-3)
+    assert stiffened.highest_relative_speed == pytest.approx(869.1, abs=0.05)
+    assert math.degrees(stiffened.bar_direction) == pytest.approx(66.56, abs=5e-3)
+
+    plain = cueing.cue(tool)
+    # A quarter of the period of 170.870 Hz, and theta_p times its rate.
+    assert plain.cue_time == pytest.approx(0.25 / (rate / (2 * math.pi)), rel=1e-14)
+    assert plain.highest_relative_speed == pytest.approx(RETRACTION * rate, rel=1e-14)
+    assert math.hypot(plain.bar_horizontal, plain.bar_vertical) == pytest.approx(plain.bar_distance, rel=1e-15)
+    assert math.atan2(plain.bar_horizontal, plain.bar_vertical) == pytest.approx(plain.bar_direction, rel=1e-14)
+    # The bar's radius is chosen so that S is that of the printed position.
+    assert plain.bar_distance == pytest.approx(math.hypot(0.05037, 0.0225), rel=1e-14)
+    assert plain.bar_direction - plain.hub_turn == pytest.approx(plain.tip_lag + plain.impact_angle, rel=1e-14)
+
+
+def test_bristle_of_another_tool():
+    """A natural frequency of 254 Hz puts the bar at 59.97 deg with stiffening, 60.25 deg without."""
+    stiffness = INERTIA * (2 * math.pi * 254) ** 2
+    rest = cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION) + cueing.impact_angle(HUB_RADIUS, LENGTH, 0.0045)
+    stiffened = cueing.stiffened_cue_time(RETRACTION, stiffness, CENTRIFUGAL, INERTIA)
+    assert math.degrees(rest + HUB_SPEED * stiffened) == pytest.approx(59.97, abs=5e-3)
+    assert math.degrees(rest + HUB_SPEED / 254 / 4) == pytest.approx(60.25, abs=5e-3)
+
+
+def test_centrifugal_share_of_the_belt():
+    g = cueing.centrifugal_stiffness(MASS, HUB_RADIUS, LENGTH, HUB_SPEED)
+    assert g / PRINTED_PER_DEGREE == pytest.approx(0.09, abs=5e-3)
+    # Moment of the centrifugal force on the whole rod, by 1000 slices at a retraction of 0.3 rad: midpoints are exact.
+    along = (np.arange(1000) + 0.5) / 1000 * LENGTH
+    force = HUB_SPEED**2 * (HUB_RADIUS + along * np.exp(0.3j)) * MASS / 1000
+    moment = np.sum((np.conj(along * np.exp(0.3j)) * force).imag)
+    assert -moment == pytest.approx(g * math.sin(0.3), rel=1e-12)
+
+
+def test_stiffened_cue_time_without_a_belt_is_the_pendulums():
+    """k = 0 is a pendulum: a quarter period K(sin^2(theta_p/2)) sqrt(I/g), K from scipy."""
+    retraction = np.radians([1e-6, 1.0, 44.5, 90.0, 120.0, 150.0])
+    time = cueing.stiffened_cue_time(retraction, 0.0, 3.0, 2.0)
+    # Rounding of 64 terms; the quadrature itself is exact to 1e-15 up to 150 deg.
+    np.testing.assert_allclose(time, ellipk(np.sin(retraction / 2) ** 2) * math.sqrt(2.0 / 3.0), rtol=3e-15)
+
+
+def test_stiffened_cue_without_rotation_and_for_small_angles():
+    linear = cueing.cue_time(cueing.natural_rate(2.5, 0.3))
+    np.testing.assert_allclose(cueing.stiffened_cue_time(np.array([0.1, 2.0]), 2.5, 0.0, 0.3), linear, rtol=1e-14)
+    small = cueing.cue_time(cueing.natural_rate(2.5 + 1.5, 0.3))
+    # The next term of the pendulum's period is of order theta_p^2.
+    assert cueing.stiffened_cue_time(1e-6, 2.5, 1.5, 0.3) == pytest.approx(small, rel=1e-12)
+    speed = cueing.highest_relative_speed(1e-6, cueing.natural_rate(4.0, 0.3))
+    assert cueing.stiffened_highest_speed(1e-6, 2.5, 1.5, 0.3) == pytest.approx(speed, rel=1e-12)
+
+
+def test_stiffened_motion_against_a_march():
+    time, speed, _ = march(stiffness=0.7, centrifugal=0.9, damping=0.0, steps=2000)
+    # Runge-Kutta: (2e-3)^4; the parabola through three steps: (2e-3)^3 or so.
+    assert cueing.stiffened_cue_time(RETRACTION, 0.7, 0.9, 1.0) == pytest.approx(time, rel=1e-7)
+    assert cueing.stiffened_highest_speed(RETRACTION, 0.7, 0.9, 1.0) == pytest.approx(speed, rel=1e-9)
+
+
+@pytest.mark.parametrize("zeta", [0.0, 0.018, 0.3, 0.6])
+def test_damped_motion_against_a_march(zeta):
+    time, speed, at_radial = march(stiffness=1.0, centrifugal=0.0, damping=2 * zeta, steps=4000)
+    # With steps of 1e-3 the parabola misses the top by (1e-3)^2/6, and a chord the speed at the crossing by (1e-3)^2/8.
+    assert cueing.damped_cue_time(1.0, zeta) == pytest.approx(time, rel=1e-6)
+    assert cueing.damped_highest_speed(RETRACTION, 1.0, zeta) == pytest.approx(speed, rel=1e-9)
+    assert cueing.damped_radial_speed(RETRACTION, 1.0, zeta) == pytest.approx(at_radial, rel=1e-6)
+
+
+def test_critical_and_overdamped_release():
+    """At zeta = 1, alpha' = theta_p Omega^2 t e^(-Omega t): 1/Omega and theta_p Omega/e. Continuous on both sides."""
+    assert cueing.damped_cue_time(3.0, 1.0) == pytest.approx(1 / 3, rel=1e-15)
+    assert cueing.damped_highest_speed(0.5, 3.0, 1.0) == pytest.approx(1.5 / math.e, rel=1e-15)
+    near = cueing.damped_cue_time(3.0, np.array([1 - 1e-9, 1 + 1e-9]))
+    # The slope of f at zeta = 1 is -1/3, and f itself loses half of its digits there.
+    np.testing.assert_allclose(near, 1 / 3, rtol=1e-8)
+    # Far beyond, the fast root -2 zeta Omega dies and leaves alpha' = theta_p Omega/(2 zeta), up to order (ln zeta)/zeta^2.
+    assert cueing.damped_highest_speed(0.5, 3.0, 1e4) == pytest.approx(0.5 * 3.0 / 2e4, rel=1e-6)
+
+
+def test_damping_ratio_inverts_both_speeds():
+    share = np.array([1.0, 0.999, 0.97, 0.7, 0.4, 0.368])
+    np.testing.assert_allclose(cueing.damped_highest_speed(1.0, 1.0, cueing.damping_ratio(share)), share, rtol=1e-13)
+    share = np.array([1.0, 0.999, 0.97, 0.5, 0.1, 0.001])
+    zeta = cueing.damping_ratio(share, radial=True)
+    # The logarithm of the share times a rounding.
+    np.testing.assert_allclose(cueing.damped_radial_speed(1.0, 1.0, zeta), share, rtol=1e-13)
+
+
+def test_damping_that_lowers_the_speed_to_the_printed_one():
+    """869.1 to 845.6 rad/s: 0.0180 of the belt's own critical damping as the bristle is radial, 0.0184 at its fastest."""
+    undamped = cueing.stiffened_highest_speed(RETRACTION, PRINTED_PER_DEGREE, CENTRIFUGAL, INERTIA)
+    to_belt = math.sqrt(1 + CENTRIFUGAL / PRINTED_PER_DEGREE)
+    for radial, printed in ((True, 0.0180), (False, 0.0184)):
+        zeta = cueing.damping_ratio(845.6 / undamped, radial=radial)
+        # Three digits; treating the sine as linear in the damping's share alone changes the fourth.
+        assert zeta * to_belt == pytest.approx(printed, abs=5e-5)
+
+
+def test_cue_with_damping_comes_earlier_and_slower():
+    tool = dataclasses.replace(operating_point(), belt=Belt(damping_ratio=0.05))
+    damped, plain = cueing.cue(tool), cueing.cue(operating_point())
+    # arccos(zeta) = pi/2 - zeta + ..., so the time shrinks by 2 zeta/pi and the speed by pi zeta/2, to first order.
+    assert damped.cue_time / plain.cue_time == pytest.approx(1 - 0.1 / math.pi, abs=2e-3)
+    assert damped.highest_relative_speed / plain.highest_relative_speed == pytest.approx(1 - 0.025 * math.pi, abs=6e-3)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: cueing.impact_angle(0.03, 0.03, -1e-3), r"^penetration = -0.001: 0 or more is allowed \(m\)"),
+        (lambda: cueing.impact_angle(0.03, 0.03, np.array([0.0, 0.07])), r"^penetration = 0.07: at most"),
+        (lambda: cueing.retraction_at_bar(0.2, 0.2, 0.005, 0.03, 0.03), r"tip radius = 0.277843: .* \(m\)"),
+        (lambda: cueing.natural_rate(0.0, 1.0), r"^stiffness = 0: more than 0 is allowed \(N m/rad\)"),
+        (lambda: cueing.natural_rate(1.0, -1.0), r"^inertia = -1: more than 0 is allowed \(kg m\^2\)"),
+        (lambda: cueing.stiffened_cue_time(3.2, 1.0, 1.0, 1.0), r"^retraction = 3.2: less than pi"),
+        (lambda: cueing.stiffened_cue_time(math.nan, 1.0, 1.0, 1.0), r"^retraction = nan: "),
+        (lambda: cueing.damped_cue_time(1.0, -0.1), r"^damping_ratio = -0.1: 0 or more"),
+        (lambda: cueing.damped_radial_speed(1.0, 1.0, 1.0), r"^damping_ratio = 1: less than 1"),
+        (lambda: cueing.damping_ratio(1.01), r"^speed_share = 1.01: 0.368 to 1"),
+        (lambda: cueing.cue(Tool(bar=None)), "^bar, workpart: a tool that has both"),
+    ],
+)
+def test_bad_input_is_named_in_one_line(call, message):
+    with pytest.raises(ValueError, match=message) as refusal:
+        call()
+    assert "\n" not in str(refusal.value)

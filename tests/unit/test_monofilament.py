@@ -1,0 +1,273 @@
+"""The monofilament's closed forms against print, against each other and against the integrals they solve."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from bristle_sim.theory import monofilament as mono
+from bristle_sim.theory.monofilament import monofilament_impact
+
+MASS, LENGTH, HUB_RADIUS, HUB_SPEED, RATIO, ANGLE, E = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4), 0.42
+KAPPA = RATIO + HUB_RADIUS / LENGTH
+TOOL = (MASS, LENGTH, HUB_RADIUS, HUB_SPEED, RATIO)
+
+# mu, p_cy, p_fy, W_y, W_x, final rate, rebound ratio: evaluated from Zhang 2020, eqs. 2.37-2.65, apart from this program.
+TABLE = np.array(
+    [
+        [0.0, 2.113995e-3, 3.001874e-3, -1.260658e-2, 0.0, -733.798, -0.867770],
+        [0.1, 1.717179e-3, 2.629757e-3, -1.024021e-2, -2.366372e-3, -635.839, -0.751926],
+        [0.31, 1.231668e-3, 2.504205e-3, -7.344917e-3, -5.261662e-3, -456.550, -0.539903],
+        [0.4, 1.098553e-3, 3.425542e-3, -6.551100e-3, -6.055479e-3, -359.274, -0.424868],
+    ]
+)
+
+
+def random_strikes(seed: int, size: int = 2000) -> dict[str, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    return {
+        "mass": 10.0 ** rng.uniform(-6, 2, size),
+        "length": 10.0 ** rng.uniform(-3, 1, size),
+        "hub_radius": 10.0 ** rng.uniform(-3, 1, size),
+        "hub_speed": 10.0 ** rng.uniform(-1, 4, size),
+        "speed_ratio": rng.uniform(0.1, 10, size),
+        "impact_angle": rng.uniform(0.02, math.pi / 2, size),
+        "friction": rng.uniform(0, 2, size),
+        "restitution": rng.uniform(0, 1, size),
+        "restitution_friction": rng.uniform(0, 2, size),
+    }
+
+
+def test_operating_point_table():
+    result = monofilament_impact(*TOOL, ANGLE, TABLE[:, 0], E)
+    computed = np.stack(
+        [
+            result.normal_compressive_impulse,
+            result.normal_final_impulse,
+            result.normal_compressive_work,
+            result.tangential_compressive_work,
+            result.final_bristle_rate,
+            result.rebound_ratio,
+        ],
+        axis=-1,
+    )
+    # Seven digits, six in the last two columns: half a unit in the last place is at most 5e-7 and 1.4e-6.
+    np.testing.assert_allclose(computed[:, :4], TABLE[:, 1:5], rtol=5e-7)
+    np.testing.assert_allclose(computed[:, 4:], TABLE[:, 5:], rtol=1.5e-6)
+
+
+def test_printed_compressive_impulse_needs_another_friction():
+    """The 1.619e-3 N s of Zhang 2020, eq. 3.9, is |p_c| at mu = 0.1376 rather than 0.31 (1.2895e-3) or 0.5 (1.0965e-3)."""
+    result = monofilament_impact(*TOOL, ANGLE, np.array([0.1376, 0.31, 0.5]), E)
+    resultant = np.hypot(result.normal_compressive_impulse, result.tangential_compressive_impulse)
+    # Half a unit of the fourth digit of mu changes p_c by 6e-5, that of p_c is 3e-4 and 5e-5.
+    np.testing.assert_allclose(resultant, [1.619e-3, 1.2895e-3, 1.0965e-3], rtol=1e-4)
+
+
+def test_compressive_work_is_the_kinetic_energy_of_the_approach():
+    """W_x + W_y = -m v_C^2/6 whatever friction and angle, and W_x/W_y = mu cot gamma."""
+    strikes = random_strikes(1)
+    result = monofilament_impact(**strikes)
+    speed = (strikes["speed_ratio"] * strikes["length"] + strikes["hub_radius"]) * strikes["hub_speed"]
+    total = result.normal_compressive_work + result.tangential_compressive_work
+    # A dozen roundings.
+    np.testing.assert_allclose(total, -strikes["mass"] * speed**2 / 6.0, rtol=1e-14)
+    ratio = strikes["friction"] / np.tan(strikes["impact_angle"])
+    np.testing.assert_allclose(result.tangential_compressive_work, ratio * result.normal_compressive_work, rtol=1e-13)
+    np.testing.assert_allclose(
+        result.tangential_compressive_impulse, -strikes["friction"] * result.normal_compressive_impulse, rtol=1e-14
+    )
+
+
+def test_total_compressive_work_at_the_operating_point():
+    result = monofilament_impact(*TOOL, ANGLE, np.linspace(0, 1, 11), E)
+    total = result.normal_compressive_work + result.tangential_compressive_work
+    # Half a unit of the seventh digit.
+    np.testing.assert_allclose(total, -1.260658e-2, rtol=4e-7)
+
+
+def test_final_impulse_has_the_form_printed():
+    """Zhang 2020, eqs. 2.48 and 2.64, written out as printed."""
+    for mu_1, mu_2 in ((0.31, 0.31), (0.1, 0.4), (0.8, 0.05)):
+        sine, cosine = math.sin(ANGLE), math.cos(ANGLE)
+        root = math.sqrt((sine + mu_1 * cosine) * (sine - mu_2 * cosine))
+        bracket = sine**2 + (mu_1 - mu_2) * cosine * sine - mu_1 * mu_2 * cosine**2
+        printed = MASS * (LENGTH * RATIO + HUB_RADIUS) * HUB_SPEED * (sine - mu_2 * cosine + E * root) / (3 * bracket)
+        result = monofilament_impact(*TOOL, ANGLE, mu_1, E, mu_2)
+        # The printed bracket s_1 s_2 cancels to 4 % of its terms for mu_2 = 0.4.
+        assert result.normal_final_impulse == pytest.approx(printed, rel=1e-13)
+
+
+def test_rates_along_the_impulse_join_up():
+    result = monofilament_impact(*TOOL, ANGLE, 0.2, E, 0.35)
+    compression, final = result.normal_compressive_impulse, result.normal_final_impulse
+    start, rod = RATIO * HUB_SPEED, (MASS, LENGTH)
+    assert mono.rate_in_compression(0.0, start, *rod, ANGLE, 0.2) == start
+    rest = mono.rest_rate(LENGTH, HUB_RADIUS, HUB_SPEED)
+    # Roundings of terms that are twenty times the result.
+    assert mono.rate_in_compression(compression, start, *rod, ANGLE, 0.2) == pytest.approx(rest, rel=1e-13)
+    later = (*rod, HUB_RADIUS, HUB_SPEED, ANGLE, 0.35)
+    assert mono.rate_in_restitution(0.0, *later) == rest
+    assert mono.rate_in_restitution(final - compression, *later) == pytest.approx(result.final_bristle_rate, rel=1e-13)
+    assert rest * LENGTH + HUB_RADIUS * HUB_SPEED == pytest.approx(0.0, abs=1e-15 * HUB_RADIUS * HUB_SPEED)
+
+
+def test_works_are_the_integrals_of_velocity_over_impulse():
+    """W_y = integral of v_y dp_y (2.38, 2.44) by the trapezoidal rule, exact for a linear velocity."""
+    mu_1, mu_2 = 0.2, 0.35
+    result = monofilament_impact(*TOOL, ANGLE, mu_1, E, mu_2)
+    impulse = np.linspace(0.0, result.normal_compressive_impulse, 5)
+    rate = mono.rate_in_compression(impulse, RATIO * HUB_SPEED, MASS, LENGTH, ANGLE, mu_1)
+    speed = -(LENGTH * rate + HUB_RADIUS * HUB_SPEED) * math.sin(ANGLE)
+    running = np.concatenate([[0.0], np.cumsum(np.diff(impulse) * (speed[1:] + speed[:-1]) / 2)])
+    strike = (MASS, mono.tip_speed(*TOOL[1:]), ANGLE, mu_1)
+    # Rounding of a sum of four terms.
+    np.testing.assert_allclose(mono.normal_work_in_compression(impulse, *strike), running, rtol=1e-12, atol=1e-18)
+    assert running[-1] == pytest.approx(result.normal_compressive_work, rel=1e-13)
+
+    rest = np.linspace(0.0, result.normal_final_impulse - result.normal_compressive_impulse, 5)
+    rate = mono.rate_in_restitution(rest, MASS, LENGTH, HUB_RADIUS, HUB_SPEED, ANGLE, mu_2)
+    speed = -(LENGTH * rate + HUB_RADIUS * HUB_SPEED) * math.sin(ANGLE)
+    restitutive = np.sum(np.diff(rest) * (speed[1:] + speed[:-1]) / 2)
+    # The speed is a small difference of rates; e*^2 is what (2.47) asks for.
+    assert restitutive == pytest.approx(-(E**2) * result.normal_compressive_work, rel=1e-12)
+
+
+def test_energetic_rule_and_angular_momentum_at_random():
+    """(2.47) from the final tip speed and the impulse, and m L^2/3 (phi'_f - phi'(0)) = -L (s_1 p_c + s_2 p_r)."""
+    strikes = random_strikes(2)
+    result = monofilament_impact(**strikes)
+    tip = -(strikes["length"] * result.final_bristle_rate + strikes["hub_radius"] * strikes["hub_speed"])
+    restitutive = result.normal_final_impulse - result.normal_compressive_impulse
+    work = 0.5 * restitutive * tip * np.sin(strikes["impact_angle"])
+    wanted = -(strikes["restitution"] ** 2) * result.normal_compressive_work
+    leaves = strikes["restitution_friction"] < np.tan(strikes["impact_angle"])
+    speed = (strikes["speed_ratio"] * strikes["length"] + strikes["hub_radius"]) * strikes["hub_speed"]
+    scale = 0.5 * strikes["mass"] * speed**2
+    # The tip speed is a difference: absolute error of a few roundings of the approach, times the impulse ratio.
+    blown_up = result.normal_final_impulse / result.normal_compressive_impulse
+    assert np.all(np.abs(work - np.where(leaves, wanted, 0.0)) < 1e-14 * scale * blown_up)
+    sine, cosine = np.sin(strikes["impact_angle"]), np.cos(strikes["impact_angle"])
+    lever_1, lever_2 = sine + strikes["friction"] * cosine, sine - strikes["restitution_friction"] * cosine
+    change = strikes["mass"] * strikes["length"] / 3 * (result.final_bristle_rate - result.initial_bristle_rate)
+    given = -lever_1 * result.normal_compressive_impulse - lever_2 * restitutive
+    assert np.all(np.abs(change - given) < 1e-14 * strikes["mass"] * speed * blown_up)
+
+
+@pytest.mark.parametrize("mu_2", [math.tan(ANGLE), 0.5, 10.0, 1e9])
+def test_stiction_ends_with_compression(mu_2):
+    result = monofilament_impact(*TOOL, ANGLE, 0.31, E, mu_2)
+    assert result.outcome_name == "stiction"
+    assert result.normal_final_impulse == result.normal_compressive_impulse
+    assert result.final_bristle_rate == -(HUB_RADIUS / LENGTH) * HUB_SPEED
+
+
+def test_final_impulse_grows_like_an_inverse_root_towards_stiction():
+    """p_fy - p_cy = e* p_cy sqrt(s_1/s_2), and s_2 = (tan gamma - mu_2) cos gamma."""
+    short = 10.0 ** -np.arange(2.0, 9.0)
+    result = monofilament_impact(*TOOL, ANGLE, 0.31, E, math.tan(ANGLE) - short)
+    restitutive = result.normal_final_impulse - result.normal_compressive_impulse
+    # tan gamma - mu_2 keeps 8 digits at the last point.
+    np.testing.assert_allclose(restitutive * np.sqrt(short), restitutive[0] * np.sqrt(short[0]), rtol=1e-7)
+    # The rate tends to that of the tip at rest, -(r_h/L) omega, as the square root does.
+    rest = -(HUB_RADIUS / LENGTH) * HUB_SPEED
+    slope = (result.final_bristle_rate - rest) / np.sqrt(short)
+    np.testing.assert_allclose(slope, slope[0], rtol=1e-7)
+
+
+def test_no_rebound_without_restitution():
+    result = monofilament_impact(*TOOL, ANGLE, 0.31, 0.0)
+    assert result.outcome_name == "no rebound"
+    assert result.normal_final_impulse == result.normal_compressive_impulse
+    assert result.final_bristle_rate == pytest.approx(-(HUB_RADIUS / LENGTH) * HUB_SPEED, rel=1e-15)
+
+
+def test_elastic_and_frictionless_reverses_the_tip():
+    result = monofilament_impact(*TOOL, np.radians([5.0, 23.4, 90.0]), 0.0, 1.0)
+    tip = LENGTH * result.final_bristle_rate + HUB_RADIUS * HUB_SPEED
+    np.testing.assert_allclose(tip, -KAPPA * HUB_SPEED * LENGTH, rtol=1e-14)
+    np.testing.assert_allclose(result.normal_final_impulse, 2 * result.normal_compressive_impulse, rtol=1e-15)
+    assert np.all(result.tangential_compressive_work == 0.0)
+
+
+def test_normal_impact_knows_no_friction():
+    """At gamma = pi/2 the rod end strikes square: p_c = m v_C/3 and the tip leaves with e* v_C."""
+    result = monofilament_impact(*TOOL, math.pi / 2, np.array([0.0, 0.31, 5.0]), E)
+    speed = KAPPA * HUB_SPEED * LENGTH
+    # cos(pi/2) is 6e-17 in floats.
+    np.testing.assert_allclose(result.normal_compressive_impulse, MASS * speed / 3, rtol=1e-14)
+    tip = LENGTH * result.final_bristle_rate + HUB_RADIUS * HUB_SPEED
+    np.testing.assert_allclose(tip, -E * speed, rtol=1e-14)
+
+
+def test_no_contact_where_the_tip_does_not_approach():
+    result = monofilament_impact(*TOOL[:4], np.array([-HUB_RADIUS / LENGTH - 1.0, -2.0, 0.1]), ANGLE, 0.31, E)
+    assert result.outcome.tolist() == [0, 0, 1]
+    assert result.normal_final_impulse[:2].tolist() == [0.0, 0.0]
+    # R omega comes back from the tip's speed: a few roundings.
+    np.testing.assert_allclose(result.final_bristle_rate[:2], result.initial_bristle_rate[:2], rtol=1e-14)
+
+
+def test_numbers_scale_with_mass_length_and_speed():
+    """p ~ m L omega and W ~ m L^2 omega^2 at a fixed r_h/L; rates ~ omega."""
+    plain = monofilament_impact(*TOOL, ANGLE, 0.31, E)
+    scaled = monofilament_impact(2 * MASS, 4 * LENGTH, 4 * HUB_RADIUS, 8 * HUB_SPEED, RATIO, ANGLE, 0.31, E)
+    # Powers of two: exact.
+    assert scaled.normal_final_impulse == 64 * plain.normal_final_impulse
+    assert scaled.normal_compressive_work == 2048 * plain.normal_compressive_work
+    assert scaled.final_bristle_rate == 8 * plain.final_bristle_rate
+
+
+def test_friction_is_shared_by_both_phases_unless_given():
+    shared = monofilament_impact(*TOOL, ANGLE, 0.31, E)
+    given = monofilament_impact(*TOOL, ANGLE, 0.31, E, 0.31)
+    assert shared == given
+    assert monofilament_impact(*TOOL, ANGLE, 0.31, E, 0.0).normal_final_impulse < shared.normal_final_impulse
+
+
+def test_arguments_broadcast_and_floats_stay_floats():
+    grid = monofilament_impact(*TOOL, np.radians([[10.0], [23.4]]), np.array([0.0, 0.1, 0.31]), E)
+    single = monofilament_impact(*TOOL, ANGLE, 0.31, E)
+    for name in mono.MonofilamentImpact.__slots__:
+        value = getattr(single, name)
+        assert np.ndim(value) == 0
+        assert np.broadcast_to(getattr(grid, name), (2, 3))[1, 2] == value
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "unit"),
+    [
+        ("mass", 0.0, "kg"),
+        ("mass", -1.0, "kg"),
+        ("length", 0.0, "m"),
+        ("hub_radius", -0.1, "m"),
+        ("hub_speed", -1.0, "rad/s"),
+        ("hub_speed", math.inf, "rad/s"),
+        ("speed_ratio", math.nan, "dimensionless"),
+        ("impact_angle", 0.0, "rad"),
+        ("impact_angle", 1.6, "rad"),
+        ("friction", -0.1, "dimensionless"),
+        ("friction", math.nan, "dimensionless"),
+        ("restitution", 1.1, "dimensionless"),
+        ("restitution", -0.1, "dimensionless"),
+        ("restitution_friction", -0.1, "dimensionless"),
+    ],
+)
+def test_bad_input_is_named_in_one_line(name, value, unit):
+    arguments = {
+        "mass": MASS, "length": LENGTH, "hub_radius": HUB_RADIUS, "hub_speed": HUB_SPEED, "speed_ratio": RATIO,
+        "impact_angle": ANGLE, "friction": 0.31, "restitution": E, "restitution_friction": 0.2,
+    }  # fmt: skip
+    for bad in (value, np.array([arguments[name], value])):
+        with pytest.raises(ValueError, match=f"^{name} = .*{unit}") as refusal:
+            monofilament_impact(**(arguments | {name: bad}))
+        assert "\n" not in str(refusal.value)
+
+
+def test_rebound_ratio_of_a_bristle_at_rest_is_refused():
+    result = monofilament_impact(*TOOL[:4], 0.0, ANGLE, 0.31, E)
+    assert result.normal_compressive_impulse > 0.0
+    with pytest.raises(ValueError, match="rebound ratio"):
+        _ = result.rebound_ratio

@@ -1,0 +1,208 @@
+"""Declared quantities: what is accepted, what is refused and how a refusal reads."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bristle_sim.quantity import Choice, Quantity, check, choice, declaration, quantity, validate
+
+FROM_ZERO = Quantity("friction", "1", 0.0, 1e9, True, "a source")
+ABOVE_ZERO = Quantity("bristle_length", "m", 0.0, 1e3, False, "a source")
+
+
+@dataclass(frozen=True)
+class Part:
+    length: float = quantity(0.5, "length", "m", above=0.0, at_most=2.0, source="a source")
+    extra: float | None = quantity(None, "extra", "s", at_least=-1.0, at_most=1.0, source="a source")
+    word: str = choice("one", "word", ("one", "two"), source="a source")
+    undeclared: int = 3
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("5", 5.0),
+        (" 5 ", 5.0),
+        ("+.5", 0.5),
+        ("1e-3", 1e-3),
+        ("1E3", 1000.0),
+        ("0", 0.0),
+        ("1e9", 1e9),
+        ("1e-320", 1e-320),
+    ],
+)
+def test_decimal_numbers_are_parsed(text: str, value: float):
+    assert FROM_ZERO.parse(text) == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        " ",
+        "abc",
+        "nan",
+        "-nan",
+        "inf",
+        "-inf",
+        "infinity",
+        "1e999",
+        "-1e-320",
+        "1000000000.0000002",
+        "0x10",
+        "1_000",
+        "1,5",
+        "1 2",
+        "5 m",
+        "\u22125",  # the minus sign that word processors set
+        "\u0663",  # three in Arabic-Indic digits, which float() takes
+        "\uff15",  # full-width, likewise
+        "1\n2",
+        "5\0",
+        "\udcff",
+        "None",
+        "True",
+        "1j",
+    ],
+)
+def test_anything_else_is_refused_in_one_line(text: str):
+    with pytest.raises(ValueError, match="^friction = ") as refusal:
+        FROM_ZERO.parse(text)
+    message = str(refusal.value)
+    assert message == f"friction = {text!r}: a finite number with 0 <= friction <= 1e+09 is allowed (dimensionless)"
+    assert message.isprintable()
+
+
+def test_long_text_is_shortened():
+    with pytest.raises(ValueError, match="friction") as refusal:
+        FROM_ZERO.parse("9" * 100_000)
+    assert len(str(refusal.value)) < 150
+    with pytest.raises(ValueError, match="word") as refusal:
+        Choice("word", ("one",), "a source").parse("x" * 100_000)
+    assert len(str(refusal.value)) < 150
+
+
+def test_units_are_named():
+    with pytest.raises(ValueError, match=r"^bristle_length = '0': .* 0 < bristle_length <= 1000 is allowed \(in m\)$"):
+        ABOVE_ZERO.parse("0")
+
+
+def test_bounds():
+    smallest = math.nextafter(0.0, 1.0)
+    for accepted in (0.0, smallest, 1e9):
+        assert FROM_ZERO.check(accepted) == accepted
+    for refused in (-smallest, math.nextafter(1e9, math.inf), math.inf, -math.inf, math.nan):
+        with pytest.raises(ValueError, match=r"friction = -?[\dein]"):
+            FROM_ZERO.check(refused)
+    assert ABOVE_ZERO.check(smallest) == smallest
+    with pytest.raises(ValueError, match="0 < bristle_length <= 1000"):
+        ABOVE_ZERO.check(0.0)
+
+
+def test_a_value_just_out_of_range_is_shown_to_its_last_digit():
+    with pytest.raises(ValueError, match=r"bristle_length = 1000\.0000000000001:"):
+        ABOVE_ZERO.check(math.nextafter(1e3, math.inf))
+
+
+@given(st.floats(0.0, 1e9))
+def test_every_number_in_range_survives_typing(value: float):
+    assert FROM_ZERO.parse(repr(value)) == value
+
+
+@given(st.floats().filter(lambda value: not 0.0 <= value <= 1e9))
+def test_no_number_out_of_range_is_accepted(value: float):
+    for enter in (FROM_ZERO.check, lambda number: FROM_ZERO.parse(repr(number))):
+        with pytest.raises(ValueError, match="friction"):
+            enter(value)
+
+
+@given(st.text(max_size=8))
+def test_text_gives_a_number_in_range_or_a_printable_refusal(text: str):
+    try:
+        value = FROM_ZERO.parse(text)
+    except ValueError as refusal:
+        assert str(refusal).isprintable()
+    else:
+        assert 0.0 <= value <= 1e9
+
+
+@pytest.mark.parametrize("value", [5, np.float32(5), np.float64(5), np.int64(5), Fraction(5)])
+def test_real_numbers_become_plain_floats(value: object):
+    checked = FROM_ZERO.check(value)
+    assert type(checked) is float
+    assert checked == 5.0
+
+
+@pytest.mark.parametrize("value", [True, np.bool_(True), None, "5", b"5", 5j, [5.0], np.array([5.0]), np.array(5.0)])
+def test_what_is_not_a_real_number_is_refused(value: object):
+    with pytest.raises(ValueError, match="^friction = "):
+        FROM_ZERO.check(value)
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**400), 10**5000])
+def test_whole_numbers_beyond_floats_are_refused(value: int):
+    """10**5000 has more digits than Python is willing to print."""
+    with pytest.raises(ValueError, match="friction = -?inf:"):
+        FROM_ZERO.check(value)
+
+
+def test_zero_has_no_sign():
+    for zero in (FROM_ZERO.check(-0.0), FROM_ZERO.parse("-0")):
+        assert math.copysign(1.0, zero) == 1.0
+
+
+def test_words():
+    word = Choice("contact", ("energetic", "engine"), "a source")
+    assert word.parse("engine") == "engine"
+    for text in ("", "Engine", "engine ", "both", "e\nf"):
+        with pytest.raises(ValueError, match="^contact = ") as refusal:
+            word.parse(text)
+        assert str(refusal.value) == f"contact = {text!r}: one word of energetic | engine is allowed"
+    with pytest.raises(ValueError, match="contact = 3: one word"):
+        word.check(3)
+
+
+def test_parts_validate_what_they_declare():
+    part = Part(length=np.float32(0.25), undeclared=-7)
+    assert type(part.length) is float
+    assert (part.length, part.extra, part.word, part.undeclared) == (0.25, None, "one", -7)
+    assert Part(extra=-1).extra == -1.0
+    for wrong in (
+        {"length": 0.0},
+        {"length": None},
+        {"extra": 1.5},
+        {"extra": "none"},
+        {"word": None},
+        {"word": "six"},
+    ):
+        with pytest.raises(ValueError, match=f"^{next(iter(wrong))} = "):
+            Part(**wrong)
+    with pytest.raises(ValueError, match="length"):
+        dataclasses.replace(part, length=3.0)
+
+
+def test_declarations_can_be_asked_for():
+    assert declaration(Part, "length") == Quantity("length", "m", 0.0, 2.0, False, "a source")
+    assert declaration(Part(), "extra").optional
+    assert declaration(Part, "word").allowed == "one | two"
+    assert check(Part, "extra", None) is None
+    assert check(Part, "length", 2) == 2.0
+    with pytest.raises(AttributeError, match="nothing"):
+        declaration(Part, "nothing")
+
+
+@pytest.mark.parametrize("bounds", [{}, {"above": 0.0, "at_least": 0.0}])
+def test_a_declaration_has_one_lower_bound(bounds: dict[str, float]):
+    with pytest.raises(ValueError, match="exactly one"):
+        quantity(1.0, "key", "m", at_most=2.0, source="a source", **bounds)

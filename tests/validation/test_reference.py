@@ -1,0 +1,499 @@
+"""The reference against closed forms, conservation laws, geometry recomputed here, and numbers found independently."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import ellipj, ellipk
+
+from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart, operating_point
+from bristle_sim.reference import simulate_reference
+from bristle_sim.reference.crossing import crossings, integral
+
+FREE = Tool(bar=None, workpart=None)
+RETRACTED = -math.radians(44.5)
+GRAVITY = 9.81
+BARS = [(0.05037, 0.0225), (0.042, 0.01876)]
+"""A bar that touches the wire's end all the way, and one that touches its flank in between."""
+
+
+@pytest.fixture(scope="module")
+def cued():
+    """The operating point up to the strike, finely sampled."""
+    return simulate_reference(operating_point(), stop_after="strike", sample_interval=1e-6)
+
+
+@pytest.fixture(scope="module")
+def whole_pass():
+    return simulate_reference(operating_point())
+
+
+def natural_rate(tool):
+    return math.sqrt(tool.belt.stiffness / tool.bristle.inertia_about_root)
+
+
+def centrifugal_stiffness(tool):
+    """m r_h (L/2) omega^2."""
+    return 0.5 * tool.bristle.mass * tool.bristle.length * tool.hub.radius * tool.hub.speed**2
+
+
+def with_bar(**changes):
+    tool = operating_point()
+    return replace(tool, bar=replace(tool.bar, **changes))
+
+
+def plane(angle):
+    """Unit vectors (sin, -cos), shape (n, 2)."""
+    return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+
+
+def cross(first, second):
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+
+
+def root_and_nearest(tool, run):
+    """Root, and the centre line's point nearest to the bar by projection on the segment; shape (n, 2)."""
+    root, wire = tool.hub.radius * plane(run.hub_angle), plane(run.angles[:, 0])
+    along = np.clip(((np.array(tool.bar.centre) - root) * wire).sum(axis=1), 0.0, tool.bristle.length)
+    return root, root + along[:, np.newaxis] * wire
+
+
+def bar_gap(tool, run):
+    _, point = root_and_nearest(tool, run)
+    return np.linalg.norm(point - tool.bar.centre, axis=1) - tool.bar_reach
+
+
+def least_gap(tool, run):
+    gaps = [] if tool.bar is None else [bar_gap(tool, run).min()]
+    if tool.workpart is not None:
+        gaps.append((run.tip[:, 1] + tool.workpart_depth).min())
+    return min(gaps)
+
+
+def contact_moment(tool, run):
+    """Moment about the root of the bar's normal force and of friction on the wire's surface, N m."""
+    root, point = root_and_nearest(tool, run)
+    normal = (point - tool.bar.centre) / np.linalg.norm(point - tool.bar.centre, axis=1, keepdims=True)
+    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+    arm = point - 0.5 * tool.bristle.wire_diameter * normal - root
+    quarter_turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    velocity = (tool.hub.speed * root + run.rates * arm) @ quarter_turn
+    slip = np.sign((velocity * tangent).sum(axis=1, keepdims=True))
+    return cross(arm, run.normal_force[:, np.newaxis] * (normal - tool.bar.friction * slip * tangent))
+
+
+class TestFlight:
+    @pytest.mark.parametrize("damping", [0.0, 0.018, 0.7])
+    def test_belt_oscillation_is_a_complex_exponential(self, damping):
+        """With the root on the hub's axis the centrifugal term vanishes: a damped harmonic oscillator.
+
+        Tolerance: a hundred times the accuracy asked for, of angles and rates of the order of 1 and the natural rate.
+        """
+        tool = replace(FREE, hub=Hub(radius=0.0), belt=Belt(damping_ratio=damping))
+        angle, rate, natural = -0.6, 300.0, natural_rate(tool)
+        run = simulate_reference(tool, start_relative_angle=angle, start_relative_rate=rate, accuracy=1e-12)
+        exponent = natural * complex(-damping, math.sqrt(1.0 - damping**2))
+        amplitude = complex(angle, (exponent.real * angle - rate) / exponent.imag)
+        motion = amplitude * np.exp(exponent * run.time)
+        np.testing.assert_allclose(run.relative_angle, motion.real, rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(run.relative_rate, (exponent * motion).real, rtol=0.0, atol=1e-10 * natural)
+
+    @pytest.mark.parametrize("speed", [0.0, 261.8])
+    def test_pendulum_without_belt_is_an_elliptic_function(self, speed):
+        """sin(a/2) = sin(a_0/2) cd(t sqrt(3 g/2L)), g being gravity, or at the hub's rim r_h omega^2."""
+        tool = replace(FREE, hub=Hub(speed=speed), belt=Belt(stiffness=0.0), gravity=0.0 if speed else GRAVITY)
+        strength = tool.hub.radius * speed**2 or GRAVITY
+        rate = math.sqrt(1.5 * strength / tool.bristle.length)
+        hub_angle, angle = (0.7, -1.3) if speed else (0.2, -1.3)
+        run = simulate_reference(tool, start_hub_angle=hub_angle, start_relative_angle=angle, accuracy=1e-12)
+        start = angle if speed else hub_angle + angle
+        modulus = math.sin(0.5 * start) ** 2
+        _, cosine, delta, _ = ellipj(rate * run.time, modulus)
+        swing = run.relative_angle if speed else run.angles[:, 0]
+        expected = 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta)
+        # A hundred times the accuracy asked for.
+        np.testing.assert_allclose(swing, expected, rtol=0.0, atol=1e-10)
+        quarter = ellipk(modulus) / rate
+        assert run.event_time("highest relative speed") == pytest.approx(quarter, rel=1e-9)
+
+    def test_jacobi_integral_of_the_rotating_frame(self):
+        """I a'^2/2 + k a^2/2 - m r_h (L/2) omega^2 cos a is constant; the centrifugal part varies by 3 % of it here."""
+        run = simulate_reference(FREE, start_relative_angle=RETRACTED, accuracy=1e-12)
+        angle, rate = run.relative_angle, run.relative_rate
+        kinetic = 0.5 * FREE.bristle.inertia_about_root * rate**2
+        jacobi = kinetic + 0.5 * FREE.belt.stiffness * angle**2 - centrifugal_stiffness(FREE) * np.cos(angle)
+        # A hundred times the accuracy asked for, of the energy that swings to and fro.
+        assert np.ptp(jacobi) < 1e-10 * np.ptp(kinetic)
+
+    def test_energies_are_those_of_the_rods_elements(self):
+        """Three-point Gauss quadrature over the wire is exact for the square of a velocity that is linear along it."""
+        tool = replace(FREE, gravity=GRAVITY)
+        run = simulate_reference(tool, start_relative_angle=RETRACTED)
+        nodes, weights = np.polynomial.legendre.leggauss(3)
+        along = 0.5 * tool.bristle.length * (1.0 + nodes)[:, np.newaxis, np.newaxis]
+        hub, wire = plane(run.hub_angle), plane(run.angles[:, 0])
+        turned = np.array([[0.0, 1.0], [-1.0, 0.0]])
+        velocity = tool.hub.radius * tool.hub.speed * hub @ turned + along * run.rates * (wire @ turned)
+        height = (tool.hub.radius * hub + along * wire)[..., 1]
+        mass = 0.5 * weights * tool.bristle.mass
+        kinetic = np.tensordot(mass, 0.5 * (velocity**2).sum(axis=-1), axes=1)
+        potential = np.tensordot(mass, GRAVITY * height, axes=1) + 0.5 * tool.belt.stiffness * run.relative_angle**2
+        # Rounding of sums of a few terms.
+        np.testing.assert_allclose(run.kinetic_energy, kinetic, rtol=1e-13)
+        np.testing.assert_allclose(run.potential_energy, potential, rtol=1e-12, atol=1e-15)
+
+    def test_highest_relative_speed_of_the_release(self):
+        """At the radial position, from the Jacobi integral; the run ends there when asked to."""
+        run = simulate_reference(FREE, start_relative_angle=RETRACTED, stop_after="highest relative speed")
+        drop = FREE.belt.stiffness * RETRACTED**2 + 2.0 * centrifugal_stiffness(FREE) * (1.0 - math.cos(RETRACTED))
+        assert run.stop_reason == "highest relative speed"
+        assert run.time[-1] == run.event_time("highest relative speed")
+        # A hundred times the accuracy asked for; the instant is where the acceleration, 1e6 rad/s^2 per rad, vanishes.
+        assert run.relative_rate[-1] == pytest.approx(math.sqrt(drop / FREE.bristle.inertia_about_root), rel=1e-8)
+        assert run.relative_angle[-1] == pytest.approx(0.0, abs=1e-8)
+
+
+class TestOperatingPoint:
+    def test_first_touch_by_the_law_of_cosines(self, cued):
+        """The radial bristle's end meets the bar: triangle of hub, tip and bar's centre, with sides R, S and reach."""
+        bar, tip_radius = operating_point().bar, 0.0275 + 0.027
+        distance, reach = math.hypot(bar.horizontal, bar.vertical), operating_point().bar_reach
+        between = math.acos((distance**2 + tip_radius**2 - reach**2) / (2.0 * distance * tip_radius))
+        bar_angle = math.atan2(bar.horizontal, bar.vertical)
+        # Touches are located to 1e-13 of a length, at 14 m/s.
+        assert cued.event_time("bar touch") == pytest.approx((math.pi / 2 - bar_angle - between) / 261.8, rel=1e-12)
+        assert cued.event_time("bar touch") == pytest.approx(1.279e-3, abs=0.5e-6)
+
+    def test_numbers_of_two_other_integrations(self, cued):
+        """Found with a rigid-body engine and with a stiff damped bar; tolerances are half of their last digits.
+
+        The last touch is ill-conditioned, the wire's end grazes the bar: two digits fewer are asked for.
+        """
+        last_touch = cued.event_time("bar release", last=True)
+        assert last_touch == pytest.approx(2.95e-3, abs=1e-5)
+        assert np.degrees(np.interp(last_touch, cued.time, cued.relative_angle)) == pytest.approx(-43.6, abs=0.1)
+        assert np.degrees(cued.relative_angle.min()) == pytest.approx(-44.995, abs=5e-4)
+        assert cued.event_time("strike") == pytest.approx(4.5300e-3, abs=5e-8)
+        assert cued.relative_rate[-2] == pytest.approx(877.09, abs=5e-3)
+        assert np.degrees(cued.relative_angle[-1]) == pytest.approx(-2.743, abs=5e-4)
+
+    def test_restitution_of_the_bar_gives_two_taps(self):
+        run = simulate_reference(with_bar(restitution=0.42), stop_after="strike")
+        taps = [each for each in run.contacts if each.obstacle == "bar"]
+        assert [each.outcome for each in taps] == ["rebound", "rebound"]
+        for each in taps:
+            # Frictionless, one degree of freedom: the energetic coefficient is Newton's; rounding.
+            assert each.velocity_after[0] == pytest.approx(-0.42 * each.velocity_before[0], rel=1e-12)
+        # Half of the last digits.
+        assert run.relative_rate[-2] == pytest.approx(911.9, abs=0.05)
+        assert np.degrees(run.relative_angle[-2]) == pytest.approx(-3.31, abs=0.0101)
+
+    def test_largest_retraction_is_where_the_rate_crosses_zero(self, cued):
+        time = cued.event_time("largest retraction")
+        # Samples 1 us apart at 8e5 rad/s^2: the nearest one is within 0.4 rad/s, interpolation far below.
+        assert np.interp(time, cued.time, cued.relative_rate) == pytest.approx(0.0, abs=1e-3)
+        assert abs(time - cued.time[np.argmin(cued.relative_angle)]) <= 1e-6
+
+    def test_first_tap_lifts_the_wire_off_before_it_is_held(self, cued):
+        """A straight wire's end that the tap has stopped normal to the bar turns away from it at first.
+
+        With alpha = 0 the belt does not press yet: gap'' is the end's centripetal acceleration along the normal plus
+        v_t^2/reach, and -omega^2 r_h - L phi'^2 inward along the wire is nearly tangential here but positive.
+        """
+        tap, second, held = (each for each in cued.contacts if each.obstacle == "bar")
+        assert (tap.outcome, second.law, held.law) == ("no rebound", "energetic", "hold")
+        tool = operating_point()
+        flying = (cued.time > tap.time) & (cued.time < held.time)
+        hub, wire = plane(cued.hub_angle[flying][0]), plane(tap.angles[0])
+        tip = tool.hub.radius * plane(np.array(-math.pi / 2 + 261.8 * tap.time)) + tool.bristle.length * wire
+        normal = (tip - tool.bar.centre) / np.linalg.norm(tip - tool.bar.centre)
+        inward = -(tool.hub.radius * 261.8**2 + tool.bristle.length * tap.rates_after[0] ** 2) * wire
+        acceleration = inward @ normal + tap.velocity_after[1] ** 2 / tool.bar_reach
+        assert hub @ wire == pytest.approx(1.0, abs=1e-3)
+        assert acceleration > 0.0
+        early = cued.time[flying][:5] - tap.time
+        gap = bar_gap(tool, cued)[flying][:5]
+        # The next term of the series is smaller by the time over the flight's length, 5/63.
+        np.testing.assert_allclose(gap, 0.5 * acceleration * early**2, rtol=0.15)
+
+    def test_nothing_penetrates(self, cued, whole_pass):
+        """A touch is located within 1e-13 of 54.5 mm, and may start that much inside after each touch before."""
+        for run in (cued, whole_pass):
+            assert least_gap(operating_point(), run) > -1e-13 * 0.0545 * (len(run.contacts) + 1)
+
+    def test_strike_obeys_momentum_and_the_energetic_law(self, whole_pass):
+        tool, strike = operating_point(), whole_pass.first_contact("workpart")
+        (normal, tangential), angle = strike.impulse, strike.angles[0]
+        kick = 3.0 * (math.sin(angle) * normal + math.cos(angle) * tangential) / (0.027 * tool.bristle.mass)
+        # Rounding.
+        assert strike.rates_after[0] - strike.rates_before[0] == pytest.approx(kick, rel=1e-12)
+        assert strike.restitutive_work[0] == pytest.approx(-(0.42**2) * strike.compressive_work[0], rel=1e-12)
+        assert strike.outcome == "rebound"
+        assert strike.time == whole_pass.event_time("strike")
+
+    def test_samples(self, whole_pass):
+        """At least forty in a period of the belt, two at an impact, finite everywhere."""
+        gaps = np.diff(whole_pass.time)
+        strike = whole_pass.time == whole_pass.event_time("strike")
+        assert gaps.min() >= 0.0
+        assert gaps.max() <= 2.0 * math.pi / natural_rate(operating_point()) / 40.0
+        assert strike.sum() == 2
+        assert whole_pass.rates[strike, 0].tolist() == [
+            whole_pass.first_contact("workpart").rates_before[0],
+            whole_pass.first_contact("workpart").rates_after[0],
+        ]
+        assert whole_pass.hub_angle[-1] == pytest.approx(math.pi, rel=1e-12)
+        assert all(np.isfinite(getattr(whole_pass, name)).all() for name in ("angles", "rates", "tip", "normal_force"))
+
+    def test_same_input_same_numbers(self, whole_pass):
+        again = simulate_reference(operating_point())
+        assert np.array_equal(again.angles, whole_pass.angles)
+        assert again.events == whole_pass.events
+
+    def test_accuracy_converges(self):
+        """Each hundredfold accuracy brings the strike nearer to that of 1e-12, and within a hundred times what is asked.
+
+        The rate varies by 3e3 rad/s per rad at the strike, so it is taken relative to itself.
+        """
+
+        def strike(accuracy):
+            run = simulate_reference(with_bar(restitution=0.42), stop_after="strike", accuracy=accuracy)
+            return np.array([run.time[-1], run.relative_angle[-2], run.relative_rate[-2]])
+
+        best = strike(1e-12)
+        asked = [1e-4, 1e-6, 1e-8]
+        errors = [np.abs(strike(each) / best - 1.0).max() for each in asked]
+        assert errors[0] > errors[1] > errors[2] > 0.0
+        assert all(error < 100.0 * each for error, each in zip(errors, asked, strict=True))
+
+
+class TestImpact:
+    @pytest.mark.parametrize(
+        ("friction", "impulse", "rate"), [(0.0, 3.001874e-3, -733.798), (0.31, 2.504205e-3, -456.550)]
+    )
+    def test_radial_strike_of_the_monofilament(self, friction, impulse, rate):
+        """Zhang 2020, eqs. 2.48 and 2.65, evaluated to seven digits; tolerances are half of the last digit."""
+        angle = math.radians(23.4)
+        penetration = 0.0545 * (1.0 - math.cos(angle))
+        tool = Tool(bar=None, workpart=Workpart(penetration=penetration, friction=friction))
+        relative = 3.23 * 261.8 - 261.8
+        run = simulate_reference(
+            tool, start_hub_angle=-angle, start_relative_rate=relative, stop_after="strike", accuracy=1e-12
+        )
+        strike = run.first_contact("workpart")
+        assert strike.time < 1e-12
+        assert strike.impulse[0] == pytest.approx(impulse, abs=5.1e-10)
+        assert strike.rates_after[0] == pytest.approx(rate, abs=1e-3)
+
+    @pytest.mark.parametrize(("friction", "outcome"), [(0.08, "strike"), (0.095, "jam")])
+    def test_a_wire_that_leans_forward_jams(self, friction, outcome):
+        """Leaning by phi beyond the normal while the root comes down, the impulse turns it back iff mu < tan phi.
+
+        phi = 5 deg at touch, tan phi = 0.0875.
+        """
+        hub_angle, lean = math.radians(-20.0), math.radians(5.0)
+        depth = 0.0275 * math.cos(hub_angle) + 0.027 * math.cos(lean)
+        tool = Tool(bar=None, workpart=Workpart(penetration=0.0545 - depth, friction=friction))
+        run = simulate_reference(
+            tool, start_hub_angle=hub_angle, start_relative_angle=lean - hub_angle, stop_after="strike"
+        )
+        assert run.first_contact("workpart").time < 1e-12
+        assert run.stop_reason == outcome
+        assert (run.event_time("jam") is not None) == (outcome == "jam")
+
+    def test_elastic_frictionless_bounces_keep_the_energy(self):
+        """Hub at rest, e = 1, mu = 0, no damping: nothing does work; a hundred times the accuracy asked for."""
+        tool = Tool(
+            hub=Hub(speed=0.0),
+            belt=Belt(stiffness=1e-4),
+            bar=None,
+            workpart=Workpart(penetration=0.01, friction=0.0, restitution=1.0),
+            gravity=GRAVITY,
+        )
+        run = simulate_reference(tool, start_hub_angle=0.0, start_relative_angle=-1.3, accuracy=1e-12, duration=0.5)
+        assert len(run.contacts) > 5
+        assert np.ptp(run.total_energy) < 1e-10 * np.ptp(run.kinetic_energy)
+
+    def test_taps_accumulate_into_rest(self):
+        """Dropped from h with e < 1, the bristle rests after sqrt(2h/a) (1+e)/(1-e), and then weighs m g/2.
+
+        a = 1.5 g sin^2 phi at the tip; h is 1e-3 of the length, which is the size of the next term. Bounces below
+        1e-10 of the length are taken as rest, which cuts the sum by less.
+        """
+        lean, e = math.radians(80.0), 0.5
+        depth = 0.0275 + 0.027 * math.cos(lean)
+        tool = Tool(
+            hub=Hub(speed=0.0),
+            belt=Belt(stiffness=0.0),
+            bar=None,
+            workpart=Workpart(penetration=0.0545 - depth, friction=0.0, restitution=e),
+            gravity=GRAVITY,
+        )
+        height = 1e-3 * 0.027
+        start = -math.acos(math.cos(lean) - height / 0.027)
+        run = simulate_reference(tool, start_hub_angle=0.0, start_relative_angle=start, duration=0.05)
+        fall = math.sqrt(2.0 * height / (1.5 * GRAVITY * math.sin(lean) ** 2))
+        hold = run.contacts[-1]
+        assert (hold.law, hold.outcome) == ("hold", "end of run")
+        assert hold.time == pytest.approx(fall * (1.0 + e) / (1.0 - e), rel=2e-3)
+        # Statics: torque m g (L/2) sin phi = N L sin phi.
+        assert run.normal_force[-1] == pytest.approx(0.5 * tool.bristle.mass * GRAVITY, rel=1e-9)
+        assert hold.impulse[0] == pytest.approx(run.normal_force[-1] * hold.duration, rel=1e-9)
+
+
+class TestHold:
+    @pytest.mark.parametrize("friction", [0.0, 0.4])
+    @pytest.mark.parametrize(("horizontal", "vertical"), BARS)
+    def test_force_gives_the_bristle_its_momentum(self, horizontal, vertical, friction):
+        """I d(alpha') = (torque of belt, weight and hub's turning + moment of the contact) dt, over the samples.
+
+        The motion is led by geometry alone, so this checks the force. Trapezoids of 1 us over milliseconds leave
+        1e-6 of the momentum, and 1 us of a jump where the touch passes between the wire's end and its flank, 5e-4.
+        """
+        bar = Bar(horizontal=horizontal, vertical=vertical, friction=friction)
+        tool = Tool(bar=bar, workpart=None, belt=Belt(damping_ratio=0.05), gravity=1000.0 * GRAVITY)
+        run = simulate_reference(tool, start_relative_angle=0.07, hub_turn=1.3, sample_interval=1e-6)
+        hold = max((each for each in run.contacts if each.law == "hold"), key=lambda each: each.duration)
+        rows = (run.time >= hold.time) & (run.time <= hold.time + hold.duration) & (run.normal_force > 0.0)
+        torque = contact_moment(tool, run) - centrifugal_stiffness(tool) * np.sin(run.relative_angle)
+        torque -= tool.belt.stiffness * run.relative_angle + tool.belt_damping * run.relative_rate
+        torque -= 0.5 * tool.bristle.mass * tool.bristle.length * tool.gravity * np.sin(run.angles[:, 0])
+        gained = tool.bristle.inertia_about_root * (run.rates[rows, 0][-1] - run.rates[rows, 0][0])
+        assert np.trapezoid(torque[rows], run.time[rows]) == pytest.approx(gained, rel=5e-4)
+        assert np.trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(hold.impulse[0], rel=1e-3)
+        # On the bar to rounding of its distance, and pushed by it.
+        assert np.abs(bar_gap(tool, run)[rows]).max() < 1e-15 * 55.0
+
+    @pytest.mark.parametrize("friction", [0.0, 0.4])
+    @pytest.mark.parametrize(("horizontal", "vertical"), BARS)
+    def test_slow_hub_balances_belt_and_contact(self, horizontal, vertical, friction):
+        """A hub a thousand times slower than the belt: statics about the root.
+
+        Inertia is (omega/natural rate)^2 = 1e-6 of the belt's torque; the first moments, where the torque itself is
+        small, are left out.
+        """
+        bar = Bar(horizontal=horizontal, vertical=vertical, friction=friction)
+        tool = Tool(hub=Hub(speed=1.0), bar=bar, workpart=None)
+        run = simulate_reference(tool, start_hub_angle=-1.27, hub_turn=0.12)
+        rows = (run.normal_force > 0.0) & (run.relative_angle < -0.02)
+        assert rows.sum() > 50
+        belt = tool.belt.stiffness * run.relative_angle
+        np.testing.assert_allclose(contact_moment(tool, run)[rows], belt[rows], rtol=1e-4)
+        hold = run.contacts[-1]
+        assert hold.law == "hold"
+        assert (hold.compressive_work[1] < 0.0) == (friction > 0.0)
+
+    def test_friction_does_not_change_the_path_along_an_inelastic_bar(self, cued):
+        """Geometry leads the held wire, and whether it is pressed on does not depend on friction; its force does."""
+        run = simulate_reference(with_bar(friction=0.5), stop_after="strike", sample_interval=1e-6)
+        # Rounding: the first tap's normal velocity is brought to zero along another impulse.
+        assert run.event_time("strike") == pytest.approx(cued.event_time("strike"), rel=1e-10)
+        assert run.relative_rate[-2] == pytest.approx(cued.relative_rate[-2], rel=1e-8)
+        assert abs(run.contacts[2].impulse[0] / cued.contacts[2].impulse[0] - 1.0) > 0.01
+
+    def test_tip_slides_along_an_inelastic_workpart(self):
+        """While it is held the tip is on the surface, friction is mu times the normal force, and dissipates."""
+        tool = Tool(bar=None, workpart=Workpart(restitution=0.0))
+        run = simulate_reference(tool, sample_interval=1e-6)
+        hold = max((each for each in run.contacts if each.law == "hold"), key=lambda each: each.duration)
+        rows = (run.time > hold.time) & (run.time < hold.time + hold.duration)
+        assert rows.sum() > 1000
+        # Ten roundings of the depth.
+        assert np.abs(run.tip[rows, 1] + tool.workpart_depth).max() < 1e-15 * 54.5
+        assert hold.impulse[1] == pytest.approx(-0.31 * hold.impulse[0], rel=1e-9)
+        slip = np.gradient(run.tip[rows, 0], run.time[rows])
+        power = -0.31 * run.normal_force[rows] * slip
+        # Differences and trapezoids of 1 us over milliseconds; the ends of the interval are left out, 1e-3 of it.
+        assert np.trapezoid(power, run.time[rows]) == pytest.approx(hold.compressive_work[1], rel=2e-3)
+
+
+class TestNames:
+    @pytest.mark.parametrize(("clearance", "event"), [(1e-9, "bar not touched"), (-1e-9, "bar touch")])
+    def test_no_touch_is_missed_between_steps(self, clearance, event):
+        """A radial bristle passes the bar with a nanometre to spare, or a nanometre short of it.
+
+        The dip lasts 1e-9 m: sqrt(2e-9 reach S^2 / ...) is 20 us of a pass of 18 ms.
+        """
+        bar = operating_point().bar
+        scale = (0.0545 + operating_point().bar_reach + clearance) / math.hypot(bar.horizontal, bar.vertical)
+        moved = replace(bar, horizontal=bar.horizontal * scale, vertical=bar.vertical * scale)
+        run = simulate_reference(Tool(bar=moved, workpart=None), accuracy=1e-6)
+        assert run.event_time(event) is not None
+        assert (run.event_time("bar touch") is None) == (event == "bar not touched")
+
+    def test_workpart_out_of_reach(self):
+        run = simulate_reference(Tool(bar=None, workpart=Workpart(penetration=-1e-9)), stop_after="strike")
+        assert run.stop_reason == "workpart not reached"
+        assert run.event_time("workpart not reached") == run.time[-1]
+        assert run.event_time("strike") is None
+
+    def test_grazing_workpart_is_reached(self):
+        run = simulate_reference(Tool(bar=None, workpart=Workpart(penetration=1e-9)), stop_after="strike")
+        assert run.stop_reason == "strike"
+
+    def test_soft_belt_lets_the_wire_down_on_the_hub(self):
+        """The printed stiffness as such: a tap of 266.6 + 261.8 rad/s swings far beyond a quarter turn."""
+        run = simulate_reference(replace(operating_point(), belt=Belt(stiffness=0.00041)))
+        assert run.stop_reason == "retraction limit"
+        # Located on a motion of 500 rad/s.
+        assert run.relative_angle[-1] == pytest.approx(-math.pi / 2, abs=1e-9)
+
+    @pytest.mark.parametrize(
+        ("tool", "settings", "message"),
+        [
+            (operating_point(), {"start_hub_angle": 0.0}, "outside the workpart"),
+            (operating_point(), {"start_hub_angle": -1.15}, "outside the bar"),
+            (operating_point(), {"start_relative_angle": 1.6}, "start_relative_angle = 1.6"),
+            (operating_point(), {"accuracy": 1e-14}, "accuracy = 1e-14"),
+            (operating_point(), {"hub_turn": math.nan}, "hub_turn = nan"),
+            (operating_point(), {"stop_after": "release"}, "stop_after = 'release'"),
+            (operating_point(), {"duration": 1e4}, "duration = 10000"),
+            (operating_point(), {"sample_interval": 1e-12}, "sample_interval = 1e-12"),
+            (replace(FREE, hub=Hub(speed=0.0), belt=Belt(stiffness=0.0)), {}, "duration = None"),
+        ],
+    )
+    def test_refuses_in_one_line(self, tool, settings, message):
+        with pytest.raises(ValueError, match=message) as refusal:
+            simulate_reference(tool, **settings)
+        assert "\n" not in str(refusal.value)
+
+    @pytest.mark.parametrize(
+        "tool",
+        [
+            with_bar(restitution=0.9, friction=0.3),
+            with_bar(radius=0.012),
+            with_bar(horizontal=0.03, vertical=0.0134),
+            with_bar(horizontal=0.0, vertical=0.05, restitution=1.0),
+            Tool(bar=None, workpart=Workpart(penetration=0.02, friction=3.0)),
+            Tool(belt=Belt(damping_ratio=2.0), gravity=GRAVITY),
+            Tool(bar=Bar(radius=1e-6), workpart=Workpart(restitution=1.0, friction=0.0)),
+        ],
+    )
+    def test_hard_tools_end_without_penetration(self, tool):
+        run = simulate_reference(tool, accuracy=1e-7)
+        assert np.isfinite(run.angles).all()
+        # Each touch may be located by 1e-13 of 54.5 mm further inside.
+        assert least_gap(tool, run) > -1e-13 * 0.0545 * (len(run.contacts) + 1)
+        assert run.normal_force.min() > -1e-9
+        assert len(run.contacts) < 500
+
+
+class TestCrossings:
+    @pytest.mark.parametrize("depth", [1e-6, 1e-10])
+    def test_finds_a_dip_that_samples_step_over(self, depth):
+        found = crossings(lambda time: (time - 0.5) ** 2 - depth, 0.0, 1.0, 1e-15)
+        assert [direction for _, direction in found] == [-1, 1]
+        # A root of slope 2 sqrt(depth), in rounding of 0.25.
+        np.testing.assert_allclose([time - 0.5 for time, _ in found], [-(depth**0.5), depth**0.5], rtol=1e-5)
+        assert crossings(lambda time: (time - 0.5) ** 2 + depth, 0.0, 1.0, 1e-15) == []
+
+    def test_finds_a_kink_and_a_jump(self):
+        kink = crossings(lambda time: np.abs(time - 0.3) - 1e-7, 0.0, 1.0, 1e-15)
+        np.testing.assert_allclose([time for time, _ in kink], [0.3 - 1e-7, 0.3 + 1e-7], rtol=1e-15)
+        jump = crossings(lambda time: np.where(time < 1.0 / 3.0, -1.0, 1.0), 0.0, 1.0, 1e-15)
+        assert [(pytest.approx(1.0 / 3.0, rel=1e-14), 1)] == jump
+
+    def test_integral(self):
+        # Rounding.
+        assert integral(lambda time: np.abs(np.sin(time)), 0.0, 5.0) == pytest.approx(3.0 + math.cos(5.0), rel=1e-13)
