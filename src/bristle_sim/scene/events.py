@@ -19,8 +19,8 @@ CUBIC_ERROR = 0.01
 SHORTEST = 1e-15
 """Stretches of a scene's time unit shorter than this are an instant."""
 
-RESOLUTION = 1.0 / 64.0
-"""Least advance in a search, as a share of the stretch; minima of the gap in between are looked at separately."""
+RESOLUTION = 1.0 / 8.0
+"""Least advance in a search, as a share of the stretch; least values of the gap in between show in its slopes."""
 
 
 def interpolate(start: State, end: State, share: float) -> State:
@@ -37,7 +37,11 @@ def interpolate(start: State, end: State, share: float) -> State:
     return State(start.time + share * length, angles, rates)
 
 
-def first_touch(mechanism: Mechanism, gap: Callable[[State], float], start: State, end: State) -> float | None:
+Gap = Callable[[State], tuple[float, float]]
+"""The gap of a state, and its rate."""
+
+
+def first_touch(mechanism: Mechanism, gap: Gap, start: State, end: State) -> float | None:
     """Share of the stretch at which the gap is closed, or nearly so at its least, on the cubic; None if it stays open.
 
     The share may be later than the touch but never past a second one.
@@ -45,32 +49,29 @@ def first_touch(mechanism: Mechanism, gap: Callable[[State], float], start: Stat
     length = end.time - start.time
     bound = 1.5 * max(mechanism.speed_bound(start), mechanism.speed_bound(end)) * length
     margin = CUBIC_ERROR * length**4
-    share, value = 0.0, gap(start)
+    share, (value, rate) = 0.0, gap(start)
     while share < 1.0 and value <= bound * (1.0 - share) + margin:
         ahead = min(1.0, share + max(value / bound if bound else 1.0, RESOLUTION))
-        following = gap(interpolate(start, end, ahead)) if ahead < 1.0 else gap(end)
+        following, next_rate = gap(interpolate(start, end, ahead)) if ahead < 1.0 else gap(end)
         if following < 0.0:
             return ahead
-        if share > 0.0 or value > margin:
+        if rate < 0.0 < next_rate and (share > 0.0 or value > margin):
             dip = _dip(lambda at: gap(interpolate(start, end, at)), share, ahead, margin)
             if dip is not None:
                 return dip
-        share, value = ahead, following
+        share, value, rate = ahead, following, next_rate
     return None
 
 
-def _dip(gap: Callable[[float], float], left: float, right: float, margin: float) -> float | None:
+def _dip(gap: Callable[[float], tuple[float, float]], left: float, right: float, margin: float) -> float | None:
     """Share at which a gap that falls at its left and rises at its right end has its least value, if that is small."""
-    nudge = 1e-6 * (right - left)
-    if gap(left + nudge) >= gap(left) or gap(right - nudge) >= gap(right):
-        return None
     for _ in range(40):
-        first, second = left + 0.382 * (right - left), left + 0.618 * (right - left)
-        low, high = gap(first), gap(second)
-        if min(low, high) < 0.0:
-            return first if low < 0.0 else second
-        left, right = (left, second) if low < high else (first, right)
-    return right if gap(right) < margin else None
+        middle = 0.5 * (left + right)
+        value, rate = gap(middle)
+        if value < 0.0:
+            return middle
+        left, right = (middle, right) if rate < 0.0 else (left, middle)
+    return right if gap(right)[0] < margin else None
 
 
 def locate(

@@ -71,9 +71,6 @@ class Obstacle(Protocol):
     def touch(self, pose: Pose, rate: float) -> Touch:
         """The closest approach of a link in the given pose."""
 
-    def gap(self, pose: Pose) -> float:
-        """Distance alone, for searching."""
-
     def shapes(self, space: pymunk.Space, body: pymunk.Body, tip: Vector) -> tuple[pymunk.Shape, pymunk.Shape]:
         """Engine shapes: the obstacle's on the static body, the link's on the body whose tip is given."""
 
@@ -99,12 +96,6 @@ class BarObstacle:
     def restitution_friction(self) -> float:
         """The same friction in both phases."""
         return self.friction
-
-    def gap(self, pose: Pose) -> float:
-        """Distance of the centre line (with a round end) from the bar's reach."""
-        along, _, x, y = self._closest(pose)
-        del along
-        return math.hypot(x, y) - self.radius - self.wire_radius
 
     def touch(self, pose: Pose, rate: float) -> Touch:
         """The closest approach; the contact is on the wire's surface."""
@@ -141,10 +132,6 @@ class WorkpartObstacle:
     restitution_friction: float
     restitution: float
     name: str = "workpart"
-
-    def gap(self, pose: Pose) -> float:
-        """Height of the tip above the surface."""
-        return pose.tip[1] + self.depth
 
     def touch(self, pose: Pose, rate: float) -> Touch:
         """The tip above the surface; normal +y, tangent +x."""

@@ -140,7 +140,7 @@ class _Runner:
         room = min(self.plan.end - self.state.time, self.plan.longest_stretch, self.growth)
         length = self.stepper.propose(room)
         result = self._advance(length)
-        if result.failed:
+        if result.failed or (self.held is not None and result.totals[0] <= 0.0):
             self._approach_release(length)
             return
         if not self.stepper.accepts(result, length):
@@ -206,7 +206,7 @@ class _Runner:
                 # It never left: what the law left of the approach is taken up by holding it.
                 return result, lambda _: self._hold(obstacle)
             return result, act
-        share = first_touch(self.mechanism, lambda state: self._gap(obstacle, state), self.state, result.state)
+        share = first_touch(self.mechanism, lambda state: self._gap_and_rate(obstacle, state), self.state, result.state)
         if share is None:
             return result, act
         reached = result if share == 1.0 else self._advance(share * length)
@@ -253,8 +253,12 @@ class _Runner:
     def _touch_of(self, obstacle: Obstacle, state: State) -> Touch:
         return obstacle.touch(self.mechanism.poses(state)[-1], state.rates[-1])
 
+    def _gap_and_rate(self, obstacle: Obstacle, state: State) -> tuple[float, float]:
+        touch = self._touch_of(obstacle, state)
+        return touch.gap, touch.velocity[0]
+
     def _gap(self, obstacle: Obstacle, state: State) -> float:
-        return obstacle.gap(self.mechanism.poses(state)[-1])
+        return self._touch_of(obstacle, state).gap
 
     def _notice(self, watch: Watch, at: Advance) -> None:
         if watch.event is not None:

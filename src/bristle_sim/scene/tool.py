@@ -122,8 +122,8 @@ def _stepper(settings: Settings, units: Units) -> Stepper:
     return Extrapolation(LOCAL_SHARE * settings.accuracy)
 
 
-LOCAL_SHARE = 0.02
-"""Share of the accuracy asked for that each stretch may spend; a pass up to the strike takes some fifty."""
+LOCAL_SHARE = 0.1
+"""Share of the accuracy asked for that each stretch may spend: errors of some fifty stretches do not add up to it."""
 
 
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
