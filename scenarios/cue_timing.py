@@ -47,6 +47,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Release, Settings, Comparison),
     run=run,
     plot=plot,
+    without=("knee_position", "knee_angle_deg", "hub_turn"),
     defaults={"reference": "yes"},
 )
 

@@ -51,7 +51,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     video=video,
-    without=("wire_diameter", "step", "hub_turn"),
+    without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
 )
 
 if __name__ == "__main__":

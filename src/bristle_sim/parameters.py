@@ -10,6 +10,7 @@ positive in the hub's sense of rotation; a bristle at angle phi points from its 
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 
@@ -28,6 +29,8 @@ __all__ = [
     "Workpart",
     "operating_point",
 ]
+
+Vector = tuple[float, float]
 
 RETRACTION_AT_RELEASE = math.radians(44.5)
 """Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
@@ -78,7 +81,7 @@ class Belt:
 
 @dataclass(frozen=True, slots=True)
 class Bristle:
-    """Rigid slender wire, straight."""
+    """Rigid slender wire, straight or with one knee; a positive knee bends the tip forward, in the hub's sense."""
 
     length: float = quantity(0.027, "bristle_length", "m", above=0.0, at_most=1e3, source="Zhang 2020, eq. 2.2")
     mass: float = quantity(
@@ -87,19 +90,66 @@ class Bristle:
     wire_diameter: float = quantity(
         7.1e-4, "wire_diameter", "m", at_least=0.0, at_most=1e2, source="Zhang 2020, sec. 4.1: tip ellipse"
     )
+    knee_position: float = quantity(
+        0.75, "knee_position", "1", above=0.0, at_most=0.99, source="assumed: share of the length; Zhang 2020, fig. 1.3"
+    )
+    knee_angle_deg: float = quantity(
+        0.0, "knee_angle_deg", "deg", at_least=-90.0, at_most=90.0, source="straight as in Zhang 2020, fig. 2.5"
+    )
 
     def __post_init__(self) -> None:
         validate(self)
 
     @property
+    def path(self) -> tuple[Vector, ...]:
+        """Corners of the centre line after the root, the tip last, seen from the root with the shank along (0, -1), m."""
+        if self.knee_angle_deg == 0.0:
+            return ((0.0, -self.length),)
+        shank, bend = self.knee_position * self.length, math.radians(self.knee_angle_deg)
+        rest = self.length - shank
+        return ((0.0, -shank), (rest * math.sin(bend), -shank - rest * math.cos(bend)))
+
+    @property
+    def tip(self) -> Vector:
+        """End of the centre line, seen from the root as in ``path``, m."""
+        return self.path[-1]
+
+    @property
+    def centre(self) -> Vector:
+        """Centre of mass, seen from the root as in ``path``, m."""
+        x = y = 0.0
+        for start, end, share in self._pieces():
+            x += share * 0.5 * (start[0] + end[0])
+            y += share * 0.5 * (start[1] + end[1])
+        return (x, y)
+
+    @property
     def inertia_about_centre(self) -> float:
-        """Moment of inertia about the centre of mass, m L^2/12 (2.22), kg m^2."""
-        return self.mass * self.length**2 / 12.0
+        """Moment of inertia about the centre of mass, m L^2/12 (2.22) for a straight bristle, kg m^2."""
+        if self.knee_angle_deg == 0.0:
+            return self.mass * self.length**2 / 12.0
+        centre, total = self.centre, 0.0
+        for start, end, share in self._pieces():
+            middle = (0.5 * (start[0] + end[0]) - centre[0], 0.5 * (start[1] + end[1]) - centre[1])
+            own = ((end[0] - start[0]) ** 2 + (end[1] - start[1]) ** 2) / 12.0
+            total += share * self.mass * (own + middle[0] ** 2 + middle[1] ** 2)
+        return total
 
     @property
     def inertia_about_root(self) -> float:
-        """Moment of inertia about the root, m L^2/3, kg m^2."""
-        return self.mass * self.length**2 / 3.0
+        """Moment of inertia about the root, m L^2/3 for a straight bristle, kg m^2."""
+        if self.knee_angle_deg == 0.0:
+            return self.mass * self.length**2 / 3.0
+        centre = self.centre
+        return self.inertia_about_centre + self.mass * (centre[0] ** 2 + centre[1] ** 2)
+
+    def _pieces(self) -> list[tuple[Vector, Vector, float]]:
+        """Straight pieces of the centre line with their share of the length."""
+        corners = ((0.0, 0.0), *self.path)
+        return [
+            (start, end, math.hypot(end[0] - start[0], end[1] - start[1]) / self.length)
+            for start, end in itertools.pairwise(corners)
+        ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,9 +272,10 @@ class Tool:
     def __post_init__(self) -> None:
         validate(self)
         if self.workpart is not None and self.workpart_depth <= self.hub.radius:
+            allowed = self.workpart_depth + self.workpart.penetration - self.hub.radius
             raise ValueError(
-                f"penetration = {self.workpart.penetration:g}: less than bristle_length = {self.bristle.length:g} m"
-                " is allowed, or the hub's rim would touch the workpart (in m)"
+                f"penetration = {self.workpart.penetration:g}: less than the bristle's reach beyond the hub's rim ="
+                f" {allowed:g} is allowed, or the rim would touch the workpart (in m)"
             )
         if self.bar is not None and self.bar_clearance <= self.hub.radius:
             raise ValueError(
@@ -235,9 +286,13 @@ class Tool:
 
     @property
     def workpart_depth(self) -> float:
-        """Distance of the workpart's surface below the hub's centre, r_h + L - Delta, m."""
+        """Distance of the workpart's surface below the hub's centre, tip circle less Delta, m.
+
+        The tip circle of an undeflected straight bristle has the radius r_h + L.
+        """
         assert self.workpart is not None
-        return self.hub.radius + self.bristle.length - self.workpart.penetration
+        x, y = self.bristle.tip
+        return math.hypot(x, self.hub.radius - y) - self.workpart.penetration
 
     @property
     def bar_reach(self) -> float:

@@ -67,7 +67,7 @@ class Scene:
         self.joints: list[pymunk.PivotJoint] = []
         for link in mechanism.links:
             self._add_link(link)
-        self._shapes: dict[str, tuple[pymunk.Shape, pymunk.Shape]] = {}
+        self._shapes: dict[str, list[pymunk.Shape]] = {}
         for obstacle in effects.obstacles:
             self._add_obstacle(obstacle)
 
@@ -100,26 +100,27 @@ class Scene:
 
     def _add_obstacle(self, obstacle: Obstacle) -> None:
         last = self.mechanism.links[-1]
-        tip = (last.tip[0] - last.centre[0], last.tip[1] - last.centre[1])
-        pair = obstacle.shapes(self.space, self.links[-1], tip)
-        for shape in pair:
+        corners = [(x - last.centre[0], y - last.centre[1]) for x, y in ((0.0, 0.0), *last.knees, last.tip)]
+        shapes = obstacle.shapes(self.space, self.links[-1], corners)
+        for shape in shapes:
             shape.filter = _NOWHERE
             shape.friction = 1.0
             shape.elasticity = 1.0
-        self.space.add(*pair)
-        self._shapes[obstacle.name] = pair
+        self.space.add(*shapes)
+        self._shapes[obstacle.name] = shapes
 
     def engage(self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int) -> None:
         """Let the engine's own contact act between the last link and an obstacle from the next step on."""
-        fixed, moving = self._shapes[obstacle.name]
-        fixed.filter = moving.filter = _EVERYWHERE
-        fixed.friction, fixed.elasticity = friction, elasticity
+        shapes = self._shapes[obstacle.name]
+        for shape in shapes:
+            shape.filter = _EVERYWHERE
+        shapes[0].friction, shapes[0].elasticity = friction, elasticity
         self.space.iterations = iterations
 
     def release(self, obstacle: Obstacle) -> None:
         """Let the engine ignore the obstacle again."""
-        fixed, moving = self._shapes[obstacle.name]
-        fixed.filter = moving.filter = _NOWHERE
+        for shape in self._shapes[obstacle.name]:
+            shape.filter = _NOWHERE
         self.space.iterations = _flight_iterations(len(self.links))
 
     def place(self, state: State) -> None:

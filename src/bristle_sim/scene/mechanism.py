@@ -12,15 +12,16 @@ Vector = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """A rigid link; ``centre`` and ``tip`` are seen from its joint when the link's angle is 0, along (0, -1).
+    """A rigid link; ``centre``, ``tip`` and ``knees`` are seen from its joint when the link's angle is 0, along (0, -1).
 
-    Engine units: mass, inertia about the centre of mass, lengths.
+    Engine units: mass, inertia about the centre of mass, lengths. ``knees`` are corners of its centre line before the tip.
     """
 
     mass: float
     inertia: float
     centre: Vector
     tip: Vector
+    knees: tuple[Vector, ...] = ()
 
     @classmethod
     def rod(cls, mass: float, length: float) -> Link:
@@ -39,7 +40,7 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """One link in space: its joint, centre and tip, and their velocities."""
+    """One link in space: its joint, centre, tip and knees, and velocities of the first three."""
 
     joint: Vector
     centre: Vector
@@ -47,6 +48,7 @@ class Pose:
     joint_velocity: Vector
     centre_velocity: Vector
     tip_velocity: Vector
+    knees: tuple[Vector, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +76,8 @@ class Mechanism:
         for link, angle, rate in zip(self.links, state.angles, state.rates, strict=True):
             centre, centre_velocity = _carried(joint, joint_velocity, link.centre, angle, rate)
             tip, tip_velocity = _carried(joint, joint_velocity, link.tip, angle, rate)
-            poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity))
+            knees = tuple(_carried(joint, joint_velocity, knee, angle, rate)[0] for knee in link.knees)
+            poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
             joint, joint_velocity = tip, tip_velocity
         return poses
 

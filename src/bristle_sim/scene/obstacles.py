@@ -8,7 +8,9 @@ the link stays exact.
 
 from __future__ import annotations
 
+import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -34,14 +36,15 @@ class Touch:
         arm: contact point seen from the link's joint, along world axes.
         normal: unit vector out of the obstacle.
         velocity: (normal, tangential) velocity of the link's contact point.
-        end: signed distance along the link by which the contact is past the link's end; a kink where it is 0.
+        kinks: the motion of a held contact has a kink where one of these passes through 0: the contact leaves a straight
+            piece of the centre line for a corner or the end, or comes back.
     """
 
     gap: float
     arm: Vector
     normal: Vector
     velocity: Vector
-    end: float
+    kinks: tuple[float, ...]
 
     @property
     def tangent(self) -> Vector:
@@ -71,8 +74,22 @@ class Obstacle(Protocol):
     def touch(self, pose: Pose, rate: float) -> Touch:
         """The closest approach of a link in the given pose."""
 
-    def shapes(self, space: pymunk.Space, body: pymunk.Body, tip: Vector) -> tuple[pymunk.Shape, pymunk.Shape]:
-        """Engine shapes: the obstacle's on the static body, the link's on the body whose tip is given."""
+    def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
+        """Engine shapes: first the obstacle's on the static body, then the link's on its body.
+
+        ``corners`` are those of the link's centre line from joint to tip, seen from the body's centre.
+        """
+
+
+def _closest(centre: Vector, joint: Vector, start: Vector, end: Vector) -> tuple[float, Vector, tuple[float, float]]:
+    """Squared distance of a straight piece from a point, its closest point seen from the joint, how far past its ends."""
+    along_x, along_y = end[0] - start[0], end[1] - start[1]
+    to_x, to_y = centre[0] - start[0], centre[1] - start[1]
+    share = (to_x * along_x + to_y * along_y) / (along_x**2 + along_y**2)
+    held = min(max(share, 0.0), 1.0)
+    x, y = start[0] + held * along_x, start[1] + held * along_y
+    square = (x - centre[0]) ** 2 + (y - centre[1]) ** 2
+    return square, (x - joint[0], y - joint[1]), (share, share - 1.0)
 
 
 def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
@@ -98,29 +115,27 @@ class BarObstacle:
         return self.friction
 
     def touch(self, pose: Pose, rate: float) -> Touch:
-        """The closest approach; the contact is on the wire's surface."""
-        share, end, x, y = self._closest(pose)
-        distance = math.hypot(x, y) or 1.0
+        """The closest approach of the centre line (with a round end); the contact is on the wire's surface."""
+        if not pose.knees:
+            square, arm, ends = _closest(self.centre, pose.joint, pose.joint, pose.tip)
+            kinks: tuple[float, ...] = ends[1:]
+        else:
+            corners = (pose.joint, *pose.knees, pose.tip)
+            pieces = [_closest(self.centre, pose.joint, a, b) for a, b in itertools.pairwise(corners)]
+            square, arm, _ = min(pieces)
+            kinks = tuple(kink for piece in pieces for kink in piece[2])[1:]
+        distance = math.sqrt(square) or 1.0
+        x, y = pose.joint[0] + arm[0] - self.centre[0], pose.joint[1] + arm[1] - self.centre[1]
         normal = (x / distance, y / distance)
-        wire = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
-        arm = (share * wire[0] - self.wire_radius * normal[0], share * wire[1] - self.wire_radius * normal[1])
+        arm = (arm[0] - self.wire_radius * normal[0], arm[1] - self.wire_radius * normal[1])
         gap = distance - self.radius - self.wire_radius
-        return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), end)
+        return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), kinks)
 
-    def _closest(self, pose: Pose) -> tuple[float, float, float, float]:
-        """Share of the wire at the closest point, distance past its end, and the vector from the bar's centre."""
-        wire_x, wire_y = pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1]
-        to_x, to_y = self.centre[0] - pose.joint[0], self.centre[1] - pose.joint[1]
-        square = wire_x**2 + wire_y**2
-        share = (to_x * wire_x + to_y * wire_y) / square
-        held = min(max(share, 0.0), 1.0)
-        return held, (share - 1.0) * math.sqrt(square), held * wire_x - to_x, held * wire_y - to_y
-
-    def shapes(self, space: pymunk.Space, body: pymunk.Body, tip: Vector) -> tuple[pymunk.Shape, pymunk.Shape]:
-        """A circle, and the wire as a segment with round ends."""
+    def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
+        """A circle, and the wire as segments with round ends."""
         bar = pymunk.Circle(space.static_body, self.radius + MARGIN, self.centre)
-        root = (-tip[0], -tip[1])
-        return bar, pymunk.Segment(body, root, tip, self.wire_radius)
+        pieces = itertools.pairwise(corners)
+        return [bar, *(pymunk.Segment(body, start, end, self.wire_radius) for start, end in pieces)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,10 +152,10 @@ class WorkpartObstacle:
         """The tip above the surface; normal +y, tangent +x."""
         arm = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
         normal = (0.0, 1.0)
-        return Touch(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), 1.0)
+        return Touch(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), ())
 
-    def shapes(self, space: pymunk.Space, body: pymunk.Body, tip: Vector) -> tuple[pymunk.Shape, pymunk.Shape]:
+    def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """A thick segment whose upper face is the surface, and the tip as a point."""
         middle = -self.depth - HALF_PLANE
         surface = pymunk.Segment(space.static_body, (-HALF_PLANE, middle), (HALF_PLANE, middle), HALF_PLANE + MARGIN)
-        return surface, pymunk.Circle(body, 0.0, tip)
+        return [surface, pymunk.Circle(body, 0.0, corners[-1])]

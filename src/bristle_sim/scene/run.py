@@ -245,7 +245,7 @@ class _Runner:
 
     def _watches(self) -> list[Watch]:
         """Events other than touches, for what the link is doing now."""
-        found = in_flight(self.mechanism) if self.held is None else in_touch(self.mechanism, self.held)
+        found = in_flight(self.mechanism) if self.held is None else in_touch(self.mechanism, self.held, self.state)
         if math.isfinite(self.plan.retraction_limit):
             found.append(freedom(self.mechanism, self.plan.retraction_limit))
         return found

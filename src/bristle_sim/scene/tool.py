@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.parameters import Contact, Tool
+from bristle_sim.parameters import Bristle, Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
@@ -38,7 +38,9 @@ def tool_units(tool: Tool) -> Units:
 def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
     """The tool's scene with exactly the effects its parameters call for, and the units it runs in."""
     units = tool_units(tool)
-    mechanism = Mechanism((Link.rod(1.0, 1.0),), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start)
+    mechanism = Mechanism(
+        (_link(tool.bristle),), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start
+    )
     obstacles: list[Obstacle] = []
     if tool.bar is not None:
         centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
@@ -65,6 +67,14 @@ def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
         obstacles=tuple(obstacles),
     )
     return Scene(mechanism, effects), units
+
+
+def _link(bristle: Bristle) -> Link:
+    """The bristle in units of its own length and mass."""
+    size = bristle.length
+    *knees, tip = ((x / size, y / size) for x, y in bristle.path)
+    centre = (bristle.centre[0] / size, bristle.centre[1] / size)
+    return Link(1.0, bristle.inertia_about_centre / (bristle.mass * size**2), centre, tip, tuple(knees))
 
 
 def simulate(

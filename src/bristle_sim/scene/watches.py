@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
-from bristle_sim.scene.mechanism import Mechanism
+from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
 
@@ -39,16 +40,18 @@ def in_flight(mechanism: Mechanism) -> list[Watch]:
     ]
 
 
-def in_touch(mechanism: Mechanism, obstacle: Obstacle) -> list[Watch]:
+def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[Watch]:
     """Largest retraction, and kinks of a held motion: contact passing the wire's end, slip that turns."""
 
-    def end(at: Advance) -> float:
-        return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).end
+    def kink(index: int, at: Advance) -> float:
+        return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).kinks[index]
 
     def slip(at: Advance) -> float:
         return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).velocity[1]
 
-    watches = [_retraction(mechanism), Watch("end of the wire", end)]
+    corners = len(obstacle.touch(mechanism.poses(state)[-1], state.rates[-1]).kinks)
+    watches = [_retraction(mechanism)]
+    watches += [Watch(f"corner {index} of the wire", partial(kink, index)) for index in range(corners)]
     return [*watches, Watch("slip", slip)] if obstacle.friction else watches
 
 

@@ -156,6 +156,8 @@ def _largest_retraction(run: Trajectory, until: float) -> float:
 
 def _formulas(tool: Tool) -> dict[str, float | None]:
     """The dissertation's chain of formulas for this tool; nothing where they do not apply."""
+    if tool.bristle.knee_angle_deg:
+        return {}
     if tool.bar is None or tool.workpart is None or not tool.belt.stiffness or not tool.hub.speed:
         return {}
     geometry = (tool.hub.radius, tool.bristle.length)
