@@ -49,6 +49,9 @@ MILLIJOULES = 1e3
 WIDTH = 16.0
 """Printed width of the page's text, cm."""
 
+PANEL = 12.5
+"""Width of a panel over time, cm."""
+
 LABEL_SLANT = 35.0
 """Slope of the labels, degrees."""
 
@@ -101,13 +104,15 @@ def _compose(trajectory: Trajectory, tool: Tool, until: float | None) -> Figure:
     table = axes_at(figure, 10.75, 13.2, 5.1, 6.6)
     _draw_table(table, motion, marks)
     _describe_strike(table, len(marks) + 1.6, trajectory, tool, rebound)
-    angle = axes_at(figure, 1.8, 7.5, 12.6, 2.9)
-    rate = axes_at(figure, 1.8, 4.3, 12.6, 2.9, sharex=angle)
-    energy = axes_at(figure, 1.8, 1.1, 12.6, 2.9, sharex=angle)
+    angle = axes_at(figure, 2.0, 7.5, PANEL, 2.9)
+    rate = axes_at(figure, 2.0, 4.3, PANEL, 2.9, sharex=angle)
+    energy = axes_at(figure, 2.0, 1.1, PANEL, 2.9, sharex=angle)
     _draw_angle(angle, course)
     _draw_rate(rate, course)
     _draw_energy(energy, course, trajectory, motion, "belt" if tool.gravity == 0.0 else "belt and gravity")
+    path.yaxis.set_label_coords(-1.05 / 9.2, 0.5)
     for axes in (angle, rate, energy):
+        axes.yaxis.set_label_coords(-1.05 / PANEL, 0.5)  # in line, however wide the numbers are
         _draw_instants(axes, course, marks)
     _label_instants(angle, marks)
     return figure
@@ -160,7 +165,7 @@ def _draw_energy(axes: Axes, course: Course, trajectory: Trajectory, motion: Mot
     for name, samples, look in lines:
         values = motion.along(course, samples) * MILLIJOULES
         axes.plot(course.time * MILLISECONDS, values, label=name, gid=f"energy, {name}", **look)
-    axes.set_ylabel("\nenergy (mJ)", linespacing=1.4)
+    axes.set_ylabel("energy (mJ)")
     axes.set_xlabel("time (ms)")
     axes.legend(loc="upper left", ncols=3, borderaxespad=0.2, columnspacing=1.2)
     bottom, top = axes.get_ylim()

@@ -15,10 +15,13 @@ MOST_LABELS = 9
 AFTERMATH = 0.12
 """How long the story goes on after the tip has left the workpart, as a share of the time before."""
 
+SAME_INSTANT = 1e-9
+"""Events nearer to each other than this are one, s."""
+
 CARRIED = math.radians(1.0)
 """A bristle that starts nearer than this to the radial direction is carried along, not thrown, rad."""
 
-_LAST_COUNTS = ("bar release",)  # after a few taps the last release is the one that throws the tip
+_LAST_COUNTS = ("bar release", "workpart release")  # after a few taps the last release is the one that matters
 
 _CAPTIONS = {
     "bar release": "released: the belt throws the tip",
@@ -50,11 +53,11 @@ def story_end(trajectory: Trajectory) -> float:
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
     """The events worth a label, in order of time: of each name one up to the strike and one after it.
 
-    Of several it is the first that counts; of releases from the bar, the last. At most nine are returned.
+    Of several it is the first that counts; of releases, the last. At most nine are returned.
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}
-    for event in (each for each in trajectory.events if each.time <= until):
+    for event in (each for each in _told(trajectory) if each.time <= until):
         rank = (event.name, strike is not None and event.time > strike)
         if rank not in chosen or event.name in _LAST_COUNTS:
             chosen[rank] = event
@@ -68,10 +71,13 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
     """
     thrown = abs(trajectory.relative_angle[0]) > CARRIED
     found = [Phase(float(trajectory.time[0]), "released: the belt throws the tip" if thrown else "turns with the hub")]
-    for number, event in enumerate(trajectory.events):
+    events = _told(trajectory)
+    for number, event in enumerate(events):
         if event.name == "strike":
-            found += [Phase(event.time, "strike"), Phase(event.time + strike_shown, _outcome(trajectory))]
-        elif (caption := _caption(trajectory, number)) is not None:
+            later = (each.time for each in events[number + 1 :] if each.time > event.time)
+            shown_until = min(event.time + strike_shown, next(later, math.inf))
+            found += [Phase(event.time, "strike"), Phase(shown_until, _outcome(trajectory))]
+        elif (caption := _caption(trajectory, events, number)) is not None:
             found.append(Phase(event.time, caption))
     return tuple(sorted(found, key=lambda phase: phase.start))
 
@@ -81,11 +87,24 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
     return next((phase for phase in reversed(run) if phase.start <= time), run[0])
 
 
-def _caption(trajectory: Trajectory, number: int) -> str | None:
-    event, strike = trajectory.events[number], trajectory.event_time("strike")
+def _told(trajectory: Trajectory) -> tuple[Event, ...]:
+    """The events but for releases in the instant of a touch, which belong to a bounce."""
+    touches = {"bar": -math.inf, "workpart": -math.inf}
+    told = []
+    for event in trajectory.events:
+        obstacle = "workpart" if event.name == "strike" else event.name.split()[0]
+        if event.name in ("strike", f"{obstacle} touch"):
+            touches[obstacle] = event.time
+        if not event.name.endswith(" release") or event.time - touches.get(obstacle, -math.inf) > SAME_INSTANT:
+            told.append(event)
+    return tuple(told)
+
+
+def _caption(trajectory: Trajectory, events: tuple[Event, ...], number: int) -> str | None:
+    event, strike = events[number], trajectory.event_time("strike")
     if event.name in ("bar touch", "workpart touch"):
         obstacle = event.name.removesuffix(" touch")
-        return _touch_caption(trajectory, number, obstacle)
+        return _touch_caption(events[number + 1 :], obstacle)
     if event.name == "largest retraction" and strike is not None and event.time > strike:
         return "thrown forward again"
     if event.name == "highest relative speed" and strike is None:
@@ -93,9 +112,9 @@ def _caption(trajectory: Trajectory, number: int) -> str | None:
     return _CAPTIONS.get(event.name)
 
 
-def _touch_caption(trajectory: Trajectory, number: int, obstacle: str) -> str:
+def _touch_caption(later: tuple[Event, ...], obstacle: str) -> str:
     """A touch that a release follows is sustained, one without is a bounce."""
-    following = (each.name for each in trajectory.events[number + 1 :] if each.name.startswith(obstacle))
+    following = (each.name for each in later if each.name in (f"{obstacle} touch", f"{obstacle} release"))
     held = next(following, None) == f"{obstacle} release"
     sustained = {"bar": "held back by the bar", "workpart": "drags along the workpart"}
     return sustained[obstacle] if held else f"bounces off the {obstacle}"

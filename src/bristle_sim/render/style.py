@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Collection, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -83,9 +83,11 @@ _SETTINGS: dict[Any, Any] = {
 }
 
 
-def styled() -> AbstractContextManager[None]:
-    """The look, as a context in which to build or save figures."""
-    return mpl.rc_context(_SETTINGS)
+@contextmanager
+def styled() -> Iterator[None]:
+    """The look: a context in which to build or save figures, or a decorator of functions that do."""
+    with mpl.rc_context(_SETTINGS):
+        yield
 
 
 def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0) -> Figure:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -116,7 +117,13 @@ def draw_workpart(axes: Axes, tool: Tool, view: View) -> Rectangle | None:
 def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
     """Names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    places: dict[str, tuple[float, float, str]] = {"hub": (0.0, -0.25 * tool.hub.radius * MILLIMETRES, "center")}
+    radius = tool.hub.radius * MILLIMETRES
+    # As near to the hub's centre as the view allows.
+    x = min(max(0.0, left + 0.08 * (right - left)), right - 0.08 * (right - left))
+    y = min(max(-0.25 * radius, bottom + 0.05 * (top - bottom)), top - 0.05 * (top - bottom))
+    places: dict[str, tuple[float, float, str]] = {}
+    if math.hypot(x, y) < 0.9 * radius:
+        places["hub"] = (x, y, "center")
     if tool.bar is not None:
         places["bar"] = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1], "center")
     if tool.workpart is not None:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import pymunk
 
-from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 
 __all__ = ["Effects", "Scene"]
@@ -56,6 +56,8 @@ class Scene:
         self.mechanism = mechanism
         self.effects = effects
         self.steps = 0
+        # Runs over one stretch all start from one state.
+        self._placed: tuple[State | None, list[Pose]] = (None, [])
         self.space = pymunk.Space()
         self.space.iterations = _flight_iterations(len(mechanism.links))
         self.space.collision_slop = 10.0 * MARGIN
@@ -127,9 +129,9 @@ class Scene:
         """Put every body exactly where the state says, joints closed, velocities consistent."""
         if self.hub is not None:
             self.hub.angle = self.mechanism.hub_angle(state.time)
-        for body, pose, angle, rate in zip(
-            self.links, self.mechanism.poses(state), state.angles, state.rates, strict=True
-        ):
+        if state is not self._placed[0]:
+            self._placed = (state, self.mechanism.poses(state))
+        for body, pose, angle, rate in zip(self.links, self._placed[1], state.angles, state.rates, strict=True):
             body.angle = angle
             body.position = pose.centre
             body.velocity = pose.centre_velocity

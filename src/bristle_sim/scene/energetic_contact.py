@@ -23,6 +23,10 @@ ROUNDS = 10
 """Rounds over the contacts of a step: an impact at one can drive another into its surface again."""
 
 
+ROUNDING = 1e-9
+"""Share of a step's fastest approach below which a contact is at rest."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Touching:
     body: pymunk.Body
@@ -81,9 +85,12 @@ class EnergeticContact:
         """
         self._touching.clear()
         self.space.step(duration)
+        fastest = 0.0
         for _ in range(ROUNDS):
-            if not self._resolve_fastest():
+            approach = self._resolve_fastest(ROUNDING * fastest)
+            if approach == 0.0:
                 return
+            fastest = max(fastest, approach)
 
     def _notice(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: Any) -> None:
         """Remember the points of a contact, and keep the engine from responding to it."""
@@ -96,12 +103,12 @@ class EnergeticContact:
             middle = (point.point_a + point.point_b) / 2.0
             self._touching.append(_Touching(body, other, (middle.x, middle.y), (normal.x, normal.y)))
 
-    def _resolve_fastest(self) -> bool:
-        """Resolve the contact that approaches fastest; whether there was one."""
+    def _resolve_fastest(self, least: float) -> float:
+        """Resolve the contact that approaches fastest, if faster than ``least``; its approach, or 0."""
         spaces = [contact_space(each.body, each.point, each.normal, each.other) for each in self._touching]
-        approaching = [space for space in spaces if space.velocity[0] < 0.0]
+        approaching = [space for space in spaces if -space.velocity[0] > least]
         if not approaching:
-            return False
+            return 0.0
         fastest = min(approaching, key=lambda space: space.velocity[0])
         rests = -fastest.velocity[0] <= self.resting_speed
         impact = energetic_impact(
@@ -114,4 +121,4 @@ class EnergeticContact:
         fastest.apply((impact.impulse_normal, impact.impulse_tangential))
         if self.report is not None:
             self.report(impact)
-        return True
+        return -fastest.velocity[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 __all__ = ["Link", "Mechanism", "Pose", "State"]
 
@@ -29,8 +30,7 @@ class Link:
         return cls(mass, mass * length**2 / 12.0, (0.0, -length / 2.0), (0.0, -length))
 
 
-@dataclass(frozen=True, slots=True)
-class State:
+class State(NamedTuple):
     """Time, and absolute angle and rate of every link; engine units, rad."""
 
     time: float
@@ -38,8 +38,7 @@ class State:
     rates: tuple[float, ...]
 
 
-@dataclass(frozen=True, slots=True)
-class Pose:
+class Pose(NamedTuple):
     """One link in space: its joint, centre, tip and knees, and velocities of the first three."""
 
     joint: Vector

@@ -12,7 +12,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import pymunk
 
@@ -27,8 +27,7 @@ HALF_PLANE = 1e3
 """Half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach."""
 
 
-@dataclass(frozen=True, slots=True)
-class Touch:
+class Touch(NamedTuple):
     """Where and how a link meets an obstacle.
 
     Attributes:
