@@ -123,6 +123,6 @@ def test_unsupported_joint_is_named() -> None:
     contact, rod, _ = falling_rod(0.4, 0.6, 0.0)
     other = pymunk.Body(1.0, 1.0)
     contact.space.add(other, pymunk.GearJoint(rod, other, 0.0, 1.0))
+    rod.position += (0.0, -0.005)
     with pytest.raises(ValueError, match="GearJoint"):
-        for _ in range(40):
-            contact.step(1e-4)
+        contact.step(1e-4)
