@@ -123,22 +123,38 @@ def test_each_phase_moves_as_it_says(law):
     impacts = with_other_friction(random_impacts(5, 20_000), 6)
     result = law(**impacts)
     matrix, velocity = impacts["inverse_mass"], impacts["velocity"]
+    slip_after = []
     for index in range(len(PHASES)):
         impulse, slip = result.phase_impulse[:, index], result.phase_slip[:, index]
         mu = impacts["friction" if index < 2 else "restitution_friction"]
-        resting = (index == 2) & (result.phase_work_normal[:, 2] == 0.0)
         ratio = np.where(slip == 0.0, -matrix[:, 0, 1] / matrix[:, 1, 1], -mu * slip)
         # Slip at rest takes as much friction as holds v_n.
-        resting &= (slip != 0.0) & (impulse > 0.0)
+        resting = (index == 2) & (result.phase_work_normal[:, 2] == 0.0) & (slip != 0.0) & (impulse > 0.0)
         ratio = np.where(resting, -matrix[:, 0, 0] / np.where(resting, matrix[:, 0, 1], 1.0), ratio)
-        acting = (impulse > 0.0)[:, None]
-        step = np.where(acting, np.stack([impulse, np.where(acting[:, 0], ratio, 0.0) * impulse], axis=-1), 0.0)
+        step = np.stack([impulse, ratio * impulse], axis=-1)
         scale = np.abs(velocity).max() + np.einsum("kij,kj->k", np.abs(matrix), np.abs(step))
         velocity = velocity + np.einsum("kij,kj->ki", matrix, step)
         # Slip is along its direction at the end too, stick is none; a rounding of the terms.
         assert np.all(velocity[:, 1] * slip > -1e-12 * scale)
-        assert np.all(np.abs(velocity[(slip == 0.0) & acting[:, 0], 1]) < 1e-12 * scale.max())
+        assert np.all(np.abs(velocity[(slip == 0.0) & (impulse > 0.0), 1]) < 1e-12 * scale.max())
+        slip_after.append(velocity[:, 1])
     np.testing.assert_allclose(velocity, final_velocity(result), atol=1e-12 * scale.max())
+    check_slip_stop(result, impacts["velocity"][:, 1], np.stack(slip_after, axis=-1), 1e-12 * scale.max())
+
+
+def check_slip_stop(result: Impact, initial: np.ndarray, slip_after: np.ndarray, small: float) -> None:
+    """p_s is where the slip velocity first vanishes: at the start, after a phase in which it slips as it began, or never."""
+    slips = (initial != 0.0)[:, None] & (result.phase_slip == np.sign(initial)[:, None]) & (result.phase_impulse > 0.0)
+    as_begun = np.logical_and.accumulate(slips | (result.phase_impulse == 0.0), axis=-1)
+    reached = np.cumsum(result.phase_impulse, axis=-1)
+    lasts = np.isinf(result.slip_stop_impulse)
+    assert np.all(as_begun[lasts, -1])
+    assert np.all(slip_after[lasts, -1] * initial[lasts] > 0.0)
+    assert np.all(result.slip_stop_impulse[initial == 0.0] == 0.0)
+    stopped = ~lasts & (initial != 0.0)
+    # The phase that ends at p_s leaves no slip.
+    ends = np.isclose(reached, result.slip_stop_impulse[:, None], rtol=1e-13, atol=0) & (result.phase_impulse > 0.0)
+    assert np.all((ends & as_begun & (np.abs(slip_after) < small)).any(axis=-1)[stopped])
 
 
 @every_law
@@ -428,6 +444,34 @@ def test_contact_that_jams():
     assert jammed.velocity_normal == pytest.approx(-1.0 - 0.5 * sine / cosine, rel=1e-14)
     ends = energetic_impact(matrix, [-1.0, -2.0], 0.1, 0.5)
     assert ends.outcome_name == "rebound"
+
+
+def test_massive_tangent():
+    """K_tt = 0: no impulse moves the point along the surface; friction acts while it slips, and nothing while it does not."""
+    slipping = energetic_impact([[2.0, 0.0], [0.0, 0.0]], [-1.0, 0.7], 0.3, 0.5)
+    assert slipping.velocity_tangential == 0.7
+    assert slipping.impulse_tangential == pytest.approx(-0.3 * slipping.impulse_normal, rel=1e-15)
+    still = energetic_impact([[2.0, 0.0], [0.0, 0.0]], [-1.0, 0.0], 0.3, 0.5)
+    assert (still.impulse_tangential, still.velocity_normal, still.impulse_normal) == (0.0, 0.5, 0.75)
+
+
+def test_phases_of_a_slow_impact():
+    """Phases are named by order and motion however small the impulses are."""
+    matrix = [[1.0, 0.9], [0.9, 1.0]]
+    for speed in (1.0, 1e-9):
+        result = energetic_impact(matrix, [-speed, 0.5 * speed], 2.0, 1.0)
+        assert result.phases == ("compression slip", "compression stick", "restitution stick")
+
+
+def test_rounding_of_the_matrix_is_accepted():
+    """K comes out of products: an asymmetry or an excess of K_nt of a rounding is none, in any units."""
+    for unit in (1e-6, 1.0, 1e6):
+        rounded = unit * np.array([[1.0, 1.0], [1.0 + 1e-13, 1.0 - 1e-13]])
+        assert energetic_impact(rounded, [-1.0, 0.5], 0.3, 0.5).velocity_normal >= 0.0
+        with pytest.raises(ValueError, match="symmetric"):
+            energetic_impact(unit * np.array([[1.0, 0.5], [0.5001, 1.0]]), [-1.0, 0.5], 0.3, 0.5)
+        with pytest.raises(ValueError, match="semidefinite"):
+            energetic_impact(unit * np.array([[1.0, 1.001], [1.001, 1.0]]), [-1.0, 0.5], 0.3, 0.5)
 
 
 def test_outcomes_in_words():

@@ -184,6 +184,17 @@ def test_no_rebound_without_restitution():
     assert result.final_bristle_rate == pytest.approx(-(HUB_RADIUS / LENGTH) * HUB_SPEED, rel=1e-15)
 
 
+def test_faint_restitution_and_slow_tips_count():
+    assert monofilament_impact(*TOOL, ANGLE, 0.31, 1e-9).outcome_name == "rebound"
+    slow = monofilament_impact(*TOOL[:4], -HUB_RADIUS / LENGTH + 1e-6, ANGLE, 0.31, E)
+    assert slow.outcome_name == "rebound"
+    # A difference of R and r_h/L of 1e-6 keeps ten digits.
+    impulse = MASS * 1e-6 * HUB_SPEED * LENGTH / (3 * (math.sin(ANGLE) + 0.31 * math.cos(ANGLE)))
+    assert slow.normal_compressive_impulse == pytest.approx(impulse, rel=1e-9)
+    tip = LENGTH * slow.final_bristle_rate + HUB_RADIUS * HUB_SPEED
+    assert -1e-6 * HUB_SPEED * LENGTH < tip < 0.0
+
+
 def test_elastic_and_frictionless_reverses_the_tip():
     result = monofilament_impact(*TOOL, np.radians([5.0, 23.4, 90.0]), 0.0, 1.0)
     tip = LENGTH * result.final_bristle_rate + HUB_RADIUS * HUB_SPEED

@@ -222,6 +222,26 @@ def test_parallel_rods_are_stuck_beyond_tan_theta():
     assert free.outcome == "rebound"
 
 
+def test_edges_of_the_ranges_give_finite_numbers():
+    """Right angles, parallel and nearly parallel rods, speeds and coefficients at the ends of what floats hold."""
+    quarter = math.pi / 2
+    outcomes = set()
+    for first in (-quarter, 0.0, 0.4, quarter):
+        for second in (first, first * (1 - 1e-9), 0.3, -quarter):
+            for friction in (0.0, 0.5, 1e9):
+                for restitution in (0.0, 1e-170, 1.0):
+                    for rate in (-1.0, -1e-160):
+                        angles = {"angle_1": first, "angle_2": second, "rate_1": rate, "rate_2": 2 * rate}
+                        result = double_pendulum_impact(
+                            2.0, 5.0, 0.3, **angles, friction=friction, restitution=restitution
+                        )
+                        outcomes.add(result.outcome)
+                        impulses = (result.normal_compressive_impulse, result.normal_final_impulse)
+                        numbers = (*impulses, result.final_rate_1, result.final_rate_2, result.kinetic_energy_ratio)
+                        assert all(math.isfinite(number) for number in numbers)
+    assert {"no contact", "rebound", "no rebound", "stiction"} <= outcomes
+
+
 def test_no_rebound_without_restitution():
     result = double_pendulum_impact(mass_ratio=1, friction=0.3, **(RODS | {"restitution": 0.0}))
     assert result.outcome == "no rebound"
@@ -257,8 +277,10 @@ def test_single_pendulum_formula():
 
 
 def test_single_pendulum_that_does_not_approach():
-    result = single_pendulum_impact(1.0, 1.0, 0.4, 0.5, 0.3, 0.5)
-    assert (result.outcome, result.final_rate, result.normal_final_impulse) == ("no contact", 0.5, 0.0)
+    for rate in (0.0, 0.5):
+        result = single_pendulum_impact(1.0, 1.0, 0.4, rate, 0.3, 0.5)
+        assert (result.outcome, result.final_rate) == ("no contact", rate)
+        assert (result.normal_compressive_impulse, result.normal_final_impulse) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(

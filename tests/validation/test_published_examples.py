@@ -73,7 +73,7 @@ def test_all_three_laws_lose_the_same_without_friction():
 def test_energetic_and_poisson_part_only_where_slip_stops():
     """Stronge (1991) and Wang and Mason, J. Appl. Mech. 59 (1992) 635: the laws agree while slip keeps its direction.
 
-    Slip of Stronge's pendulum stops in restitution for any friction; lighter rates on the second rod make it last.
+    The contact is that of Stronge's pendulum, the velocity of its tip is set so that slip lasts or stops.
     """
     mass, jacobian, _ = double_pendulum(**STRONGE)
     matrix = jacobian @ np.linalg.solve(mass, jacobian.T)
@@ -234,9 +234,10 @@ def rod_contact(angle: float) -> np.ndarray:
 
 @pytest.mark.parametrize("angle_deg", [10.0, 30.0, 45.0, 60.0, 85.0])
 def test_stick_threshold_of_a_free_rod(angle_deg):
-    """3 sin theta cos theta/(1 + 3 sin^2 theta), derived; at brilliant.org/discussions/thread/mechanics-doubt a
+    """mu_bar = 3 sin theta cos theta/(1 + 3 sin^2 theta), derived.
 
-    contributor gives the same for a rod let fall, with the angle from the vertical.
+    At brilliant.org/discussions/thread/mechanics-doubt a contributor gives the same for a rod let fall, with the angle
+    from the vertical.
     """
     angle = math.radians(angle_deg)
     upright = math.pi / 2 - angle

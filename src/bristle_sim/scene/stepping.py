@@ -10,9 +10,8 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from operator import mul
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
@@ -43,8 +42,7 @@ class Load(Protocol):
         """Whether the load could not act as it should, so that the stretch is of no use."""
 
 
-@dataclass(frozen=True, slots=True)
-class Advance:
+class Advance(NamedTuple):
     """Result of carrying a scene over a stretch.
 
     Attributes:
@@ -95,7 +93,7 @@ class PlainSteps:
         values = _steps(scene, duration, 1, load)
         scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * len(scene.links) :])
-        result = _unpack(scene, state, duration, values, 0.0, failed)
+        result = _unpack(state, duration, len(scene.links), values, 0.0, failed)
         self._left = result.state
         return result
 
@@ -139,7 +137,7 @@ class SymmetricSteps:
         values[:size] = [angle + 0.5 * step * rate for angle, rate in zip(values, values[size:], strict=False)][:size]
         scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * size :])
-        result = _unpack(scene, state, duration, values, 0.0, failed)
+        result = _unpack(state, duration, len(scene.links), values, 0.0, failed)
         self._left = (result.state, 0.5 * step)
         return result
 
@@ -163,7 +161,7 @@ class Extrapolation:
         self.scale = scale
         self.rows = 4
         self.length = 0.16
-        self._errors: list[float] = []
+        self._errors: dict[int, float] = {}
 
     def propose(self, remaining: float) -> float:
         """The stretch that costs least per time; what is left is cut evenly rather than into a stub."""
@@ -172,36 +170,37 @@ class Extrapolation:
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the stretch with finer steps until the estimate is within the tolerance."""
         runs: list[list[float]] = []
-        self._errors = []
+        self._errors = {}
         limit = max(self.tolerance * self.scale, ROUNDING)
         size = len(scene.links)
-        best: list[float] = []
+        error = math.inf
         for row, count in enumerate(SEQUENCE):
             runs.append(_run(scene, state, duration, count, load))
             if load is not None and load.fails(runs[-1][3 * size :]):
-                return _unpack(scene, state, duration, runs[-1], math.inf, failed=True)
-            if row == 0:
-                continue
-            best = _combine(WEIGHTS[row], runs)
-            check = _combine(WEIGHTS_TAIL[row], runs[1:])
-            self._errors.append(max(abs(a - b) for a, b in zip(best[: 2 * size], check[: 2 * size], strict=True)))
-            if row + 1 >= self.rows and self._errors[-1] <= limit:
-                break
-        return _unpack(scene, state, duration, best, self._errors[-1])
+                return _unpack(state, duration, size, runs[-1], math.inf, failed=True)
+            if row + 2 >= self.rows and row:
+                columns = list(zip(*runs, strict=True))[: 2 * size]
+                differences = WEIGHT_DIFFERENCES[row]
+                error = self._errors[row] = max(abs(sum(map(mul, differences, column))) for column in columns)
+                if row + 1 >= self.rows and error <= limit:
+                    break
+        best = [sum(map(mul, WEIGHTS[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
+        return _unpack(state, duration, size, best, error)
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; chooses next stretch and repetitions by cost per time."""
         limit = max(self.tolerance * self.scale, ROUNDING)
-        lengths = []
-        for row, error in enumerate(self._errors, start=1):
+        lengths, prices = {}, {}
+        for row, error in self._errors.items():
             ratio = 0.5 * limit / max(error, 1e-3 * limit)
-            lengths.append(duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1)))))
-        prices = [COSTS[row] / length for row, length in enumerate(lengths, start=1)]
-        best = min(range(1, len(prices)), key=prices.__getitem__)
-        self.length, self.rows = lengths[best], best + 2
-        if best == len(prices) - 1 and best + 2 < len(SEQUENCE) and prices[best] < 0.9 * prices[best - 1]:
+            lengths[row] = duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1))))
+            prices[row] = COSTS[row] / lengths[row]
+        last = max(prices)
+        best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
+        self.length, self.rows = lengths[best], best + 1
+        if best == last < len(SEQUENCE) - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
             # Still getting cheaper: one more repetition, with the stretch that would keep the price.
-            self.length *= COSTS[best + 2] / COSTS[best + 1]
+            self.length *= COSTS[best + 1] / COSTS[best]
             self.rows += 1
         if result.error > limit:
             self.length = min(self.length, 0.5 * duration)
@@ -216,11 +215,11 @@ def _weights(counts: tuple[int, ...]) -> tuple[float, ...]:
 
 COSTS = [RUN_OVERHEAD * (row + 1) + sum(SEQUENCE[: row + 1]) for row in range(len(SEQUENCE))]
 WEIGHTS = [_weights(SEQUENCE[: row + 1]) for row in range(len(SEQUENCE))]
-WEIGHTS_TAIL = [_weights(SEQUENCE[1 : row + 1]) for row in range(len(SEQUENCE))]
-
-
-def _combine(weights: tuple[float, ...], runs: list[list[float]]) -> list[float]:
-    return [sum(map(mul, weights, column)) for column in zip(*runs, strict=True)]
+WEIGHT_DIFFERENCES = [
+    tuple(all_runs - without_first for all_runs, without_first in zip(WEIGHTS[row], (0.0, *tail), strict=True))
+    for row, tail in enumerate(_weights(SEQUENCE[1 : row + 1]) for row in range(len(SEQUENCE)))
+]
+"""The last extrapolate less the one without the first run: an estimate of the latter's error."""
 
 
 def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:
@@ -240,16 +239,12 @@ def _steps(scene: Scene, step: float, count: int, load: Load | None) -> list[flo
     before = scene.rates()
     scene.step(step, 1, act)
     rates = scene.rates()
-    values = [*scene.angles(), *rates, *((b - a) / step for a, b in zip(before, rates, strict=True))]
-    if load is not None:
-        values += load.totals(step)
-    return values
+    values = scene.angles() + rates + [(b - a) / step for a, b in zip(before, rates, strict=True)]
+    return values if load is None else values + load.totals(step)
 
 
 def _unpack(
-    scene: Scene, state: State, duration: float, values: list[float], error: float, failed: bool = False
+    state: State, duration: float, size: int, values: list[float], error: float, failed: bool = False
 ) -> Advance:
-    size = len(scene.links)
-    angles, rates, accelerations = (tuple(values[i * size : (i + 1) * size]) for i in range(3))
-    end = State(state.time + duration, angles, rates)
-    return Advance(end, accelerations, tuple(values[3 * size :]), error, failed)
+    end = State(state.time + duration, tuple(values[:size]), tuple(values[size : 2 * size]))
+    return Advance(end, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed)

@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
+from bristle_sim.theory.checks import not_negative, positive, require
 
 __all__ = [
     "Cue",
@@ -59,10 +60,10 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
     """gamma of a radial bristle whose tip touches the workpart: cos gamma = (r_h + L - Delta)/(r_h + L), rad."""
     reach = hub_radius + length
-    depth = _required(penetration, np.greater_equal(penetration, 0.0), "penetration", "0 or more", "m")
-    _required(penetration, depth <= reach, "penetration", "at most hub_radius + length", "m")
+    inside = np.greater_equal(penetration, 0.0) & np.less_equal(penetration, reach)
+    require("penetration", penetration, inside, "0 to hub_radius + length is allowed (in m)")
     # arccos of nearly 1 loses half of the digits; 1 - cos gamma = 2 sin^2(gamma/2) keeps them.
-    return 2.0 * np.arcsin(np.sqrt(depth / (2.0 * reach)))
+    return 2.0 * np.arcsin(np.sqrt(penetration / (2.0 * reach)))
 
 
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
@@ -94,8 +95,8 @@ def retraction_at_bar(
     """theta_p at which the tip slips off a bar that stands at (S_H, S_V): the inverse of tip_radius, rad."""
     radius = np.hypot(bar_horizontal, bar_vertical) - bar_reach
     reaches = (radius <= hub_radius + length) & (radius >= np.abs(hub_radius - length))
-    allowed = "a tip radius between |hub_radius - length| and hub_radius + length"
-    _required(radius, reaches, "bar_horizontal, bar_vertical: tip radius", allowed, "m")
+    allowed = "|hub_radius - length| to hub_radius + length is allowed (in m)"
+    require("bar_horizontal, bar_vertical: tip radius", radius, reaches, allowed)
     # Half-angle form of the law of cosines, exact also near the radial bristle.
     beyond = (hub_radius + length - radius) * (hub_radius + length + radius)
     half = np.sqrt(beyond / (4.0 * hub_radius * length))
@@ -107,8 +108,8 @@ def natural_rate(stiffness: Number, inertia: Number) -> Number:
 
     With ``stiffness`` k + g it is the stiffened bristle's, for small angles.
     """
-    _required(stiffness, np.greater(stiffness, 0.0), "stiffness", "more than 0", "N m/rad")
-    _required(inertia, np.greater(inertia, 0.0), "inertia", "more than 0", "kg m^2")
+    positive("stiffness", stiffness, "N m/rad")
+    positive("inertia", inertia, "kg m^2")
     return np.sqrt(np.asarray(stiffness, dtype=float) / inertia)
 
 
@@ -142,7 +143,7 @@ def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Numbe
 
     where sinc x = sin x/x, since cos alpha - cos theta_p = 2 sin((theta_p + alpha)/2) sin((theta_p - alpha)/2).
     """
-    _required(retraction, np.abs(retraction) < np.pi, "retraction", "less than pi in magnitude", "rad")
+    require("retraction", retraction, np.abs(retraction) < np.pi, "less than pi in magnitude is allowed (in rad)")
     natural_rate(stiffness + centrifugal, inertia)
     amplitude, stiff, extra, heavy = (
         np.asarray(each, dtype=float)[..., np.newaxis] for each in (retraction, stiffness, centrifugal, inertia)
@@ -173,7 +174,7 @@ def damped_radial_speed(retraction: Number, natural_rate: Number, damping_ratio:
 
     Radial is where tan(Omega_d t) = -sqrt(1 - zeta^2)/zeta: f(zeta) as above with pi - arccos(zeta).
     """
-    _required(damping_ratio, np.less(damping_ratio, 1.0), "damping_ratio", "less than 1", "dimensionless")
+    require("damping_ratio", damping_ratio, np.less(damping_ratio, 1.0), "less than 1 is allowed (dimensionless)")
     half_turn = np.pi / np.sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio))
     return highest_relative_speed(retraction, natural_rate) * np.exp(
         (_phase(damping_ratio) - half_turn) * damping_ratio
@@ -188,7 +189,8 @@ def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
     """
     least, sign = (0.001, 1.0) if radial else (0.368, -1.0)
     share = np.asarray(speed_share, dtype=float)
-    _required(share, (share >= least) & (share <= 1.0), "speed_share", f"{least:g} to 1", "dimensionless")
+    inside = (share >= least) & (share <= 1.0)
+    require("speed_share", share, inside, f"{least:g} to 1 is allowed (dimensionless)")
     loss = -np.log(share)
     x = loss * 2.0 / np.pi if radial else np.zeros_like(loss)
     for _ in range(60):
@@ -199,7 +201,8 @@ def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
 
 def _phase(damping_ratio: Number) -> Number:
     """f(zeta); 1 at zeta = 1."""
-    zeta = _required(damping_ratio, np.greater_equal(damping_ratio, 0.0), "damping_ratio", "0 or more", "dimensionless")
+    not_negative("damping_ratio", damping_ratio, "1")
+    zeta = np.asarray(damping_ratio, dtype=float)
     root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
     return np.where(root > 0.0, angle / np.where(root > 0.0, root, 1.0), 1.0)[()]
@@ -207,14 +210,6 @@ def _phase(damping_ratio: Number) -> Number:
 
 def _sinc(angle: Number) -> Number:
     return np.sinc(angle / np.pi)
-
-
-def _required(value: Number, holds: Number, name: str, allowed: str, unit: str) -> Number:
-    """The value, or ValueError for the first that does not hold (NaN never does)."""
-    number, inside = np.broadcast_arrays(np.asarray(value, dtype=float), holds)
-    if not inside.all():
-        raise ValueError(f"{name} = {number[~inside].flat[0]:g}: {allowed} is allowed ({unit})")
-    return number[()]
 
 
 @dataclass(frozen=True, slots=True)

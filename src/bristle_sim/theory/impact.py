@@ -124,7 +124,7 @@ class Impact:
         names = []
         for name, impulse, slip in zip(PHASES, self.phase_impulse, self.phase_slip, strict=True):
             if impulse > 0.0:
-                motion = "stick" if slip == 0.0 else "slip" if slip == initial else "reverse slip"
+                motion = "stick" if slip == 0.0 else "reverse slip" if slip == -initial else "slip"
                 names.append(f"{name.split()[0]} {motion}")
         return tuple(names)
 
@@ -233,13 +233,15 @@ _End = Callable[[Number, Number, _Target], Number]
 
 
 def _energetic_end(velocity: Number, compliance: Number, target: _Target) -> Number:
-    # The root of v p + a p^2/2 = W in the form that does not cancel.
-    root = _sqrt(velocity * velocity + 2.0 * compliance * target.work)
-    return _quotient(2.0 * target.work, velocity + root)
+    # The root of v p + a p^2/2 = W in the form that does not cancel; a work below the smallest float is done at once.
+    work = _select(target.work > 0.0, target.work, 0.0)
+    root = _sqrt(velocity * velocity + 2.0 * compliance * work)
+    return _select(work > 0.0, _quotient(2.0 * work, velocity + root), 0.0)
 
 
-def _poisson_end(_velocity: Number, _compliance: Number, target: _Target) -> Number:
-    return target.impulse
+def _poisson_end(velocity: Number, compliance: Number, target: _Target) -> Number:
+    # A point at rest that no normal impulse sets in motion never parts.
+    return _select((velocity > 0.0) | (compliance > 0.0), target.impulse, INFINITE)
 
 
 def _newton_end(velocity: Number, compliance: Number, target: _Target) -> Number:

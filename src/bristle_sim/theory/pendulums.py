@@ -19,7 +19,7 @@ after the end of compression; then C sticks, or slips the other way if mu < mu_b
 work of restitution is W_r = -e*^2 W_c (2.87). The rods here are followed in q; ``impact.energetic_impact`` solves the
 same impact in the velocities of C, and each is the other's test.
 
-Rates are negative where they bring the tip to the surface. Source beside Zhang: W. J. Stronge, *Rigid body collisions
+Rates are negative where they bring the tip of a rod of positive inclination to the surface. Source beside Zhang: W. J. Stronge, *Rigid body collisions
 with friction*, Proc. R. Soc. Lond. A 431 (1990) 169-181.
 """
 
@@ -63,7 +63,10 @@ _LATER_FRICTION = Quantity("restitution_friction", "1", 0.0, 1e9, lowest_allowed
 _RESTITUTION = Quantity("restitution", "1", 0.0, 1.0, lowest_allowed=True, source="Zhang 2020, eq. 2.87")
 
 _ROUNDING = 1e-12
-"""Share of the tip's initial speed below which a velocity component counts as zero."""
+"""Share of the rods' initial speeds below which a component of the tip's velocity counts as zero."""
+
+_PARALLEL = 1e-8
+"""Rods whose angles differ by less (rad) count as parallel: their tip moves along one line, up to rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,16 +161,14 @@ def double_pendulum_impact(
     later = mu if restitution_friction is None else _LATER_FRICTION.check(restitution_friction)
     speeds = np.array([length * _RATE_1.check(rate_1), length * _RATE_2.check(rate_2) / 2.0])
     course = _Course(rods, speeds)
-    compressive, outcome = 0.0, "no contact"
+    outcome = "no contact"
     if course.tip[1] < 0.0:
-        _compress(course, mu)
-        compressive = course.impulse
-        outcome = _restitute(course, later, e)
+        outcome = _restitute(course, later, e) if _compress(course, mu) else "jam"
     before, after = rods.kinetic_energy(speeds), rods.kinetic_energy(course.speeds)
     return DoublePendulumImpact(
         final_rate_1=float(course.speeds[0]) / length,
         final_rate_2=2.0 * float(course.speeds[1]) / length,
-        normal_compressive_impulse=compressive,
+        normal_compressive_impulse=course.compressive_impulse,
         normal_final_impulse=course.impulse,
         slip_stop_impulse=course.slip_stop,
         phases=tuple(course.phases),
@@ -200,6 +201,11 @@ class _Rods:
     angle_1: float
     angle_2: float
 
+    @property
+    def parallel(self) -> bool:
+        """Whether C moves along one line, so that it cannot lift off while it sticks."""
+        return abs(self.angle_1 - self.angle_2) < _PARALLEL
+
     def kinetic_energy(self, q: Speeds) -> float:
         """T (2.93), J."""
         coupled = math.cos(self.angle_1 - self.angle_2) * q[0] * q[1]
@@ -227,7 +233,7 @@ class _Rods:
     def sticking(self) -> Speeds:
         """dq/dp_y while C sticks: one freedom is left, q proportional to (2 cos theta_2, -cos theta_1)."""
         freedom = np.array([2.0 * math.cos(self.angle_2), -math.cos(self.angle_1)])
-        lift = 2.0 * math.sin(self.angle_1 - self.angle_2)
+        lift = 0.0 if self.parallel else 2.0 * math.sin(self.angle_1 - self.angle_2)
         return freedom * lift / (2.0 * self.kinetic_energy(freedom))
 
     def sliding_at_rest(self) -> Speeds:
@@ -243,9 +249,10 @@ class _Course:
 
     def __init__(self, rods: _Rods, speeds: Speeds) -> None:
         self.rods, self.speeds = rods, speeds
-        self.impulse, self.work = 0.0, 0.0
+        self.impulse, self.compressive_impulse, self.work = 0.0, 0.0, 0.0
         self.phases: list[str] = []
-        self._least = _ROUNDING * math.hypot(*rods.tip_velocity(speeds))
+        across = 2.0 * _PARALLEL if rods.parallel else 0.0
+        self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
         self.initial_slip = self.slip
         self.slip_stop = math.inf if self.initial_slip else 0.0
 
@@ -283,7 +290,10 @@ class _Course:
     def impulse_to_work(self, change: Speeds, work: float) -> float:
         """Normal impulse that does the work, from here: the root of v_y p + v_y' p^2/2 = W (2.83)."""
         speed, gain = self.tip[1], self.rods.tip_velocity(change)[1]
-        return 2.0 * work / (speed + math.sqrt(speed**2 + 2.0 * gain * work)) if gain > 0.0 else math.inf
+        if gain <= 0.0:
+            return math.inf
+        final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
+        return 2.0 * work / (speed + final) if final > 0.0 else 0.0
 
     def follow(self, phase: str, change: Speeds, impulse: float) -> None:
         """Apply the normal impulse, with q changing at the rate ``change``."""
@@ -296,16 +306,20 @@ class _Course:
             self.slip_stop = self.impulse
 
 
-def _compress(course: _Course, mu: float) -> None:
-    """Slip until C rests or slip stops; if slip stops first, stick or slip on until C rests."""
+def _compress(course: _Course, mu: float) -> bool:
+    """Slip until C rests or slip stops; if slip stops first, stick or slip on until C rests. False if it cannot."""
     if course.slip:
         motion, change = course.slipping(course.slip, mu)
-        course.follow(
-            f"compression {motion}", change, min(course.impulse_to_stop(change), course.impulse_to_rest(change))
-        )
+        end = min(course.impulse_to_stop(change), course.impulse_to_rest(change))
+        course.follow(f"compression {motion}", change, end)
     if course.tip[1] < 0.0:
         motion, change = course.after_slip(mu)
-        course.follow(f"compression {motion}", change, course.impulse_to_rest(change))
+        end = course.impulse_to_rest(change)
+        if math.isinf(end):
+            return False
+        course.follow(f"compression {motion}", change, end)
+    course.compressive_impulse = course.impulse
+    return True
 
 
 def _restitute(course: _Course, mu: float, restitution: float) -> str:
@@ -332,4 +346,4 @@ def _restitute(course: _Course, mu: float, restitution: float) -> str:
 
 def _zero(value: float, slope: float) -> float:
     """Where a linear function that starts at the value vanishes; inf if it does not."""
-    return -value / slope if value * slope < 0.0 else math.inf
+    return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
