@@ -239,9 +239,8 @@ def _energetic_end(velocity: Number, compliance: Number, target: _Target) -> Num
     return _select(work > 0.0, _quotient(2.0 * work, velocity + root), 0.0)
 
 
-def _poisson_end(velocity: Number, compliance: Number, target: _Target) -> Number:
-    # A point at rest that no normal impulse sets in motion never parts.
-    return _select((velocity > 0.0) | (compliance > 0.0), target.impulse, INFINITE)
+def _poisson_end(_velocity: Number, _compliance: Number, target: _Target) -> Number:
+    return target.impulse
 
 
 def _newton_end(velocity: Number, compliance: Number, target: _Target) -> Number:
@@ -307,7 +306,9 @@ def _walk(
     fourth = _restitute(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
 
     rows = (first, second, third, fourth)
-    ending = _select(e == 0.0, NO_REBOUND, _select(fourth.unfinished, STICTION, REBOUND))
+    # Poisson's restitution ends at an impulse, even where one degree of freedom lets no impulse part the point.
+    stuck = fourth.unfinished | ((state.normal == 0.0) & (mass.stick == 0.0))
+    ending = _select(e == 0.0, NO_REBOUND, _select(stuck, STICTION, REBOUND))
     return Impact(
         impulse_normal=state.impulse,
         impulse_tangential=state.impulse_tangential,
