@@ -187,7 +187,7 @@ class Trajectory:
             ValueError: for any other file.
         """
         try:
-            with np.load(path, allow_pickle=False) as stored:
+            with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 meta = json.loads(str(stored["metadata"]))
                 if meta["format"] != FORMAT:
                     raise ValueError(f"format {meta['format']} is not {FORMAT}")

@@ -34,6 +34,9 @@ MOST_PIECES = 400
 ROUNDING = 1e-13
 """Share of a function's size below which the series' last coefficients count as resolved."""
 
+ENOUGH = 1e-10
+"""The same for integrals: forces near a jam are differences that keep no more digits."""
+
 
 class Piece(NamedTuple):
     """A Chebyshev series on an interval."""
@@ -53,9 +56,9 @@ class Piece(NamedTuple):
         first, others = self.coefficients[0], np.abs(self.coefficients[1:]).sum()
         return float(np.sign(first)) if abs(first) > others else 0.0
 
-    def resolved(self, values: NDArray[np.float64], resolution: float) -> bool:
+    def resolved(self, values: NDArray[np.float64], resolution: float, share: float = ROUNDING) -> bool:
         """Whether the last coefficients are rounding, so that the series is the function."""
-        return bool(np.abs(self.coefficients[-3:]).max() <= max(resolution, ROUNDING * np.abs(values).max()))
+        return bool(np.abs(self.coefficients[-3:]).max() <= max(resolution, share * np.abs(values).max()))
 
     def roots(self) -> list[float]:
         """Real roots in the interval."""
@@ -78,7 +81,7 @@ def nodes(start: float, end: float) -> NDArray[np.float64]:
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
-def _pieces(function: Function, start: float, end: float, resolution: float) -> list[Piece]:
+def _pieces(function: Function, start: float, end: float, resolution: float, share: float = ROUNDING) -> list[Piece]:
     """Chebyshev series on intervals short enough that the last coefficients are rounding."""
     done: list[Piece] = []
     waiting = [(start, end, DEEPEST)]
@@ -86,7 +89,7 @@ def _pieces(function: Function, start: float, end: float, resolution: float) -> 
         left, right, depth = waiting.pop()
         values = function(nodes(left, right))
         piece = Piece.through(values, left, right)
-        if depth and len(done) + len(waiting) < MOST_PIECES and not piece.resolved(values, resolution):
+        if depth and len(done) + len(waiting) < MOST_PIECES and not piece.resolved(values, resolution, share):
             middle = 0.5 * (left + right)
             waiting += [(middle, right, depth - 1), (left, middle, depth - 1)]
         else:
@@ -129,6 +132,6 @@ def _root(function: Function, low: float, high: float) -> float:
 
 
 def integral(function: Function, start: float, end: float) -> float:
-    """Integral of a piecewise smooth function, to rounding of its size."""
+    """Integral of a piecewise smooth function, to 1e-10 of its size or better."""
     size = float(np.abs(function(nodes(start, end))).max())
-    return sum(piece.integral() for piece in _pieces(function, start, end, ROUNDING * size))
+    return sum(piece.integral() for piece in _pieces(function, start, end, ENOUGH * size, ENOUGH))

@@ -32,6 +32,7 @@ class Log:
         self.contacts: list[ContactRecord] = []
         self.stationary: list[State] = []
         self._rows: list[Array] = []
+        self._marks: list[float] = []
 
     def event(self, name: str, time: float) -> None:
         """Note an event."""
@@ -40,6 +41,10 @@ class Log:
     def seen(self, name: str) -> bool:
         """Whether an event of that name has been noted."""
         return any(each.name == name for each in self.events)
+
+    def mark(self, time: float) -> None:
+        """Ask for a sample at an instant of the motion that is stored next."""
+        self._marks.append(time)
 
     def sample(self, state: State, force: float = 0.0) -> None:
         """Store one state, unless it is the one stored last: only an impact makes two of an instant."""
@@ -50,13 +55,14 @@ class Log:
         self._rows.append(np.array([[*state, max(force, 0.0)]]))
 
     def samples(self, motion: Motion, start: float, end: float, force: Callable[[Array], Array] | None = None) -> None:
-        """Store the motion at the multiples of the sampling interval after ``start`` and up to ``end``."""
+        """Store the motion at marks and multiples of the sampling interval after ``start`` and up to ``end``."""
         first, last = math.floor(start / self.interval), math.ceil(end / self.interval)
-        times = np.arange(first, last + 1, dtype=np.float64) * self.interval
+        times = np.union1d(np.arange(first, last + 1, dtype=np.float64) * self.interval, self._marks)
         times = times[(times > start) & (times <= end)]
         if times.size:
             forces = np.zeros_like(times) if force is None else np.maximum(force(times), 0.0)
             self._rows.append(np.column_stack([times, *motion(times), forces]))
+        self._marks = [each for each in self._marks if each > end]
 
     def impact(self, obstacle: str, state: State, rate_after: float, before: tuple[float, float], hit: Impact) -> None:
         """Add an impact to the ledger."""
@@ -82,13 +88,14 @@ class Log:
         """Sample a sustained touch and add it to the ledger; it does no normal work, and nothing is restituted."""
         if last.time <= start:
             return
-        # Towards a jam the force grows beyond bounds.
+        # Towards a jam the force grows beyond bounds, and its impulse as the logarithm of the time that is left.
         jammed = last.name == JAM
+        until = last.time - 1e-6 * (last.time - start) if jammed else last.time
         first, end = hold.state(start), hold.state(last.time)
         self.sample(first, float(hold.force(np.array([start]))[0]))
         self.samples(hold.motion, start, end.time, hold.force)
         self.sample(end, 0.0 if jammed else float(hold.force(np.array([end.time]))[0]))
-        impulse = hold.impulse(start, end.time)
+        impulse = hold.impulse(start, until)
         self.contacts.append(
             ContactRecord(
                 obstacle=hold.obstacle.name,
@@ -98,7 +105,7 @@ class Log:
                 duration=end.time - start,
                 impulse=impulse,
                 compressive_impulse=impulse,
-                compressive_work=(0.0, hold.friction_work(start, end.time)),
+                compressive_work=(0.0, hold.friction_work(start, until)),
                 restitutive_work=(0.0, 0.0),
                 velocity_before=_pair(0.0, hold.slip(np.array([start]))[0]),
                 velocity_after=_pair(0.0, hold.slip(np.array([end.time]))[0]),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.integrate import DOP853
 
 from bristle_sim.reference.crossing import crossings
+from bristle_sim.reference.flight import flight_steps
 from bristle_sim.reference.hold import Hold, departure
 from bristle_sim.reference.log import JAM, Log
 from bristle_sim.reference.mechanics import Mechanics, Motion, State
@@ -30,8 +29,6 @@ from bristle_sim.reference.watch import (
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 __all__ = ["END_OF_RUN", "PEAK", "STRIKE", "Pass", "Plan"]
-
-Array = NDArray[np.float64]
 
 LOWEST_REBOUND = 1e-10
 """A rebound that the forces end below this share of hub radius plus bristle length is none.
@@ -98,7 +95,10 @@ class Pass:
         """Free motion up to a touch."""
         self.log.sample(self.state)
         watches = [*self._watches(self.obstacles.values()), peak(PEAK, self.mechanics)]
-        for motion, start, end in self._flight_steps():
+        for motion, start, end, evaluations in flight_steps(
+            self.mechanics, self.state, self.plan.end, self.plan.tolerance
+        ):
+            self.evaluations += evaluations
             last = self._scan(watches, motion, start, end)
             self.state = state_at(motion, end if last is None else last.time)
             self.log.samples(motion, start, self.state.time)
@@ -106,29 +106,6 @@ class Pass:
                 self.log.sample(self.state)
                 return self._obstacle_or_stop(last)
         raise _Stop(END_OF_RUN)
-
-    def _flight_steps(self) -> Iterator[tuple[Motion, float, float]]:
-        """The integrator's steps with their dense output; none is longer than a radian of the fastest motion."""
-        if self.state.time >= self.plan.end:
-            return
-        fastest = self.mechanics.fastest_rate
-        solver = DOP853(
-            self.mechanics.right_hand_side,
-            self.state.time,
-            np.array(self.state[1:]),
-            self.plan.end,
-            max_step=1.0 / fastest if fastest else np.inf,
-            rtol=self.plan.tolerance,
-            atol=self.plan.tolerance * np.array([1.0, max(fastest, abs(self.state.rate))]),
-        )
-        counted = 0
-        while solver.status == "running":
-            message = solver.step()
-            if solver.status == "failed":
-                raise RuntimeError(f"integration failed at {solver.t:g} s: {message}")
-            motion = solver.dense_output()
-            self.evaluations, counted = self.evaluations + solver.nfev - counted, solver.nfev
-            yield motion, solver.t_old, solver.t
 
     def _watches(self, obstacles: Iterable[Obstacle]) -> list[Watch]:
         return [*gaps(self.mechanics, obstacles, self.state), limit(LIMIT), stationary(STATIONARY, self.mechanics)]
@@ -138,6 +115,7 @@ class Pass:
         for each in happenings(watches, motion, start, end):
             if each.name == STATIONARY:
                 self.log.stationary.append(state_at(motion, each.time))
+                self.log.mark(each.time)
             elif each.name != PEAK or self._note_peak(state_at(motion, each.time)):
                 return each
         return None
@@ -155,6 +133,7 @@ class Pass:
         ):
             return False
         self.log.event(PEAK, state.time)
+        self.log.mark(state.time)
         return self.plan.stop_after == PEAK
 
     def _bar_ahead(self, state: State) -> bool:

@@ -23,7 +23,7 @@ SAMPLES_PER_PERIOD = 64
 FINEST = 1e-13
 """Least relative tolerance of the integrator: five hundred roundings."""
 
-MOST_SAMPLES = 1e7
+MOST_SAMPLES = 2e6
 
 LONGEST = 1e5
 """Radians of the fastest motion that a run may last."""
@@ -42,7 +42,7 @@ class _Request:
     )
     hub_turn: float = quantity(1.0, "hub_turn", "rad", above=0.0, at_most=1e6, source="asked for")
     duration: float | None = quantity(None, "duration", "s", above=0.0, at_most=1e9, source="asked for")
-    accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=1e-2, source="asked for")
+    accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=0.1, source="asked for")
     sample_interval: float | None = quantity(None, "sample_interval", "s", above=0.0, at_most=1e9, source="asked for")
     stop_after: str | None = None
 
@@ -64,7 +64,7 @@ def simulate_reference(
     stop_after: str | None = None,
     sample_interval: float | None = None,
 ) -> Trajectory:
-    """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
+    """Simulate a pass of a straight bristle: flight, taps and slides along the bar, release, strike, rebound.
 
     Flight obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0, a touch
     the energetic impact law, and a sustained touch gap = 0 with a force that pushes. A rebound too low to be told from
@@ -88,8 +88,8 @@ def simulate_reference(
         ``cost.steps`` counts right-hand sides.
 
     Raises:
-        ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
-            fastest motion.
+        ValueError: for settings out of range, a bristle with a knee, a start inside an obstacle, or a run of more than
+            1e5 radians of its fastest motion.
     """
     wall, cpu = clock.perf_counter(), clock.process_time()
     request = _Request(
@@ -102,6 +102,7 @@ def simulate_reference(
         sample_interval,
         stop_after,
     )
+    _check_straight(tool)
     mechanics = Mechanics.of(tool, request.start_hub_angle)
     obstacles = obstacles_of(tool, mechanics)
     start = State(0.0, request.start_relative_angle, request.start_relative_rate)
@@ -110,6 +111,14 @@ def simulate_reference(
     reason = _conclude(one_pass, one_pass.run())
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_pass.evaluations)
     return one_pass.log.trajectory(reason, cost, _parameters(tool, request))
+
+
+def _check_straight(tool: Tool) -> None:
+    if tool.bristle.knee_angle_deg:
+        raise ValueError(
+            f"knee_angle_deg = {tool.bristle.knee_angle_deg:g}: 0 is allowed, the reference knows straight bristles"
+            " only (in deg)"
+        )
 
 
 def _check_start(mechanics: Mechanics, obstacles: tuple[Obstacle, ...], start: State) -> None:
@@ -128,11 +137,13 @@ def _plan(mechanics: Mechanics, request: _Request) -> Plan:
     end = request.duration
     if end is None:
         end = request.hub_turn / mechanics.speed if mechanics.speed else PERIODS_AT_REST * _period(mechanics)
-    if end * mechanics.fastest_rate > LONGEST:
+    if mechanics.fastest_rate and end * mechanics.fastest_rate > LONGEST:
         raise ValueError(
             f"duration = {end:g}: at most {LONGEST / mechanics.fastest_rate:g} is allowed, {LONGEST:g} radians of the"
             " fastest motion of hub and bristle on its belt (in s)"
         )
+    if not math.isfinite(end):
+        raise ValueError("duration = None: a number is allowed, as hub, belt and gravity set no time scale (in s)")
     interval = request.sample_interval or min(_period(mechanics) / SAMPLES_PER_PERIOD, end)
     if end / interval > MOST_SAMPLES:
         raise ValueError(f"sample_interval = {interval:g}: at least {end / MOST_SAMPLES:g} is allowed (in s)")
@@ -140,11 +151,9 @@ def _plan(mechanics: Mechanics, request: _Request) -> Plan:
 
 
 def _period(mechanics: Mechanics) -> float:
-    """Period of the bristle or of the hub, whichever is shorter; s."""
+    """Period of the bristle or of the hub, whichever is shorter; infinite for a bristle that nothing moves, s."""
     fastest = max(mechanics.natural_rate, mechanics.speed)
-    if not fastest:
-        raise ValueError("duration = None: a number is allowed, as without belt, hub speed and gravity (in s)")
-    return 2.0 * math.pi / fastest
+    return 2.0 * math.pi / fastest if fastest else math.inf
 
 
 def _conclude(one_pass: Pass, reason: str) -> str:
