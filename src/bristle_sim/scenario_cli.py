@@ -42,6 +42,7 @@ class Scenario:
         defaults: key values that differ from the parameter classes' own.
         without: keys of the parts that mean nothing to the question.
         plot_is_folder: ``--plot`` names a folder instead of a picture.
+        options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Scenario:
     defaults: Mapping[str, Any] = field(default_factory=dict)
     without: tuple[str, ...] = ()
     plot_is_folder: bool = False
+    options: tuple[str, ...] = ()
 
     def keys(self) -> dict[str, tuple[Quantity | Choice, Any]]:
         """Every key with its declaration and default."""
@@ -94,7 +96,7 @@ def _answer(scenario: Scenario, options: argparse.Namespace) -> int:
     plot = _target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder)
     video = _target("--video", options.video, VIDEOS)
     json_file = None if options.json in (None, "-") else _target("--json", options.json, (".json",))
-    report = scenario.run(values)
+    report = _run(scenario, values, options.set)
     _draw(scenario, report, plot, video)
     document = json.dumps(_plain(_document(scenario, values, report)), indent=1, allow_nan=False)
     if json_file is not None:
@@ -102,6 +104,15 @@ def _answer(scenario: Scenario, options: argparse.Namespace) -> int:
             partial.write_text(document + "\n", encoding="utf-8")
     _say(document if options.json == "-" else _words(report))
     return 1 if any(row.ok is False for row in report.quantities) else 0
+
+
+def _run(scenario: Scenario, values: Values, settings: Sequence[str]) -> Report:
+    try:
+        return scenario.run(values)
+    except ArithmeticError as error:
+        if not settings:
+            raise
+        raise ValueError(f"{', '.join(settings)}: less extreme values are allowed ({error})") from error
 
 
 class _Parser(argparse.ArgumentParser):
@@ -126,6 +137,10 @@ def _parser(scenario: Scenario) -> _Parser:
     else:
         parser.set_defaults(video=None)
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
+    for key in scenario.options:
+        parser.add_argument(
+            f"--{key}", dest="set", metavar="VALUE", action="append", type=f"{key}={{}}".format, help=f"--set {key}=VALUE"
+        )
     return parser
 
 

@@ -11,14 +11,16 @@ sign, friction locks the bristle and no force answers (the self-locking jam).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.reference.crossing import integral
+from bristle_sim.reference.crossing import crossings, integral
 from bristle_sim.reference.mechanics import Mechanics, Number, State
-from bristle_sim.reference.obstacles import Obstacle, Touch
+from bristle_sim.reference.obstacles import Obstacle
+from bristle_sim.reference.touch import Touch
 
 __all__ = ["Hold", "departure"]
 
@@ -32,7 +34,7 @@ def departure(mechanics: Mechanics, touch: Touch, time: Number, angle: Number, r
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """The motion along one obstacle; ``side`` is which of its two branches."""
+    """The motion along one obstacle; ``side``, the sign of J_n, is which of its two branches."""
 
     mechanics: Mechanics
     obstacle: Obstacle
@@ -59,9 +61,13 @@ class Hold:
         """Positive while some bristle angle touches the obstacle, m."""
         return np.asarray(self.obstacle.within_reach(self.mechanics.hub_angle(time)))
 
-    def seam(self, time: Array) -> Array:
-        """Changes sign between two smooth stretches of the motion, m^2."""
-        return np.asarray(self.obstacle.seam(self.mechanics.hub_angle(time)))
+    def seams(self, start: float, end: float, resolution: float) -> list[float]:
+        """Times between two instants at which the motion passes from one smooth stretch to another."""
+        found = (crossings(self._over(seam), start, end, resolution) for seam in self.obstacle.seams(self.side))
+        return [time for each in found for time, _ in each]
+
+    def _over(self, function: Callable[[Number], Number]) -> Callable[[Array], Array]:
+        return lambda time: np.asarray(function(self.mechanics.hub_angle(time)))
 
     def departure(self, time: Array) -> Array:
         """a_n along the motion, m/s^2."""

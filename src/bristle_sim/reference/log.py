@@ -127,7 +127,7 @@ class Log:
         """The finished result."""
         time, angle, rate, force = np.concatenate(self._rows).T
         hub_angle = self.mechanics.hub_angle(time)
-        tip = self.mechanics.tip(hub_angle, angle)
+        tip = self.mechanics.tip_position(hub_angle, angle)
         return Trajectory(
             time=time,
             hub_angle=hub_angle,

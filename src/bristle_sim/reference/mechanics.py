@@ -1,7 +1,8 @@
 """Equation of motion of one bristle on a hub that keeps its speed.
 
 Points and vectors of the plane are complex numbers x + iy: multiplying by i turns counterclockwise by 90 degrees, so a
-point with the arm r from a centre that turns at the rate w moves with i w r. Every function broadcasts over arrays.
+point with the arm r from a centre that turns at the rate w moves with i w r. Points of the wire are seen from the root
+with the shank along -i, and turn with e^{i phi}. Every function broadcasts over arrays.
 """
 
 from __future__ import annotations
@@ -43,11 +44,21 @@ def dot(first: Vector, second: Vector) -> Number:
 
 @dataclass(frozen=True, slots=True)
 class Mechanics:
-    """A tool's bristle and hub as plain numbers, SI units; ``start_hub_angle`` is psi_0, rad."""
+    """A tool's bristle and hub as plain numbers, SI units.
+
+    Attributes:
+        tip: the centre line's end.
+        centre_distance, centre_lead: of the centre of mass, its distance rho from the root, and the angle delta by which
+            it is ahead of the shank, 0 for a straight wire.
+        start_hub_angle: psi_0, rad.
+    """
 
     speed: float
     hub_radius: float
     length: float
+    tip: complex
+    centre_distance: float
+    centre_lead: float
     mass: float
     inertia: float
     stiffness: float
@@ -58,10 +69,14 @@ class Mechanics:
     @classmethod
     def of(cls, tool: Tool, start_hub_angle: float) -> Mechanics:
         """The mechanics of a tool."""
+        centre = complex(*tool.bristle.centre)
         return cls(
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
             length=tool.bristle.length,
+            tip=complex(*tool.bristle.tip),
+            centre_distance=abs(centre),
+            centre_lead=float(np.angle(1j * centre)),
             mass=tool.bristle.mass,
             inertia=tool.bristle.inertia_about_root,
             stiffness=tool.belt.stiffness,
@@ -77,14 +92,15 @@ class Mechanics:
     def torque(self, time: Number, angle: Number, rate: Number) -> Number:
         """Torque on alpha without contact, N m.
 
-        From T = m r_h^2 omega^2/2 + m r_h (L/2) omega phi' cos alpha + I phi'^2/2 with phi = psi + alpha, I = m L^2/3,
-        and V = k alpha^2/2 + m g y_centre, Lagrange's equation is
+        With the centre of mass at the distance rho from the root, delta ahead of the shank, from
+        T = m r_h^2 omega^2/2 + m r_h rho omega phi' cos(alpha + delta) + I phi'^2/2, where phi = psi + alpha and I is the
+        inertia about the root, and V = k alpha^2/2 + m g y_centre, Lagrange's equation is
 
-            I alpha'' = -k alpha - c alpha' - m r_h (L/2) omega^2 sin alpha - m g (L/2) sin(psi + alpha).
+            I alpha'' = -k alpha - c alpha' - m r_h rho omega^2 sin(alpha + delta) - m g rho sin(psi + alpha + delta).
         """
-        moment = 0.5 * self.mass * self.length
-        centrifugal = moment * self.hub_radius * self.speed**2 * np.sin(angle)
-        weight = moment * self.gravity * np.sin(self.hub_angle(time) + angle) if self.gravity else 0.0
+        moment, lean = self.mass * self.centre_distance, angle + self.centre_lead
+        centrifugal = moment * self.hub_radius * self.speed**2 * np.sin(lean)
+        weight = moment * self.gravity * np.sin(self.hub_angle(time) + lean) if self.gravity else 0.0
         return -self.stiffness * angle - self.damping * rate - centrifugal - weight
 
     def right_hand_side(self, time: float, state: NDArray[np.float64]) -> tuple[float, float]:
@@ -100,26 +116,30 @@ class Mechanics:
         """Unit vector (sin, -cos) of an angle from -y."""
         return -1j * np.exp(1j * angle)
 
-    def tip(self, hub_angle: Number, angle: Number) -> Vector:
+    def tip_position(self, hub_angle: Number, angle: Number) -> Vector:
         """Position of the centre line's end, m."""
-        return self.root(hub_angle) + self.length * self.direction(hub_angle + angle)
+        return self.root(hub_angle) + self.tip * np.exp(1j * (hub_angle + angle))
 
     def kinetic_energy(self, angle: Number, rate: Number) -> Number:
-        """Kinetic energy of the whole rod, J."""
+        """Kinetic energy of the whole wire, J."""
         absolute = self.speed + rate
         root_speed = self.hub_radius * self.speed
-        coupling = 0.5 * self.mass * root_speed * self.length * absolute * np.cos(angle)
+        coupling = self.mass * root_speed * self.centre_distance * absolute * np.cos(angle + self.centre_lead)
         return 0.5 * self.mass * root_speed**2 + coupling + 0.5 * self.inertia * absolute**2
 
     def potential_energy(self, hub_angle: Number, angle: Number) -> Number:
         """Energy of belt and gravity, k alpha^2/2 + m g y_centre, J."""
-        height = -self.hub_radius * np.cos(hub_angle) - 0.5 * self.length * np.cos(hub_angle + angle)
+        lean = hub_angle + angle + self.centre_lead
+        height = -self.hub_radius * np.cos(hub_angle) - self.centre_distance * np.cos(lean)
         return 0.5 * self.stiffness * angle**2 + self.mass * self.gravity * height
 
     @property
     def natural_rate(self) -> float:
-        """Rate of small undamped oscillations about the radial position, belt, hub and gravity together, rad/s."""
-        moment = 0.5 * self.mass * self.length * (self.hub_radius * self.speed**2 + self.gravity)
+        """Rate of small undamped oscillations, belt, hub and gravity together, rad/s.
+
+        About the radial position for a straight wire, no more than this for one with a knee.
+        """
+        moment = self.mass * self.centre_distance * (self.hub_radius * self.speed**2 + self.gravity)
         return math.sqrt((self.stiffness + moment) / self.inertia)
 
     @property

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from bristle_sim.reference.bar import Circle
 from bristle_sim.reference.crossing import crossings
 from bristle_sim.reference.flight import flight_steps
 from bristle_sim.reference.hold import Hold, departure
 from bristle_sim.reference.log import JAM, Log
 from bristle_sim.reference.mechanics import Mechanics, Motion, State
-from bristle_sim.reference.obstacles import Circle, Obstacle, Touch
+from bristle_sim.reference.obstacles import Obstacle
+from bristle_sim.reference.touch import Touch
 from bristle_sim.reference.watch import (
     ROUNDING,
     Happening,
@@ -104,7 +106,7 @@ class Pass:
             self.log.samples(motion, start, self.state.time)
             if last is not None:
                 self.log.sample(self.state)
-                return self._obstacle_or_stop(last)
+                return self._obstacle_or_stop(last, self.obstacles)
         raise _Stop(END_OF_RUN)
 
     def _watches(self, obstacles: Iterable[Obstacle]) -> list[Watch]:
@@ -142,9 +144,9 @@ class Pass:
             return False
         return bar.ahead(float(self.mechanics.hub_angle(state.time)))
 
-    def _obstacle_or_stop(self, happening: Happening) -> Obstacle:
-        if happening.name in self.obstacles:
-            return self.obstacles[happening.name]
+    def _obstacle_or_stop(self, happening: Happening, obstacles: dict[str, Obstacle]) -> Obstacle:
+        if happening.name in obstacles:
+            return obstacles[happening.name]
         if happening.name in (LIMIT, JAM):
             self.log.event(happening.name, happening.time)
         raise _Stop(happening.name)
@@ -155,7 +157,8 @@ class Pass:
         """A touch: impact where the contact point approaches, then hold where it stays; the next obstacle met."""
         self._count_touch()
         self.log.event(self._touch_name(obstacle), self.state.time)
-        touch = obstacle.touch(self.state.angle, self.state.rate, self._hub_angle)
+        obstacle = self._touched_part(obstacle)
+        touch = obstacle.touch(*self.state[1:], self._hub_angle)
         parting = float(touch.velocity(self.state.rate)[0])
         if parting < 0.0:
             parting = self._hit(obstacle, touch)
@@ -165,6 +168,14 @@ class Pass:
             return self._hold(obstacle)
         self.log.event(f"{obstacle.name} release", self.state.time)
         return None
+
+    def _touched_part(self, obstacle: Obstacle) -> Obstacle:
+        side = self._side(obstacle)
+        return min(obstacle.parts(side), key=lambda part: float(part.gap(self.state.angle, self._hub_angle)))
+
+    def _side(self, obstacle: Obstacle) -> float:
+        """+1 where the contact point leaves the obstacle as alpha grows, -1 where it approaches."""
+        return 1.0 if obstacle.touch(*self.state[1:], self._hub_angle).normal_lever > 0.0 else -1.0
 
     def _touch_name(self, obstacle: Obstacle) -> str:
         first = obstacle.name == "workpart" and not self.log.seen(STRIKE)
@@ -203,26 +214,33 @@ class Pass:
 
     def _stays(self, obstacle: Obstacle, parting: float) -> bool:
         """Whether the contact point, pressed on, parts at no speed or at one too low to matter."""
-        touch = obstacle.touch(self.state.angle, self.state.rate, self._hub_angle)
+        touch = obstacle.touch(*self.state[1:], self._hub_angle)
         free = float(departure(self.mechanics, touch, *self.state))
         lowest = LOWEST_REBOUND * (self.mechanics.hub_radius + self.mechanics.length)
         return free < 0.0 and max(parting, 0.0) ** 2 < -2.0 * free * lowest
 
     def _hold(self, obstacle: Obstacle) -> Obstacle | None:
         """Sustained touch, up to the release or to what else ends it."""
-        hold = Hold(self.mechanics, obstacle, obstacle.side(self.state.angle, self._hub_angle))
+        hold = Hold(self.mechanics, obstacle, self._side(obstacle))
+        others = self._others(hold)
         start, last = self.state.time, Happening(JAM, self.state.time)
         if hold.freedom(np.array([start]))[0] > 0.0:
-            last = self._slide(hold)
+            last = self._slide(hold, others.values())
         self.log.hold(hold, start, last)
         self.state = hold.state(last.time) if last.time > start else self.state
-        if last.name == RELEASE or last.name in self.obstacles:
+        if last.name == RELEASE or last.name in others:
             self.log.event(f"{obstacle.name} release", last.time)
-        return None if last.name == RELEASE else self._obstacle_or_stop(last)
+        return None if last.name == RELEASE else self._obstacle_or_stop(last, others)
 
-    def _slide(self, hold: Hold) -> Happening:
+    def _others(self, hold: Hold) -> dict[str, Obstacle]:
+        """What else can be touched during a hold: other obstacles, and the other part of the one that holds."""
+        name = hold.obstacle.name
+        others = [obstacle for obstacle in self.obstacles.values() if obstacle.name != name]
+        others += (part for part in self.obstacles[name].parts(hold.side) if part != hold.obstacle)
+        return {each.name: each for each in others}
+
+    def _slide(self, hold: Hold, others: Collection[Obstacle]) -> Happening:
         """Follow the obstacle; what ends it."""
-        others = [each for each in self.obstacles.values() if each is not hold.obstacle]
         watches = [*held(RELEASE, JAM, hold), *self._watches(others)]
         end = self._held_at_most(hold)
         edges = self._stretches(hold, self.state.time, end)
@@ -233,7 +251,7 @@ class Pass:
     def _stretches(self, hold: Hold, start: float, end: float) -> list[float]:
         """Edges of smooth stretches of a hold, no longer than a radian of the fastest motion."""
         pieces = 1 + int((end - start) * self.mechanics.fastest_rate)
-        seams = [time for time, _ in crossings(hold.seam, start, end, ROUNDING * self.mechanics.length**2)]
+        seams = hold.seams(start, end, ROUNDING * self.mechanics.length**2)
         return sorted({*np.linspace(start, end, pieces + 1).tolist(), *seams})
 
     def _held_at_most(self, hold: Hold) -> float:

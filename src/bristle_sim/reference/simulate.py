@@ -64,11 +64,12 @@ def simulate_reference(
     stop_after: str | None = None,
     sample_interval: float | None = None,
 ) -> Trajectory:
-    """Simulate a pass of a straight bristle: flight, taps and slides along the bar, release, strike, rebound.
+    """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
-    Flight obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0, a touch
-    the energetic impact law, and a sustained touch gap = 0 with a force that pushes. A rebound too low to be told from
-    rounding (1e-10 of hub radius and length) counts as none, so that ever smaller taps become a sustained touch.
+    Flight of a straight bristle obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
+    + m g (L/2) sin(psi + alpha) = 0; a knee moves the centre of mass. A touch obeys the energetic impact law, and a
+    sustained touch gap = 0 with a force that pushes. A rebound too low to be told from rounding (1e-10 of hub radius
+    and length) counts as none, so that ever smaller taps become a sustained touch.
 
     Args:
         tool: what is simulated; its bar and workpart may be None.
@@ -88,8 +89,8 @@ def simulate_reference(
         ``cost.steps`` counts right-hand sides.
 
     Raises:
-        ValueError: for settings out of range, a bristle with a knee, a start inside an obstacle, or a run of more than
-            1e5 radians of its fastest motion.
+        ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
+            fastest motion.
     """
     wall, cpu = clock.perf_counter(), clock.process_time()
     request = _Request(
@@ -102,7 +103,6 @@ def simulate_reference(
         sample_interval,
         stop_after,
     )
-    _check_straight(tool)
     mechanics = Mechanics.of(tool, request.start_hub_angle)
     obstacles = obstacles_of(tool, mechanics)
     start = State(0.0, request.start_relative_angle, request.start_relative_rate)
@@ -111,14 +111,6 @@ def simulate_reference(
     reason = _conclude(one_pass, one_pass.run())
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_pass.evaluations)
     return one_pass.log.trajectory(reason, cost, _parameters(tool, request))
-
-
-def _check_straight(tool: Tool) -> None:
-    if tool.bristle.knee_angle_deg:
-        raise ValueError(
-            f"knee_angle_deg = {tool.bristle.knee_angle_deg:g}: 0 is allowed, the reference knows straight bristles"
-            " only (in deg)"
-        )
 
 
 def _check_start(mechanics: Mechanics, obstacles: tuple[Obstacle, ...], start: State) -> None:

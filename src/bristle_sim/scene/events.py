@@ -19,6 +19,9 @@ CUBIC_ERROR = 0.01
 SHORTEST = 1e-15
 """Stretches of a scene's time unit shorter than this are an instant."""
 
+SHORTEST_ADVANCE = 1e-9
+"""A least gap sooner than this, in a scene's time units, is the one at which the stretch begins."""
+
 RESOLUTION = 1.0 / 8.0
 """Least advance in a search, as a share of the stretch; least values of the gap in between show in its slopes."""
 
@@ -41,37 +44,38 @@ Gap = Callable[[State], tuple[float, float]]
 """The gap of a state, and its rate."""
 
 
-def first_touch(mechanism: Mechanism, gap: Gap, start: State, end: State) -> float | None:
+def first_touch(mechanism: Mechanism, gap: Gap, start: State, end: State, stray: float = 0.0) -> float | None:
     """Share of the stretch at which the gap is closed, or nearly so at its least, on the cubic; None if it stays open.
 
-    The share may be later than the touch but never past a second one.
+    The share may be later than the touch but never past a second one. ``stray`` is how far the motion may be off the
+    cubic besides its own error.
     """
     length = end.time - start.time
     bound = 1.5 * max(mechanism.speed_bound(start), mechanism.speed_bound(end)) * length
-    margin = CUBIC_ERROR * length**4
+    margin = CUBIC_ERROR * length**4 + stray
     share, (value, rate) = 0.0, gap(start)
     while share < 1.0 and value <= bound * (1.0 - share) + margin:
         ahead = min(1.0, share + max(value / bound if bound else 1.0, RESOLUTION))
         following, next_rate = gap(interpolate(start, end, ahead)) if ahead < 1.0 else gap(end)
         if following < 0.0:
             return ahead
-        if rate < 0.0 < next_rate and (share > 0.0 or value > margin):
-            dip = _dip(lambda at: gap(interpolate(start, end, at)), share, ahead, margin)
-            if dip is not None:
+        if rate < 0.0 < next_rate:
+            dip, least = _dip(lambda at: gap(interpolate(start, end, at)), share, ahead)
+            if least < 0.0 or (least < margin and dip * length > SHORTEST_ADVANCE):
                 return dip
         share, value, rate = ahead, following, next_rate
     return None
 
 
-def _dip(gap: Callable[[float], tuple[float, float]], left: float, right: float, margin: float) -> float | None:
-    """Share at which a gap that falls at its left and rises at its right end has its least value, if that is small."""
+def _dip(gap: Callable[[float], tuple[float, float]], left: float, right: float) -> tuple[float, float]:
+    """Where a gap that falls at its left and rises at its right end is closed, or else least: the share, and the gap."""
     for _ in range(40):
         middle = 0.5 * (left + right)
         value, rate = gap(middle)
         if value < 0.0:
-            return middle
+            return middle, value
         left, right = (middle, right) if rate < 0.0 else (left, middle)
-    return right if gap(right)[0] < margin else None
+    return right, gap(right)[0]
 
 
 def locate(

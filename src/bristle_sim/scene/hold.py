@@ -3,39 +3,135 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+
+import pymunk
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact_laws import contact_at
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.watches import Watch
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["EngineHold", "ledger_of_hold", "set_back"]
+__all__ = ["MOST_GRIP", "EngineHold", "ledger_of_hold", "locking", "set_back"]
 
 LEAST_LEVER = 1e-6
 """With a lever of the contact normal shorter than this share of the link, turning the link cannot set it back."""
 
 
 class EngineHold:
-    """The engine's own contact as a load: it needs no help, and is lost once its force is gone."""
+    """The engine's own contact as a load: it acts by itself, and is lost once its force is gone."""
 
-    def __init__(self, scene: Scene) -> None:
-        """For a scene whose obstacle is engaged."""
+    def __init__(self, scene: Scene, obstacle: Obstacle) -> None:
+        """For an obstacle that is to hold the scene's last link."""
         self.scene = scene
+        self.obstacle = obstacle
+        self._in_flight = scene.space.iterations
+        self._sums = [0.0, 0.0, 0.0]
+        self._last = self._step = 0.0
+        self._due = False
+
+    def grip(self, state: State) -> float:
+        """Share of a free link's response to a push that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
+
+        Where it is not positive, friction or geometry locks the link: no force holds it.
+        """
+        touch, space = contact_at(self.scene, state, self.obstacle)
+        (normal, coupling), _ = space.inverse_mass.tolist()
+        body, joint = self.scene.links[-1], self.scene.mechanism.poses(state)[-1].joint
+        arm = (joint[0] + touch.arm[0] - body.position.x, joint[1] + touch.arm[1] - body.position.y)
+        lever = arm[0] * touch.normal[1] - arm[1] * touch.normal[0]
+        slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
+        pushed = normal - self.obstacle.friction * slip * coupling
+        return float(pushed / (1.0 / body.mass + lever**2 / body.moment))
+
+    def engage(self, state: State) -> float:
+        """Let the engine's contact act, with as many iterations as the state asks for; returns the grip.
+
+        Each iteration corrects the contact as if the link were free, then the joints: it leaves 1 - grip of the error.
+        """
+        grip = self.grip(state)
+        left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
+        rounds = max(self._in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
+        self.scene.engage(self.obstacle, friction=self.obstacle.friction, elasticity=0.0, iterations=rounds)
+        return grip
 
     def begin(self) -> None:
-        """Nothing to forget."""
+        """Forget what was added up."""
+        self._sums, self._due = [0.0, 0.0, 0.0], False
 
     def apply(self, step: float) -> None:
-        """The engine acts by itself."""
+        """The engine acts by itself; add up what it did in the step before."""
+        if self._due:
+            self._add()
+        elif step != self._step:
+            self._warm_up(step)
+        self._due, self._step = True, step
 
     def totals(self, step: float) -> list[float]:
-        """The normal force of the last step."""
-        return [self.scene.contact_impulse()[0] / step]
+        """The normal force of the last step, normal and tangential impulse, and friction's work."""
+        if self._due:
+            self._add()
+        return [self._last / step, *self._sums]
 
     def fails(self, totals: list[float]) -> bool:
         """A contact only pushes."""
         return totals[0] <= 0.0
+
+    def _add(self) -> None:
+        self._last, rub = self.scene.contact_impulse()
+        self._sums[0] += self._last
+        if self.obstacle.friction:
+            self._sums[1] += rub
+            self._sums[2] += rub * self._slip()
+        self._due = False
+
+    def _warm_up(self, step: float) -> None:
+        """Take one step and take it back.
+
+        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
+        but not what it reports, nor what limits friction and push, until a step has been taken.
+        """
+        bodies = self.scene.links if self.scene.hub is None else [self.scene.hub, *self.scene.links]
+        kept = [(each.position, each.angle, each.velocity, each.angular_velocity) for each in bodies]
+        self.scene.step(step, 1)
+        for body, (position, angle, velocity, rate) in zip(bodies, kept, strict=True):
+            body.position, body.angle, body.velocity, body.angular_velocity = position, angle, velocity, rate
+
+    def _slip(self) -> float:
+        """Tangential velocity of the link where it touches, as the bodies are."""
+        body = self.scene.links[-1]
+        found = [0.0]
+
+        def look(arbiter: pymunk.Arbiter) -> None:
+            points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
+            for each in points.points:
+                velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
+                outwards = -1.0 if first else 1.0
+                found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
+
+        body.each_arbiter(look)
+        return found[0]
+
+
+STILL = 1e-9
+"""Slip below this share of the scene's unit is rest: friction then has no direction."""
+
+SOLVED = math.log(1e-17)
+"""Iterations leave this share of the error: rounding."""
+
+MOST_ITERATIONS = 40_000
+"""Of the engine's solver in a step: enough for the least grip."""
+
+LEAST_GRIP, MOST_GRIP = 1e-3, 1.99
+"""With less, the force that holds grows beyond bounds: a jam. With more, each iteration overshoots twofold."""
+
+
+def locking(hold: EngineHold) -> Watch:
+    """The grip gets too small: friction locks the link, or without friction the link meets the obstacle end-on."""
+    jams = hold.obstacle.friction > 0.0
+    name = "jam" if jams else f"{hold.obstacle.name} met end-on: no grip for the engine's contact"
+    return Watch(name, lambda at: hold.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=True)
 
 
 def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State) -> State:
@@ -53,29 +149,26 @@ def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State) -> State:
 
 
 def ledger_of_hold(
-    mechanism: Mechanism, obstacle: Obstacle, states: Sequence[State], forces: Sequence[float]
+    mechanism: Mechanism, obstacle: Obstacle, first: State, last: State, sums: tuple[float, ...], outcome: str
 ) -> ContactRecord:
-    """Impulse and work of a sustained touch, by the trapezoidal rule over its samples."""
-    slips = [obstacle.touch(mechanism.poses(state)[-1], state.rates[-1]).velocity[1] for state in states]
-    normal = tangential = work = 0.0
-    for index in range(1, len(states)):
-        push = 0.5 * (forces[index] + forces[index - 1]) * (states[index].time - states[index - 1].time)
-        slip = 0.5 * (slips[index] + slips[index - 1])
-        rub = -math.copysign(obstacle.friction, slip) * push
-        normal, tangential, work = normal + push, tangential + rub, work + rub * slip
-    first, last = states[0], states[-1]
+    """Ledger entry of a sustained touch; ``sums`` are normal and tangential impulse and friction's work."""
+
+    def slip(state: State) -> float:
+        return obstacle.touch(mechanism.poses(state)[-1], state.rates[-1]).velocity[1]
+
+    normal, tangential, work = sums
     return ContactRecord(
         obstacle=obstacle.name,
         law="hold",
-        outcome="released",
+        outcome=outcome,
         time=first.time,
         duration=last.time - first.time,
         impulse=(normal, tangential),
         compressive_impulse=None,
         compressive_work=(0.0, work),
         restitutive_work=None,
-        velocity_before=(0.0, slips[0]),
-        velocity_after=(0.0, slips[-1]),
+        velocity_before=(0.0, slip(first)),
+        velocity_after=(0.0, slip(last)),
         angles=first.angles,
         rates_before=first.rates,
         rates_after=last.rates,

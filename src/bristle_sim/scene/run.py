@@ -15,10 +15,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import partial
 
-from bristle_sim.scene.build import HOLD_ITERATIONS, Scene
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.events import first_touch, locate
-from bristle_sim.scene.hold import EngineHold, ledger_of_hold, set_back
+from bristle_sim.scene.hold import MOST_GRIP, EngineHold, ledger_of_hold, locking, set_back
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -98,8 +98,9 @@ class _Runner:
         self.state = start
         self.before: Advance | None = None
         self.held: Obstacle | None = None
-        self.hold = EngineHold(scene)
-        self.hold_start = 0
+        self.hold: EngineHold | None = None
+        self.hold_start = start
+        self.hold_sums: tuple[float, ...] = (0.0, 0.0, 0.0)
         self.budget = scene.steps + plan.maximum_steps
         # After a contact the first stretch is short, and then each is at most twice the last: gaps that open
         # slowly are followed closely while they are small.
@@ -134,6 +135,7 @@ class _Runner:
                 self._stop("step budget spent")
             else:
                 self._stretch()
+        self._enter_hold(self.recording.stop_reason)
 
     def _stretch(self) -> None:
         """One accepted stretch, cut short at its first event."""
@@ -162,16 +164,18 @@ class _Runner:
         self.growth = min(0.5 * length, max(0.95 * predicted, length / 16.0))
 
     def _advance(self, length: float) -> Advance:
-        return self.stepper.advance(self.scene, self.state, length, self.hold if self.held is not None else None)
+        return self.stepper.advance(self.scene, self.state, length, self.hold)
 
     def _commit(self, result: Advance) -> None:
         length = result.state.time - self.state.time
         state = result.state
         if self.held is not None:
             state = set_back(self.mechanism, self.held, state)
-        if self.held is not None and self.before is not None:
-            self.force_slope = (result.totals[0] - self.before.totals[0]) / length
+            self.hold_sums = tuple(a + b for a, b in zip(self.hold_sums, result.totals[1:], strict=True))
+            if self.before is not None:
+                self.force_slope = (result.totals[0] - self.before.totals[0]) / length
         self.state, self.before = state, result
+        self._take_hold()
         self.recording.error += result.error
         self._sample(state, result.totals[0] if result.totals else 0.0)
         if self.growth != math.inf:
@@ -206,25 +210,44 @@ class _Runner:
                 # It never left: what the law left of the approach is taken up by holding it.
                 return result, lambda _: self._hold(obstacle)
             return result, act
-        share = first_touch(self.mechanism, lambda state: self._gap_and_rate(obstacle, state), self.state, result.state)
+        share = first_touch(
+            self.mechanism,
+            lambda state: self._gap_and_rate(obstacle, state),
+            self.state,
+            result.state,
+            self.stepper.stray(self.state, result.state),
+        )
         if share is None:
             return result, act
-        reached = result if share == 1.0 else self._advance(share * length)
-        at_end = self._gap(obstacle, reached.state)
+        reached, closed = result if share == 1.0 else self._advance(share * length), share * length
+        at_end, rate = self._gap_and_rate(obstacle, reached.state)
+        if at_end > 0.0 and rate > 0.0:
+            closed, at_end = self._least_gap(obstacle, closed, at_end)
         if at_end > 0.0:
             return reached, None
         at_start = max(self._gap(obstacle, self.state), 1e-300)
         if at_end < 0.0:
-            duration = locate(
+            closed = locate(
                 lambda span: self._gap(obstacle, self._advance(span).state),
                 0.0,
-                share * length,
+                closed,
                 at_start,
                 at_end,
                 GAP_TOLERANCE,
             )
-            reached = self._advance(duration)
-        return reached, touch
+        return self._advance(closed), touch
+
+    def _least_gap(self, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:
+        """Where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
+        fastest = 1.5 * self.mechanism.speed_bound(self.state)
+        left, right = 0.0, span
+        while gap <= fastest * (right - left) and right - left > SHORTEST:
+            middle = 0.5 * (left + right)
+            gap, rate = self._gap_and_rate(obstacle, self._advance(middle).state)
+            if gap < 0.0:
+                return middle, gap
+            left, right = (middle, right) if rate < 0.0 else (left, middle)
+        return right, gap
 
     def _look_for_change(
         self, watch: Watch, result: Advance, act: Callable[[Advance], None] | None
@@ -246,6 +269,8 @@ class _Runner:
     def _watches(self) -> list[Watch]:
         """Events other than touches, for what the link is doing now."""
         found = in_flight(self.mechanism) if self.held is None else in_touch(self.mechanism, self.held, self.state)
+        if self.hold is not None:
+            found.append(locking(self.hold))
         if math.isfinite(self.plan.retraction_limit):
             found.append(freedom(self.mechanism, self.plan.retraction_limit))
         return found
@@ -277,6 +302,8 @@ class _Runner:
 
     def _touch(self, obstacle: Obstacle) -> None:
         """An impact, and what follows it: flight, or being held."""
+        if self.held is not None:
+            self._let_go(self.state)
         law = self.law if obstacle.name == "workpart" else EnergeticLaw()
         coefficients = Coefficients.of(obstacle)
         touch = self._touch_of(obstacle, self.state)
@@ -304,24 +331,39 @@ class _Runner:
         self.held, self.departing = obstacle, None
         self._begin()
         self.state = set_back(self.mechanism, obstacle, self.state)
-        self.hold_start = len(self.recording.states) - 1
-        self.scene.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=HOLD_ITERATIONS)
+        self.hold = EngineHold(self.scene, obstacle)
+        self.hold_start, self.hold_sums = self.state, (0.0, 0.0, 0.0)
+        self._take_hold()
+
+    def _take_hold(self) -> None:
+        """Have the engine's contact act from the state that has been reached, if it can."""
+        if self.hold is None:
+            return
+        grip = self.hold.engage(self.state)
+        if grip <= 0.0:
+            self._event("jam", self.state.time)
+            self._stop("jam")
+        elif grip > MOST_GRIP:
+            self._stop(f"{self.hold.obstacle.name} friction too high for the engine's contact")
 
     def _let_go(self, state: State) -> None:
         """The contact's force has fallen to zero."""
         assert self.held is not None
         obstacle = self.held
-        self.scene.release(obstacle)
-        self.held = None
         self.state = state
-        if self.before is not None:
-            since = slice(self.hold_start, None)
-            record = ledger_of_hold(
-                self.mechanism, obstacle, self.recording.states[since], self.recording.forces[since]
-            )
-            self.recording.contacts.append(record)
+        self._enter_hold("release")
         self._event(f"{obstacle.name} release", state.time)
         self._depart(obstacle)
+
+    def _enter_hold(self, outcome: str) -> None:
+        """End the hold, if there is one, and enter it in the ledger."""
+        if self.held is None:
+            return
+        self.scene.release(self.held)
+        if self.state.time > self.hold_start.time:
+            record = ledger_of_hold(self.mechanism, self.held, self.hold_start, self.state, self.hold_sums, outcome)
+            self.recording.contacts.append(record)
+        self.held = self.hold = None
 
     def _depart(self, obstacle: Obstacle) -> None:
         self.departing = obstacle

@@ -53,11 +53,6 @@ class Spring:
         """mu of the phase the contact is in."""
         return self.coefficients.friction if self.loading else self.coefficients.restitution_friction
 
-    def settle(self) -> None:
-        """Slip has stopped: stick where friction holds the point, else slip the way the normal force drives it."""
-        holds = self.friction * self.tangential >= abs(self.coupling)
-        self.slip = 0.0 if holds else math.copysign(1.0, self.coupling)
-
     def unload(self, tip: Vector) -> None:
         """Compression has ended with the tip here."""
         self.loading = False

@@ -1,7 +1,7 @@
 """How a scene is carried over a smooth stretch of motion: plain engine steps, or engine steps extrapolated to zero.
 
 The engine moves positions by the old velocities and then changes the velocities, so its error over a stretch without
-events is smooth in the step h, of first order. Repeating the stretch with n = 4, 6, 8, 12 ... steps and extrapolating the
+events is smooth in the step h, of first order. Repeating the stretch with n = 4, 5, 6, 7 ... steps and extrapolating the
 results to h = 0 (Richardson; Bulirsch and Stoer 1966) removes one power of h per repetition. The difference between
 the last two extrapolates estimates the error; step and number of repetitions follow from it as in Hairer, Norsett and
 Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
@@ -18,12 +18,11 @@ from bristle_sim.scene.mechanism import State
 
 __all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps"]
 
-SEQUENCE = (4, 6, 8, 12, 16, 24, 32, 48)
 RUN_OVERHEAD = 6.0
 """Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
 
-ROUNDING = 2e-14
-"""Extrapolation weights amplify rounding to about this share of an angle of 1 rad; less cannot be asked of a step."""
+ROUNDING = 4e-16
+"""Of an angle of some radians; extrapolation weights amplify it."""
 
 
 class Load(Protocol):
@@ -72,6 +71,9 @@ class Stepper(Protocol):
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the stretch is accurate enough; adapts the next proposal either way."""
 
+    def stray(self, start: State, end: State) -> float:
+        """How far a link's tip may be, within the stretch, off the cubic through the states at its ends."""
+
 
 class PlainSteps:
     """One engine step after the other, of a fixed length, with joints that the engine corrects: first order."""
@@ -86,9 +88,14 @@ class PlainSteps:
         return min(self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """One engine step of the given length, from where the bodies are if they were left there."""
-        scene.correct_joints(completely=True)
-        if self._left is not state:
+        """One engine step of the given length, from where the bodies are if they were left there.
+
+        A correction divides what is open by the step: in a step cut short it would blow rounding up, and joints that
+        have just been closed need none.
+        """
+        if self._left is state and duration >= self.step:
+            scene.correct_joints(completely=True)
+        else:
             scene.place(state)
         values = _steps(scene, duration, 1, load)
         scene.correct_joints(completely=False)
@@ -101,6 +108,10 @@ class PlainSteps:
         """A plain step knows nothing of its error."""
         del result, duration
         return True
+
+    def stray(self, start: State, end: State) -> float:
+        """The engine goes straight on at the old rates, which a cubic between old and new rates does not."""
+        return _straight(start, end)
 
 
 class SymmetricSteps:
@@ -146,6 +157,49 @@ class SymmetricSteps:
         del result, duration
         return True
 
+    def stray(self, start: State, end: State) -> float:
+        """As for plain steps."""
+        return _straight(start, end)
+
+
+class Repetitions:
+    """Numbers of steps in which a stretch is repeated, with what extrapolating their results takes.
+
+    Attributes:
+        counts: steps in each repetition.
+        costs: of the first so many repetitions, in engine steps.
+        weights: that extrapolate the first so many results to zero step.
+        differences: the last extrapolate less the one without the first result, an estimate of the latter's error.
+        noise: rounding that the weights make of that of an angle.
+    """
+
+    def __init__(self, *counts: int) -> None:
+        """Ascending numbers of steps."""
+        rows = range(len(counts))
+        self.counts = counts
+        self.costs = [RUN_OVERHEAD * (row + 1) + sum(counts[: row + 1]) for row in rows]
+        self.weights = [_weights(counts[: row + 1]) for row in rows]
+        self.differences = [
+            tuple(a - b for a, b in zip(self.weights[row], (0.0, *_weights(counts[1 : row + 1])), strict=True))
+            for row in rows
+        ]
+        self.noise = [ROUNDING * sum(map(abs, weights)) for weights in self.weights]
+
+
+def _weights(counts: tuple[int, ...]) -> tuple[float, ...]:
+    """Weights that extrapolate results of ``counts`` steps to zero step: the Lagrange polynomial in h = 1/n at h = 0."""
+    return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
+
+
+CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)
+"""Few steps for an order, for motion that is computed to rounding."""
+
+WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)
+"""Small weights, for stiff contacts whose forces carry the rounding of a small penetration."""
+
+LEAST_ROWS = 4
+"""Repetitions to begin with."""
+
 
 class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each stretch.
@@ -153,14 +207,17 @@ class Extrapolation:
     Args:
         tolerance: of the error of a stretch, relative to ``scale``.
         scale: size of the motion: angles in rad and rates per time unit.
+        repetitions: in how many steps a stretch is repeated.
     """
 
-    def __init__(self, tolerance: float, scale: float = 1.0) -> None:
-        """Start with a stretch of a sixth of a radian of the scene's time unit."""
-        self.tolerance = tolerance
-        self.scale = scale
-        self.rows = 4
-        self.length = 0.16
+    def __init__(self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE) -> None:
+        """Start with a stretch of about a radian of the scene's motion."""
+        self.repetitions = repetitions
+        self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
+        # More repetitions amplify rounding beyond the tolerance.
+        self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.limit)
+        self.rows = LEAST_ROWS
+        self.length = 1.5
         self._errors: dict[int, float] = {}
 
     def propose(self, remaining: float) -> float:
@@ -171,55 +228,51 @@ class Extrapolation:
         """Repeat the stretch with finer steps until the estimate is within the tolerance."""
         runs: list[list[float]] = []
         self._errors = {}
-        limit = max(self.tolerance * self.scale, ROUNDING)
-        size = len(scene.links)
+        size, table = len(scene.links), self.repetitions
         error = math.inf
-        for row, count in enumerate(SEQUENCE):
+        for row, count in enumerate(table.counts[: self.most_rows]):
             runs.append(_run(scene, state, duration, count, load))
             if load is not None and load.fails(runs[-1][3 * size :]):
                 return _unpack(state, duration, size, runs[-1], math.inf, failed=True)
             if row + 2 >= self.rows and row:
                 columns = list(zip(*runs, strict=True))[: 2 * size]
-                differences = WEIGHT_DIFFERENCES[row]
+                differences = table.differences[row]
                 error = self._errors[row] = max(abs(sum(map(mul, differences, column))) for column in columns)
-                if row + 1 >= self.rows and error <= limit:
+                if row + 1 >= self.rows and error <= self.limit:
                     break
-        best = [sum(map(mul, WEIGHTS[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
+        best = [sum(map(mul, table.weights[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
         return _unpack(state, duration, size, best, error)
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; chooses next stretch and repetitions by cost per time."""
-        limit = max(self.tolerance * self.scale, ROUNDING)
+        costs = self.repetitions.costs
         lengths, prices = {}, {}
         for row, error in self._errors.items():
-            ratio = 0.5 * limit / max(error, 1e-3 * limit)
+            ratio = 0.5 * self.limit / max(error, 1e-3 * self.limit)
             lengths[row] = duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1))))
-            prices[row] = COSTS[row] / lengths[row]
+            prices[row] = costs[row] / lengths[row]
         last = max(prices)
         best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
         self.length, self.rows = lengths[best], best + 1
-        if best == last < len(SEQUENCE) - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
+        if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
             # Still getting cheaper: one more repetition, with the stretch that would keep the price.
-            self.length *= COSTS[best + 1] / COSTS[best]
+            self.length *= costs[best + 1] / costs[best]
             self.rows += 1
-        if result.error > limit:
+        if result.error > self.limit:
             self.length = min(self.length, 0.5 * duration)
             return False
         return True
 
+    def stray(self, start: State, end: State) -> float:
+        """Nothing to speak of beside the cubic's own error."""
+        del start, end
+        return 0.0
 
-def _weights(counts: tuple[int, ...]) -> tuple[float, ...]:
-    """Weights that extrapolate results of ``counts`` steps to zero step: the Lagrange polynomial in h = 1/n at h = 0."""
-    return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
 
-
-COSTS = [RUN_OVERHEAD * (row + 1) + sum(SEQUENCE[: row + 1]) for row in range(len(SEQUENCE))]
-WEIGHTS = [_weights(SEQUENCE[: row + 1]) for row in range(len(SEQUENCE))]
-WEIGHT_DIFFERENCES = [
-    tuple(all_runs - without_first for all_runs, without_first in zip(WEIGHTS[row], (0.0, *tail), strict=True))
-    for row, tail in enumerate(_weights(SEQUENCE[1 : row + 1]) for row in range(len(SEQUENCE)))
-]
-"""The last extrapolate less the one without the first run: an estimate of the latter's error."""
+def _straight(start: State, end: State) -> float:
+    """Largest distance of a straight line from the cubic that has the rates of both ends, times two for safety."""
+    changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
+    return 0.3 * (end.time - start.time) * sum(changes)
 
 
 def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:

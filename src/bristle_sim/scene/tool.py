@@ -99,7 +99,8 @@ def simulate(
         The trajectory, in SI units.
 
     Raises:
-        ValueError: if the start overlaps an obstacle.
+        ValueError: if the start overlaps an obstacle, a fixed step is too long for this tool, or a contact resolved in
+            time comes to no end.
     """
     settings = settings or Settings()
     scene, units = build_tool(tool, hub_start=start_hub_angle)
@@ -127,9 +128,19 @@ REST_PERIODS = 3.0
 
 
 def _stepper(settings: Settings, units: Units) -> Stepper:
-    if settings.step is not None:
-        return PlainSteps(settings.step / units.time)
-    return Extrapolation(LOCAL_SHARE * settings.accuracy)
+    if settings.step is None:
+        return Extrapolation(LOCAL_SHARE * settings.accuracy)
+    largest = min(2.0 * math.pi / settings.samples_per_period, LARGEST_STEP) * units.time
+    if settings.step > largest:
+        raise ValueError(
+            f"step = {settings.step:g}: at most {largest:g} is allowed with this belt, hub speed and bristle, whose"
+            f" fastest motion has {1.0 / units.time:g} rad/s (in s)"
+        )
+    return PlainSteps(settings.step / units.time)
+
+
+LARGEST_STEP = 1.0
+"""Of the engine, in radians of the fastest motion; from 2 on its explicit springs are unstable."""
 
 
 LOCAL_SHARE = 0.1

@@ -18,15 +18,12 @@ from numpy.typing import NDArray
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.theory import monofilament
-from bristle_sim.theory.pendulums import DoublePendulumImpact, double_pendulum_impact
-from bristle_sim.trajectory import ContactRecord
+from bristle_sim.studies.impact_measures import IMPULSE, REBOUND, ROD_IMPULSE, Measure, final_rate
 
 __all__ = [
     "HEAVY_ROD",
     "HEAVY_ROD_SURFACE",
     "Curve",
-    "double_pendulum",
     "final_rates_over_mass_ratio",
     "heavy_rod_impulse_over_friction",
     "impulse_over_friction",
@@ -42,7 +39,7 @@ Case = Callable[[float], tuple[Chain, Surface]]
 """The impact that belongs to an x."""
 
 POINTS = 81
-"""Instants of a closed form: enough for a smooth curve half a page wide."""
+"""Places on a closed form: enough for a smooth curve half a page wide."""
 
 SIMULATED = 9
 NEAR_STICTION = 0.95
@@ -70,14 +67,6 @@ class Curve:
     points: dict[str, tuple[Array, Array]]
 
 
-@dataclass(frozen=True, slots=True)
-class _Measure:
-    """One number of an impact: by closed form, and as read from a simulated one."""
-
-    formula: Callable[[Chain, Surface], float]
-    read: Callable[[Chain, ContactRecord], float]
-
-
 def with_own(values: Sequence[float], own: float) -> tuple[float, ...]:
     """A family's values, ascending, with the one at hand in place of those within a tenth of it."""
     return tuple(sorted([*(value for value in values if abs(value - own) > 0.1 * own), own]))
@@ -99,11 +88,13 @@ def rebound_over_angle(rod: Chain, surface: Surface, frictions: Sequence[float])
     Raises:
         ValueError: if the rod is at rest before the impact.
     """
-    angles, simulated = np.radians(np.linspace(0.5, 90.0, 2 * POINTS)), np.radians(np.linspace(6.0, 86.0, SIMULATED))
-    return tuple(
-        _curve(f"{mu:g}", _REBOUND, angles, _over_angle(rod, _rubbing(surface, mu)), {"energetic": simulated})
-        for mu in frictions
-    )
+    simulated = {"energetic": np.radians(np.linspace(6.0, 86.0, SIMULATED))}
+    curves = []
+    for mu in frictions:
+        rubbing = _rubbing(surface, mu)
+        angles = _angles(rubbing.friction_in_restitution)
+        curves.append(_curve(f"{mu:g}", REBOUND, angles, _over_angle(rod, rubbing), simulated))
+    return tuple(curves)
 
 
 def rebound_over_friction(rod: Chain, surface: Surface, angles: Sequence[float]) -> tuple[Curve, ...]:
@@ -116,7 +107,7 @@ def rebound_over_friction(rod: Chain, surface: Surface, angles: Sequence[float])
     for angle in angles:
         frictions, simulated = _frictions(surface, angle)
         case = _over_friction(_inclined(rod, angle), surface)
-        curves.append(_curve(_degrees(angle), _REBOUND, frictions, case, {"energetic": simulated}))
+        curves.append(_curve(_degrees(angle), REBOUND, frictions, case, {"energetic": simulated}))
     return tuple(curves)
 
 
@@ -134,7 +125,7 @@ def impulse_over_friction(
     for name, angle, bouncing in family:
         frictions, simulated = _frictions(surface, angle)
         case = _over_friction(_inclined(rod, angle), bouncing)
-        curves.append(_curve(name, _ROD_IMPULSE, frictions, case, {"energetic": simulated}))
+        curves.append(_curve(name, ROD_IMPULSE, frictions, case, {"energetic": simulated}))
     return tuple(curves)
 
 
@@ -148,7 +139,7 @@ def final_rates_over_mass_ratio(chain: Chain, surface: Surface) -> tuple[Curve, 
     energetic = ratios[:: POINTS // (SIMULATED - 1)]
     simulated = {"energetic": energetic, "compliant": np.sqrt(energetic[1:] * energetic[:-1])[::2]}
     case = _over_mass_ratio(chain, surface)
-    first, second = (_curve(f"rod {k + 1}", _final_rate(k), ratios, case, simulated) for k in (0, 1))
+    first, second = (_curve(f"rod {k + 1}", final_rate(k), ratios, case, simulated) for k in (0, 1))
     return first, second
 
 
@@ -157,9 +148,16 @@ def heavy_rod_impulse_over_friction(ratios: Sequence[float] = (1.0, 10.0, 700.0)
     frictions, energetic = _frictions(HEAVY_ROD_SURFACE, -HEAVY_ROD.angles[1])
     simulated = {"energetic": energetic, "compliant": 0.5 * (energetic[1:] + energetic[:-1])[::2]}
     return tuple(
-        _curve(f"{n:g}", _IMPULSE, frictions, _over_friction(weighted(HEAVY_ROD, n), HEAVY_ROD_SURFACE), simulated)
+        _curve(f"{n:g}", IMPULSE, frictions, _over_friction(weighted(HEAVY_ROD, n), HEAVY_ROD_SURFACE), simulated)
         for n in ratios
     )
+
+
+def _angles(friction: float) -> Array:
+    """Impact angles for a curve, closer together above the one at which the rod begins to rebound, rad."""
+    beginning, end = max(math.atan(friction), 0.01), 0.5 * math.pi
+    rebounding = beginning + (end - beginning) * np.linspace(0.0, 1.0, POINTS) ** 2
+    return np.concatenate([[min(0.01, 0.5 * beginning)], rebounding])
 
 
 def _frictions(surface: Surface, angle: float) -> tuple[Array, Array]:
@@ -169,12 +167,12 @@ def _frictions(surface: Surface, angle: float) -> tuple[Array, Array]:
     return curve, np.linspace(0.0, NEAR_STICTION * most, SIMULATED)
 
 
-def _curve(name: str, measure: _Measure, x: Array, case: Case, simulated: Mapping[str, Array]) -> Curve:
+def _curve(name: str, measure: Measure, x: Array, case: Case, simulated: Mapping[str, Array]) -> Curve:
     theory = np.array([measure.formula(*case(float(each))) for each in x])
     return Curve(name, x, theory, {law: _simulated(measure, where, case, law) for law, where in simulated.items()})
 
 
-def _simulated(measure: _Measure, x: Array, case: Case, law: str) -> tuple[Array, Array]:
+def _simulated(measure: Measure, x: Array, case: Case, law: str) -> tuple[Array, Array]:
     """The impacts that come to an end, through the scene."""
     found = []
     for each in x:
@@ -212,57 +210,3 @@ def _over_mass_ratio(chain: Chain, surface: Surface) -> Case:
 
 def _degrees(angle: float) -> str:
     return f"{round(math.degrees(angle), 6):g}°"
-
-
-def _rod_rebound(rod: Chain, surface: Surface) -> float:
-    """Eqs. 2.43 and 2.48 over the rate before; with r_h = 0 that of fig. 2.26."""
-    if rod.rates[0] == 0.0:
-        raise ValueError("rate = 0: another rate than 0 is allowed where a rebound ratio is asked for (in rad/s)")
-    hub = (rod.lengths[0], rod.hub_radius, rod.hub_speed)
-    rate = monofilament.final_rate(
-        _speed(rod), *hub, -rod.angles[0], surface.friction, surface.restitution, surface.friction_in_restitution
-    )
-    return float(rate) / rod.rates[0]
-
-
-def _rod_impulse(rod: Chain, surface: Surface) -> float:
-    """Eq. 2.48."""
-    coefficients = (surface.friction, surface.restitution, surface.friction_in_restitution)
-    return float(monofilament.normal_final_impulse(rod.masses[0], _speed(rod), -rod.angles[0], *coefficients))
-
-
-def _speed(rod: Chain) -> float:
-    """v_C (2.24), m/s."""
-    return rod.lengths[0] * rod.rates[0] + rod.hub_radius * rod.hub_speed
-
-
-def double_pendulum(chain: Chain, surface: Surface) -> DoublePendulumImpact:
-    """The double pendulum's closed form, its rates signed as in the dissertation."""
-    return double_pendulum_impact(
-        rod_mass=chain.masses[1],
-        mass_ratio=chain.masses[0] / chain.masses[1],
-        rod_length=chain.lengths[1],
-        angle_1=-chain.angles[0],
-        angle_2=-chain.angles[1],
-        rate_1=-chain.rates[0],
-        rate_2=-chain.rates[1],
-        friction=surface.friction,
-        restitution=surface.restitution,
-        restitution_friction=surface.friction_in_restitution,
-    )
-
-
-def _final_rate(rod: int) -> _Measure:
-    name = f"final_rate_{rod + 1}"
-    return _Measure(
-        lambda chain, surface: float(getattr(double_pendulum(chain, surface), name)),
-        lambda chain, contact: -contact.rates_after[rod],  # noqa: ARG005
-    )
-
-
-_REBOUND = _Measure(_rod_rebound, lambda rod, contact: contact.rates_after[0] / rod.rates[0])
-_ROD_IMPULSE = _Measure(_rod_impulse, lambda rod, contact: contact.impulse[0])  # noqa: ARG005
-_IMPULSE = _Measure(
-    lambda chain, surface: double_pendulum(chain, surface).normal_final_impulse,
-    lambda chain, contact: contact.impulse[0],  # noqa: ARG005
-)

@@ -16,7 +16,8 @@ from bristle_sim.parameters import Surface
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.strike import Chain, _build
-from bristle_sim.studies.impact_sweeps import double_pendulum, weighted
+from bristle_sim.studies.impact_measures import closed_form
+from bristle_sim.studies.impact_sweeps import weighted
 
 __all__ = [
     "IDENTICAL_RODS",
@@ -31,7 +32,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 ITERATIONS = (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000)
-PLAIN_STEPS = (32, 64, 128, 256, 512, 1024, 2048)
+PLAIN_STEPS = (32, 64, 128, 256, 512)
 ACCURACIES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)
 MASS_RATIOS = (1.0, 10.0, 100.0, 1e3, 1e4)
 
@@ -40,8 +41,9 @@ IDENTICAL_RODS = Chain((5.0, 5.0), (1.0, 1.0), (-np.pi / 9.0, -np.pi / 6.0), (0.
 
 IDENTICAL_RODS_SURFACE = Surface(friction=0.5, restitution=0.5)
 
-RIGID = 1e-6
-"""Accuracy to which contacts stepped plainly are short enough for the rigid-body limit."""
+RIGID = 1e-4
+"""Accuracy to which contacts of plain steps follow the rigid-body limit: well below the steps' own errors, and not so
+short that the rounding of positions shows in a penetration."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,5 +111,5 @@ def _error(chain: Chain, law: ContactLaw, limit: Array) -> tuple[int, float]:
 
 def _closed_form(chain: Chain) -> Array:
     """Rates after the impact as the chain counts them, rad/s."""
-    after = double_pendulum(chain, IDENTICAL_RODS_SURFACE)
+    after = closed_form(chain, IDENTICAL_RODS_SURFACE)
     return -np.array([after.final_rate_1, after.final_rate_2])

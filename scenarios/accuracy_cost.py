@@ -1,0 +1,42 @@
+"""What accuracy costs in time: error against CPU time, beside other tools on the same cases.
+
+A release flight, a strike under each contact law, the strike of a double pendulum and the whole pass are computed by
+every method at settings from coarse to fine. Errors are taken from closed forms or a converged reference; times are CPU
+times, all methods in turn. The table gives our CPU time (simulated) beside the cheapest peer's (reference).
+"""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.comparison import Report
+from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.studies.accuracy_cost.measure import Effort
+
+
+def run(values: Mapping[str, Any]) -> Report:
+    """Measure with the effort asked for."""
+    from bristle_sim.studies.accuracy_cost.study import accuracy_cost
+
+    return accuracy_cost(build(Effort, values))
+
+
+def plot(report: Report, path: Path) -> None:
+    """Error against CPU time, one panel a case."""
+    from bristle_sim.render.cost_figure import cost_figure
+    from bristle_sim.render.style import save_figure
+
+    save_figure(cost_figure(report.subject), path)
+
+
+SCENARIO = Scenario(
+    name="accuracy_cost",
+    question="What does accuracy cost in time?",
+    parts=(Effort,),
+    run=run,
+    plot=plot,
+)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))

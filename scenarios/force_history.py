@@ -1,0 +1,50 @@
+"""Force history: the curve that chapter 3 assumes beside the contact force of a bristle in the scene.
+
+Both have the same compressive impulse and compression time; the peak force is the finding. A measured force history takes
+the curve's place with ``--set force_csv=FILE``: two columns, time in s and force in N.
+"""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.comparison import Report
+from bristle_sim.crater_parameters import ForceHistory, Measurement
+from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.settings import Settings
+from bristle_sim.studies.force_comparison import force_comparison
+
+
+def run(values: Mapping[str, Any]) -> Report:
+    """Strike with the curve's impulse in the curve's time."""
+    return force_comparison(
+        build(Hub, values),
+        build(Bristle, values),
+        build(Surface, values),
+        build(ForceHistory, values),
+        build(Measurement, values),
+        build(Settings, values),
+    )
+
+
+def plot(report: Report, path: Path) -> None:
+    """Both forces over time, the ten segments of table 3.1, and the fit tried on points of the curve."""
+    from bristle_sim.render.force_figure import force_figure
+    from bristle_sim.render.style import save_figure
+
+    save_figure(force_figure(report.subject), path)
+
+
+SCENARIO = Scenario(
+    name="force_history",
+    question="Does a simulated contact push as the force curve of chapter 3 assumes?",
+    parts=(Hub, Bristle, Surface, ForceHistory, Measurement, Settings),
+    run=run,
+    plot=plot,
+    without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
+)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))

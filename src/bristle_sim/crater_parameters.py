@@ -1,0 +1,119 @@
+"""Parameters of the contact's force history and of the crater (Zhang 2020, chapters 3 and 4)."""
+
+from __future__ import annotations
+
+import reprlib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.quantity import quantity, validate
+
+__all__ = ["Crater", "ForceHistory", "InputFile", "Measurement"]
+
+SPEED_RATIO_SOURCE = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
+
+
+@dataclass(frozen=True, slots=True)
+class InputFile:
+    """A file to read; None where there is none."""
+
+    key: str
+    source: str
+    unit: str = "file"
+    allowed: str = "a readable file"
+    optional: bool = True
+
+    def parse(self, text: str) -> str:
+        """Turn typed text into the name of a file that is there; raises ValueError in one line."""
+        return self.check(text)
+
+    def check(self, value: Any) -> str:
+        """Return the name, or raise ValueError with key, value and what is allowed."""
+        if not isinstance(value, str) or not value or "\0" in value or not Path(value).is_file():
+            raise ValueError(f"{self.key} = {reprlib.repr(value)}: {self.allowed} is allowed")
+        return value
+
+
+_FORCE_CSV = InputFile("force_csv", "none: the measured points are not in print; two columns, time in s and force in N")
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """A measured force history that takes the place of the published curve."""
+
+    force_csv: str | None = field(default=None, metadata={"declaration": _FORCE_CSV})
+
+    def __post_init__(self) -> None:
+        if self.force_csv is not None:
+            _FORCE_CSV.check(self.force_csv)
+
+
+@dataclass(frozen=True, slots=True)
+class ForceHistory:
+    """The contact laid beside a force curve, and the points on which the fit is tried.
+
+    ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse asks for, as long
+    as its force rises.
+    """
+
+    speed_ratio: float | None = quantity(
+        None, "speed_ratio", "1", above=0.0, at_most=1e6, source="the one that gives the curve's compressive impulse"
+    )
+    impact_angle_deg: float = quantity(
+        23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, eq. 3.9: gamma"
+    )
+    compression_time: float | None = quantity(
+        None, "compression_time", "s", at_least=1e-9, at_most=1.0, source="the curve's: Zhang 2020, eq. 3.20, 5e-5"
+    )
+    points: float = quantity(
+        101.0, "points", "1", at_least=10.0, at_most=1e5, source="chosen: on which the fit is tried"
+    )
+    noise: float = quantity(
+        1.0, "noise", "N", at_least=0.0, at_most=1e6, source="chosen: standard deviation of a noisy point"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        _whole("points", self.points)
+
+
+@dataclass(frozen=True, slots=True)
+class Crater:
+    """A bristle's tip that cuts."""
+
+    speed_ratio: float = quantity(3.23, "speed_ratio", "1", at_least=0.0, at_most=1e6, source=SPEED_RATIO_SOURCE)
+    impact_angle_deg: float = quantity(
+        23.4, "impact_angle_deg", "deg", above=0.0, at_most=89.0, source="Zhang 2020, eq. 4.51: gamma"
+    )
+    friction: float = quantity(
+        0.5,
+        "friction",
+        "1",
+        at_least=1e-6,
+        at_most=1e9,
+        source="Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
+    )
+    shear_yield_stress: float = quantity(
+        1.2e8, "shear_yield_stress", "Pa", at_least=1.0, at_most=1e15, source="Zhang 2020, eq. 4.53: steel API 5L"
+    )
+    plies: float = quantity(
+        300.0, "plies", "1", at_least=1.0, at_most=1e5, source="Zhang 2020, below fig. 4.13: n, of equal time"
+    )
+    compression_time: float = quantity(
+        5e-5,
+        "compression_time",
+        "s",
+        at_least=1e-8,
+        at_most=1e-4,
+        source="Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+        _whole("plies", self.plies)
+
+
+def _whole(key: str, value: float) -> None:
+    if value != int(value):
+        raise ValueError(f"{key} = {value!r}: a whole number is allowed (dimensionless)")

@@ -1,0 +1,206 @@
+"""The crater on one page: depth over plies, the chip to scale, every estimate, and the crater in three dimensions."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LightSource, LinearSegmentedColormap
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, axes_at, blank_figure, signed, styled
+from bristle_sim.render.sweep_panels import panel_title
+from bristle_sim.studies.crater_study import MEASURED, CraterStudy
+from bristle_sim.studies.crater_sums import merchant_depth_course, merchant_depth_extrapolated, merchant_depth_sum
+from bristle_sim.theory.crater_energy import energy_crater_depth_ratio
+from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
+
+__all__ = ["crater_figure", "crater_floor"]
+
+Array = NDArray[np.float64]
+
+WIDTH, HEIGHT = 16.0, 15.6
+"""Printed size, cm."""
+
+MICRO = 1e6
+CURVE_PLIES = np.unique(np.geomspace(1, 1e5, 61).astype(int))
+POINT_PLIES = (1, 3, 10, 30, 100, 300, 1000, 10000, 100000)
+LEAN = math.radians(11.5)
+"""Of the rake face, back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
+
+UPRIGHT = math.pi / 2.0 + LEAN
+STEEL = "#e3e6ea"
+DEPTHS = LinearSegmentedColormap.from_list("depths", ["#0b3c5d", "#4d8fbf", "#dfe3e7"])
+
+
+@styled()
+def crater_figure(study: CraterStudy) -> Figure:
+    """Draw depths (um) over plies, the chip, the estimates and the crater."""
+    figure = blank_figure(WIDTH, HEIGHT)
+    plies = axes_at(figure, 1.3, 9.0, 5.6, 5.2)
+    chip = axes_at(figure, 8.4, 9.0, 7.3, 5.2)
+    estimates = axes_at(figure, 4.4, 1.1, 3.6, 5.6)
+    crater = axes_at(figure, 8.2, 0.0, 7.0, 6.8, projection="3d")
+    panel_title(plies, "a", "Merchant's depth over the plies")
+    panel_title(chip, "b", "chip and shear plane at the end, to scale")
+    figure.text(1.3 / WIDTH, 7.1 / HEIGHT, "$\\bf{c}$  every estimate", fontsize=8.5)
+    figure.text(8.4 / WIDTH, 7.1 / HEIGHT, "$\\bf{d}$  groove of the tip's ellipse on its path, to scale", fontsize=8.5)
+    _draw_plies(plies, study)
+    _draw_chip(chip, study)
+    _draw_estimates(estimates, study)
+    _draw_crater(crater, study)
+    return figure
+
+
+def _draw_plies(axes: Axes, study: CraterStudy) -> None:
+    crater = study.crater
+    axes.axhline(MICRO * MEASURED, color=GREY, dashes=(4, 2), label="measured")
+    axes.set_xscale("log")
+    axes.set_xlabel("number of plies")
+    axes.set_ylabel("crater depth (µm)")
+    if study.angles is None:
+        axes.set_ylim(0.0, 150.0)
+        axes.text(0.5, 0.5, "the shear plane\nstays below the surface", transform=axes.transAxes, ha="center")
+        return
+    sums = [float(merchant_depth_course(dataclasses.replace(crater, plies=n))[-1]) for n in POINT_PLIES]
+    limit = merchant_depth_extrapolated(crater)
+    axes.plot(CURVE_PLIES, MICRO * merchant_depth_sum(crater, CURVE_PLIES), color=BLUE, label="sum (4.50)")
+    axes.plot(
+        POINT_PLIES,
+        MICRO * np.array(sums),
+        "o",
+        color=BLUE,
+        markersize=3.6,
+        markerfacecolor="white",
+        label="(4.57) as printed",
+    )
+    axes.axhline(MICRO * limit, color=BLUE, dashes=(1, 1.5), linewidth=0.9, label=f"limit {MICRO * limit:.2f} µm")
+    own = float(merchant_depth_sum(crater, crater.plies))
+    axes.plot([crater.plies], [MICRO * own], "*", color=ORANGE, markersize=9, markeredgecolor=BLACK,
+              markeredgewidth=0.6, label=f"{MICRO * own:.2f} µm with {crater.plies:g}", zorder=4)  # fmt: skip
+    axes.legend(loc="lower right", labelspacing=0.3)
+
+
+def _draw_chip(axes: Axes, study: CraterStudy) -> None:
+    """Workpart, path, rake face and the two shear planes, in um; x is the tip's direction of travel."""
+    gamma, mu = study.impact_angle, study.crater.friction
+    path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
+    tip, depth = path * _direction(-gamma), path * math.sin(gamma)
+    view = _view(depth, path * math.cos(gamma))
+    axes.fill_between(view[0], 0.0, view[2], color=STEEL, linewidth=0.0, zorder=0)
+    axes.fill(
+        *np.transpose([(0.0, 0.0), tip, tip + depth / math.cos(LEAN) * _direction(UPRIGHT)]), color="white", zorder=1
+    )
+    axes.plot(view[0], (0.0, 0.0), color=GREY, linewidth=0.8)
+    axes.plot(*np.transpose([(0.0, 0.0), tip]), color=BLACK, label="path")
+    _draw_tool(axes, tip, gamma, depth)
+    for label, color, slope, length in _shear_planes(study, gamma, mu, depth):
+        axes.plot(*np.transpose([tip, tip + length * _direction(slope)]), color=color, label=label)
+    axes.set(xlim=view[0], ylim=view[1], aspect="equal", xlabel="along the workpart (µm)", ylabel="height (µm)")
+    axes.legend(loc="upper right", labelspacing=0.3)
+
+
+def _view(depth: float, reach: float) -> tuple[tuple[float, float], tuple[float, float], float]:
+    """Limits of x and y of the panel's shape, and the bottom."""
+    width = max(3.3 * reach, 7.0 * depth, 1.0)
+    height = width * 5.2 / 7.3
+    bottom = -max(1.7 * depth, 0.25 * height)
+    return (-0.12 * width, 0.88 * width), (bottom, bottom + height), bottom
+
+
+def _draw_tool(axes: Axes, tip: Array, gamma: float, depth: float) -> None:
+    """The tip behind its rake face; the heel clears the path."""
+    size = 3.2 * depth
+    face, heel = size * _direction(UPRIGHT), 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))
+    back = np.array([heel[0] + 0.1 * size, face[1]])
+    axes.fill(*np.transpose([tip, tip + face, tip + back, tip + heel]), color=GREY, alpha=0.55, linewidth=0.0, zorder=2)
+    place = tip + 0.6 * face
+    axes.text(place[0] - 0.08 * size, place[1], "tip", fontsize=7.0, ha="right", color="white", zorder=3)
+
+
+def _shear_planes(study: CraterStudy, gamma: float, mu: float, depth: float) -> list[tuple[str, str, float, float]]:
+    """Label, colour, slope (rad) and length (um): as long as (4.28) has it, and to the real surface."""
+    rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, mu)
+    planes = [("shear plane to the surface", GREEN, rising, depth / math.sin(rising))]
+    if study.angles is not None:
+        eta = float(study.angles.shear)
+        planes.insert(0, ("shear plane of (4.28)", VERMILION, eta - gamma, depth / math.cos(gamma) / math.sin(eta)))
+    return planes
+
+
+def _direction(angle: float) -> Array:
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
+    rows = [(name, value, color) for name, value, color in _estimates(study) if value is not None]
+    for row, (_, value, color) in enumerate(reversed(rows)):
+        axes.plot([MICRO * value], [row], "o", color=color, markersize=4.5)
+        axes.annotate(f"{MICRO * value:.3g}", (MICRO * value, row), (5, 0), textcoords="offset points", va="center",
+                      fontsize=7.0, color=color, bbox={"facecolor": "white", "linewidth": 0.0, "pad": 0.5})  # fmt: skip
+    axes.axvline(MICRO * MEASURED, color=GREY, dashes=(4, 2))
+    axes.annotate("measured", (MICRO * MEASURED, 1.0), (2, 2), ("data", "axes fraction"),
+                  "offset points", fontsize=7.0, color=GREY)  # fmt: skip
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in reversed(rows)])
+    axes.set_xlim(0.0, 1.3 * MICRO * max(MEASURED, *(value for _, value, _ in rows)))
+    axes.margins(y=0.08)
+    axes.set_xlabel("crater depth (µm)")
+
+
+def _estimates(study: CraterStudy) -> list[tuple[str, float | None, str]]:
+    """Name, depth in m and colour; the work-energy sum itself is millimetres and left out."""
+    crater, chip = study.crater, study.angles is not None
+    parallel, inclined = study.parallel, study.inclined
+    emerges = parallel is not None and parallel.shear_plane_emerges
+    ratio = float(energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time))
+    return [
+        (f"Merchant, {crater.plies:g} plies", float(merchant_depth_sum(crater, crater.plies)) if chip else None, BLUE),
+        ("Merchant, limit", merchant_depth_extrapolated(crater) if chip else None, BLUE),
+        ("work and energy,\nratio of sums, 5 plies", ratio, GREEN),
+        ("contact's force", parallel.depth_from_force if parallel and emerges else None, VERMILION),
+        ("contact's energy", parallel.depth_from_energy if parallel and emerges else None, VERMILION),
+        ("contact's energy,\nshear to the surface", inclined.depth_from_energy if inclined else None, VERMILION),
+    ]
+
+
+def crater_floor(x: Array, y: Array, impact_angle: float, path: float, face: TipFace | None = None) -> Array:
+    """Height of the workpart after the tip, m, 0 or less, over places x along and y across its path, m; broadcasts.
+
+    The lowest point of the tip's ellipse follows the straight path; a point of the ellipse at y is higher by what the
+    width (4.14) asks for. Where the tip stops the groove ends upright.
+    """
+    wire = TipFace() if face is None else face
+    share = np.sqrt(np.clip(1.0 - (2.0 * np.asarray(y) / wire.short_axis) ** 2, 0.0, None))
+    raised = wire.full_depth * (1.0 - share)
+    cut = np.minimum(raised - np.asarray(x) * math.tan(impact_angle), 0.0)
+    inside = (x >= 0.0) & (x <= path * math.cos(impact_angle)) & (np.abs(y) < 0.5 * wire.short_axis)
+    return np.where(inside, cut, 0.0)
+
+
+def _draw_crater(axes: Any, study: CraterStudy) -> None:
+    """``axes`` are matplotlib's three-dimensional ones, which carry no types."""
+    path = float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
+    gamma, reach = study.impact_angle, path * math.cos(study.impact_angle)
+    x = np.linspace(-0.35 * reach, 1.5 * reach, 150)
+    y = np.linspace(-0.45e-3, 0.45e-3, 121)
+    z = crater_floor(x[:, np.newaxis], y, gamma, path)
+    deepest = max(path * math.sin(gamma), 1e-9)
+    light = LightSource(azdeg=250, altdeg=45).hillshade(z, vert_exag=0.6, dx=float(x[1] - x[0]), dy=float(y[1] - y[0]))
+    shades = DEPTHS(1.0 + z / deepest)
+    shades[..., :3] *= 0.75 + 0.25 * light[..., np.newaxis]
+    across, along = np.meshgrid(MICRO * y, MICRO * x)
+    axes.plot_surface(
+        along, across, MICRO * z, facecolors=shades, rstride=1, cstride=1, linewidth=0, antialiased=False, shade=False
+    )
+    axes.plot((0.0, MICRO * reach), (0.0, 0.0), (0.0, -MICRO * deepest), color=VERMILION, zorder=10)
+    axes.set_box_aspect((np.ptp(x), np.ptp(y), 1.6 * deepest), zoom=0.98)
+    axes.set_zlim(-1.3 * MICRO * deepest, 0.3 * MICRO * deepest)
+    axes.view_init(elev=42.0, azim=208.0)
+    axes.set_xlabel("along (µm)", labelpad=-3.0)
+    axes.set_ylabel("across (µm)", labelpad=-4.0)
+    axes.tick_params(pad=-2.0, labelsize=6.5)
+    axes.set_zticks([-MICRO * deepest, 0.0], [signed(-MICRO * deepest, 0), "0"])

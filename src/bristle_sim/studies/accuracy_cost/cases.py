@@ -1,0 +1,195 @@
+"""The cases: what is computed, what the exact answer is, and where it comes from.
+
+Each case has an answer of a few numbers. An error is the largest of their differences from the exact ones, each
+relative to its own natural size, so that one definition serves closed forms and converged references alike.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bristle_sim.parameters import RETRACTION_AT_RELEASE, Strike, Surface, Tool
+from bristle_sim.reference import simulate_reference
+from bristle_sim.scene.strike import Chain
+from bristle_sim.theory import cueing
+from bristle_sim.theory.monofilament import monofilament_impact
+from bristle_sim.theory.pendulums import double_pendulum_impact
+from bristle_sim.trajectory import Trajectory
+
+__all__ = [
+    "Case",
+    "FlightCase",
+    "PassCase",
+    "StrikeCase",
+    "double_pendulum",
+    "release_flight",
+    "state_at_strike",
+    "strike",
+    "whole_pass",
+]
+
+REFERENCE_ACCURACY = 1e-12
+"""Accuracy of the whole pass's reference, a hundredth or less of what any attempt asks for."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """What is computed.
+
+    Attributes:
+        name, title: for tables and for pictures.
+        exact: the answer.
+        scale: natural size of each of its numbers.
+        source: where the exact answer comes from.
+        notes: what a reader of its results should know, and which tools cannot take part.
+    """
+
+    name: str
+    title: str
+    exact: tuple[float, ...]
+    scale: tuple[float, ...]
+    source: str
+    notes: tuple[str, ...] = ()
+
+    def error(self, values: Sequence[float]) -> float:
+        """Largest difference from the exact answer, each number relative to its scale; NaN counts as infinite."""
+        differences = [
+            abs(value - exact) / scale for value, exact, scale in zip(values, self.exact, self.scale, strict=True)
+        ]
+        return math.inf if any(map(math.isnan, differences)) else float(max(differences))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FlightCase(Case):
+    """Relative angle (rad) and rate (rad/s) of a bristle released from rest at ``-retraction``, after ``duration`` s."""
+
+    tool: Tool
+    retraction: float
+    duration: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StrikeCase(Case):
+    """Rates of the rods after an impact by the energetic law, rad/s."""
+
+    chain: Chain
+    surface: Surface
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PassCase(Case):
+    """Time (s), relative angle (rad) and relative rate (rad/s) at which the tip strikes the workpart."""
+
+    tool: Tool
+
+
+def release_flight(retraction: float = RETRACTION_AT_RELEASE) -> FlightCase:
+    """Undamped release, hub turning, up to the quarter period: radial then, at the speed of the energy integral."""
+    tool = Tool(bar=None, workpart=None)
+    bristle, hub = tool.bristle, tool.hub
+    centrifugal = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
+    swing = (retraction, tool.belt.stiffness, centrifugal, bristle.inertia_about_root)
+    speed = float(cueing.stiffened_highest_speed(*swing))
+    return FlightCase(
+        name="release_flight",
+        title="release and flight to the radial position",
+        exact=(0.0, speed),
+        scale=(retraction, speed),
+        source="energy integral; its quarter period by Gauss-Legendre quadrature",
+        notes=(
+            "scipy: the equation of motion, derived by hand; all others: bodies",
+            "and joints, the model built beforehand (but for simulate)",
+        ),
+        tool=tool,
+        retraction=retraction,
+        duration=float(cueing.stiffened_cue_time(*swing)),
+    )
+
+
+STRIKE_NOTES = (
+    "energetic: the law, no steps in time; engine: Newton's restitution",
+    "scipy: the compliant contact's equations, derived by hand",
+    "mujoco, exudyn, pybullet cannot express energetic restitution;",
+    "mujoco's soft contact: damping tuned to e* without friction",
+)
+
+
+def strike() -> StrikeCase:
+    """The radial bristle's oblique strike (Zhang 2020, eqs. 2.19-2.65)."""
+    tool, state, surface = Tool(), Strike(), Surface()
+    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * tool.hub.speed
+    bristle, hub = tool.bristle, tool.hub
+    exact = monofilament_impact(
+        bristle.mass,
+        bristle.length,
+        hub.radius,
+        hub.speed,
+        state.speed_ratio,
+        gamma,
+        surface.friction,
+        surface.restitution,
+    )
+    return StrikeCase(
+        name="strike",
+        title="one oblique strike",
+        exact=(float(exact.final_bristle_rate),),
+        scale=(rate,),
+        source="Zhang 2020, eq. 2.65",
+        notes=STRIKE_NOTES,
+        chain=Chain((bristle.mass,), (bristle.length,), (-gamma,), (rate,), hub.radius, hub.speed, -gamma),
+        surface=surface,
+    )
+
+
+def double_pendulum() -> StrikeCase:
+    """Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
+    angles, rates = (math.radians(20.0), math.radians(30.0)), (-0.1, -0.2)
+    surface = Surface(friction=0.5, restitution=0.5)
+    exact = double_pendulum_impact(5.0, 1.0, 1.0, *angles, *rates, surface.friction, surface.restitution)
+    largest = max(map(abs, rates))
+    return StrikeCase(
+        name="double_pendulum",
+        title="strike of a double pendulum",
+        exact=(-exact.final_rate_1, -exact.final_rate_2),
+        scale=(largest, largest),
+        source="Zhang 2020, eqs. 2.66-2.90, followed in generalized speeds",
+        notes=STRIKE_NOTES,
+        chain=Chain((5.0, 5.0), (1.0, 1.0), (-angles[0], -angles[1]), (-rates[0], -rates[1])),
+        surface=surface,
+    )
+
+
+def whole_pass() -> PassCase:
+    """The pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
+    tool = Tool()
+    exact = _referred(tool)
+    return PassCase(
+        name="whole_pass",
+        title="whole pass up to the strike",
+        exact=exact,
+        scale=(exact[0], RETRACTION_AT_RELEASE, exact[2]),
+        source=f"scipy DOP853 in generalized coordinates, accuracy {REFERENCE_ACCURACY:g}",
+        notes=(
+            "scipy: this project's reference, derived by hand",
+            "mujoco: the bar as a damped spring as stiff as the step allows",
+            "exudyn, pybullet: not attempted",
+        ),
+        tool=tool,
+    )
+
+
+@functools.cache
+def _referred(tool: Tool) -> tuple[float, float, float]:
+    return state_at_strike(simulate_reference(tool, accuracy=REFERENCE_ACCURACY, stop_after="strike"))
+
+
+def state_at_strike(run: Trajectory) -> tuple[float, float, float]:
+    """Time, relative angle and relative rate at the first contact with the workpart; NaN if there is none."""
+    contact = run.first_contact("workpart")
+    if contact is None:
+        return math.nan, math.nan, math.nan
+    hub_angle = float(run.hub_angle[0]) + run.hub_speed * contact.time
+    return contact.time, contact.angles[0] - hub_angle, contact.rates_before[0] - run.hub_speed

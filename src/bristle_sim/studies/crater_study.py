@@ -1,0 +1,261 @@
+"""Chapter 4 beside a second reckoning, and beside what a contact simulated in time says of the crater.
+
+The second reckoning of the sums over plies is the printed (4.57) and (4.64), number by number and ply by ply; that of the
+limit of many plies is Richardson's extrapolation of the sums, where the theory has a quadrature. The simulated contact is
+the bristle's in the scene, compression only, as long as the camera saw: its force and its energy give depths of their own,
+and its work is held against the energy given up.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.crater_parameters import Crater
+from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.settings import Settings
+from bristle_sim.studies.contact_course import TimedContact
+from bristle_sim.studies.crater_sums import (
+    energy_depth_course,
+    merchant_depth_course,
+    merchant_depth_extrapolated,
+    merchant_depth_sum,
+)
+from bristle_sim.studies.timed_contact import timed_contact
+from bristle_sim.theory.crater import merchant_crater_depth_limit
+from bristle_sim.theory.crater_contact import ContactCrater, crater_depth_from_contact
+from bristle_sim.theory.crater_cutting import Surface as SurfaceKind
+from bristle_sim.theory.crater_cutting import depth_from_energy, depth_from_force, specific_cutting_energy
+from bristle_sim.theory.crater_energy import energy_crater_depth, energy_crater_depth_ratio
+from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles
+from bristle_sim.theory.monofilament import tip_speed
+
+__all__ = [
+    "MEASURED",
+    "CraterStudy",
+    "crater_study",
+]
+
+MEASURED = 1.3e-4
+"""Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)."""
+
+PRINTED = {"merchant_crater_depth": 1.4e-4, "merchant_crater_depth_limit": 1.4e-4, "energy_crater_depth": 7.58e-5}
+"""m; Zhang 2020, fig. 4.13, where 300 plies are called converged, and fig. 4.19."""
+
+SAME_SUM = 1e-9
+"""Rounding of 1e-16 in forces of 1e-5 N a ply apart at 1e5 plies, and in squares of widths that nearly cancel."""
+
+SAME_LIMIT = 1e-9
+"""The extrapolation's last two columns differ by 1e-10 at the operating point; the quadrature is at rounding."""
+
+ENERGY_ROUNDING = 5e-3
+"""The coefficients of (4.59) are rounded: 0.00303 stands for 0.00302, 0.0126 for 0.01258."""
+
+BALANCE = 1e-4
+"""Cubic splines through thirty samples of a half wave leave (pi/30)^4; stick has few samples."""
+
+
+@dataclass(frozen=True, slots=True)
+class CraterStudy:
+    """What pictures are made of.
+
+    Attributes:
+        crater: its parameters.
+        angles: of the cut, or None where the shear plane does not come out of the surface.
+        no_chip: why not.
+        contact: simulated, or None, and ``no_contact`` says why.
+        parallel, inclined: craters that follow from it, for a shear plane that ends at a surface parallel to the path or
+            inclined to it.
+    """
+
+    crater: Crater
+    angles: CuttingAngles | None
+    no_chip: str = ""
+    contact: TimedContact | None = None
+    no_contact: str = ""
+    parallel: ContactCrater | None = None
+    inclined: ContactCrater | None = None
+
+    @property
+    def impact_angle(self) -> float:
+        """gamma, rad."""
+        return math.radians(self.crater.impact_angle_deg)
+
+
+def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
+    """Reckon the crater's depth in every way there is.
+
+    Raises:
+        ValueError: if the parameters leave a formula's range.
+    """
+    study = _with_contact(_with_angles(crater), hub, bristle, settings)
+    report = Report(
+        outcome="no contact",
+        quantities=(*_merchant_rows(study), _energy_row(crater), *_contact_rows(study, hub, bristle)),
+        remarks=_remarks(study),
+        extra={"measured_crater_depth": MEASURED},
+        subject=study,
+    )
+    contact = study.contact
+    if contact is None:
+        return report
+    outcome = contact.record.outcome
+    return dataclasses.replace(
+        report,
+        outcome="stiction" if outcome == "jam" else outcome,
+        phases=contact.record.phases,
+        events=(("strike", 0.0), ("deepest", contact.compression_time)),
+        wall_s=contact.wall_s,
+        steps=contact.steps,
+    )
+
+
+def _with_angles(crater: Crater) -> CraterStudy:
+    try:
+        return CraterStudy(crater, oblique_angles(crater.friction, math.radians(crater.impact_angle_deg)))
+    except ShearAngleError as error:
+        return CraterStudy(crater, None, no_chip=str(error))
+
+
+def _with_contact(study: CraterStudy, hub: Hub, bristle: Bristle, settings: Settings) -> CraterStudy:
+    """Compression only: what the tip cuts, it cuts until it is deepest."""
+    crater, surface = study.crater, Surface(friction=study.crater.friction, restitution=0.0)
+    try:
+        contact = timed_contact(
+            hub,
+            bristle,
+            surface,
+            study.impact_angle,
+            settings,
+            compression_time=crater.compression_time,
+            rate=crater.speed_ratio * hub.speed,
+        )
+    except ValueError as error:
+        return dataclasses.replace(study, no_contact=str(error))
+    parallel, inclined = (_crater_of(contact, study, kind) for kind in ("parallel", "inclined"))
+    return dataclasses.replace(study, contact=contact, parallel=parallel, inclined=inclined)
+
+
+def _crater_of(contact: TimedContact, study: CraterStudy, surface: SurfaceKind) -> ContactCrater:
+    h = contact.history
+    return crater_depth_from_contact(
+        h.time,
+        h.normal_force,
+        h.tangential_force,
+        h.penetration,
+        h.normal_velocity,
+        h.tangential_velocity,
+        impact_angle=study.impact_angle,
+        shear_yield_stress=study.crater.shear_yield_stress,
+        friction=study.crater.friction,
+        surface=surface,
+    )
+
+
+def _merchant_rows(study: CraterStudy) -> tuple[Quantity, ...]:
+    """Nothing where there is no chip."""
+    crater = study.crater
+    names = ("merchant_crater_depth", "merchant_crater_depth_limit")
+    if study.angles is None:
+        return tuple(_depth(name, crater, None, None) for name in names)
+    stress, time = crater.shear_yield_stress, crater.compression_time
+    limit = merchant_crater_depth_limit(crater.friction, study.impact_angle, stress, compression_time=time)
+    sums = float(merchant_depth_course(crater)[-1]), float(merchant_depth_sum(crater, crater.plies))
+    limits = merchant_depth_extrapolated(crater), float(limit)
+    return (
+        _depth(names[0], crater, *sums, tolerance=SAME_SUM),
+        _depth(names[1], crater, *limits, tolerance=SAME_LIMIT),
+    )
+
+
+def _energy_row(crater: Crater) -> Quantity:
+    theory = energy_crater_depth(
+        int(crater.plies), math.radians(crater.impact_angle_deg), compression_time=crater.compression_time
+    )
+    course = energy_depth_course(crater)
+    return _depth("energy_crater_depth", crater, float(course[-1]), float(theory), tolerance=ENERGY_ROUNDING)
+
+
+def _depth(
+    name: str, crater: Crater, simulated: float | None, theory: float | None, *, tolerance: float | None = None
+) -> Quantity:
+    printed = PRINTED.get(name, MEASURED) if crater == Crater() else None
+    return Quantity(name, "m", simulated, theory, printed=printed, tolerance=tolerance)
+
+
+def _contact_rows(study: CraterStudy, hub: Hub, bristle: Bristle) -> tuple[Quantity, ...]:
+    """Work beside energy, and depths beside those of a rigid-body impact whose force is a quarter of a sine wave."""
+    names = ("contact_force_depth", "contact_energy_depth", "contact_energy_depth_inclined")
+    contact, parallel, inclined = study.contact, study.parallel, study.inclined
+    speed = float(tip_speed(bristle.length, hub.radius, hub.speed, study.crater.speed_ratio))
+    if contact is None or parallel is None or inclined is None:
+        # A tip that does not approach has no contact; one that does owes the energy of an impact without duration.
+        owed = bristle.mass * speed**2 / 6.0 if speed > 0.0 else None
+        work = Quantity("contact_work", "J", None, owed, tolerance=BALANCE)
+        return (work, *(_depth(name, study.crater, None, None) for name in names))
+    simulated = (parallel.depth_from_force, parallel.depth_from_energy, inclined.depth_from_energy)
+    theory = _rigid_depths(study, bristle, speed)
+    shown = (parallel.shear_plane_emerges, parallel.shear_plane_emerges, True)
+    rows = [
+        _depth(name, study.crater, *(sides if emerges else (None, None)))
+        for name, emerges, *sides in zip(names, shown, simulated, theory, strict=True)
+    ]
+    return (Quantity("contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE), *rows)
+
+
+def _rigid_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[float, float, float]:
+    """Depths from the force and energy of an impact without duration: m v/3 along the path, m v^2/6."""
+    crater, gamma = study.crater, study.impact_angle
+    force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time
+    energy = bristle.mass * speed**2 / 6.0
+    cut = (crater.friction, gamma, crater.shear_yield_stress)
+    parallel, inclined = (specific_cutting_energy(*cut, kind) for kind in ("parallel", "inclined"))
+    return (
+        float(depth_from_force(force, parallel, gamma)),
+        float(depth_from_energy(energy, parallel, gamma)),
+        float(depth_from_energy(energy, inclined, gamma)),
+    )
+
+
+def _remarks(study: CraterStudy) -> tuple[str, ...]:
+    measured = f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13), shown as printed where the dissertation has no number"
+    return ("", measured, _chip_line(study), *_energy_lines(study), *_contact_lines(study))
+
+
+def _chip_line(study: CraterStudy) -> str:
+    if study.angles is None:
+        return f"no chip by (4.35): {study.no_chip}"
+    angles = (study.angles.rake, study.angles.friction, study.angles.shear)
+    rake, beta, eta = (math.degrees(float(each)) for each in angles)
+    gamma = f"{study.crater.impact_angle_deg:g} deg"
+    return (
+        f"chip: rake angle {rake:.2f}, friction angle {beta:.2f}, shear angle {eta:.2f} deg, not below gamma = {gamma}"
+    )
+
+
+def _energy_lines(study: CraterStudy) -> tuple[str, ...]:
+    plies, time = int(study.crater.plies), study.crater.compression_time
+    five, asked = (
+        1e6 * float(energy_crater_depth_ratio(n, study.impact_angle, compression_time=time)) for n in (5, plies)
+    )
+    return (
+        "energy_crater_depth grows with the plies, since the force begins near zero; read as a ratio of two sums (4.66)",
+        f"  it is {five:.2f} um with 5 plies, {asked:.2f} with {plies}",
+    )
+
+
+def _contact_lines(study: CraterStudy) -> tuple[str, ...]:
+    contact, parallel = study.contact, study.parallel
+    if contact is None or parallel is None:
+        return (f"no contact simulated: {study.no_contact}",)
+    time = f"{1e6 * contact.compression_time:.4g} us"
+    force = f"{parallel.peak_cutting_force:.2f} N"
+    path, depth = (f"{1e6 * each:.0f} um" for each in (parallel.path, parallel.penetration))
+    return (
+        f"contact: tip at {contact.tip_speed:.2f} m/s, compressed for {time} by a spring as stiff as that asks for; largest",
+        f"  force along the path {force}, path {path}, deepest {depth}: the spring's, not the crater's",
+        "contact depths: all of this force, or all of this energy, cuts a chip by Merchant's relation on a straight path,",
+        "  its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it",
+    )

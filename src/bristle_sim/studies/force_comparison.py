@@ -1,0 +1,225 @@
+"""Chapter 3 beside a simulated contact: the assumed force curve and the force that braking the bristle takes.
+
+The curve (3.19) is a ball's on a plate, its shape carried over to the bristle. Beside it stands the bristle's own contact
+in the scene, on a spring, with the same compressive impulse and compression time. The fit of section 3.1 is tried on
+points of the curve, exact and noisy.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.crater_parameters import ForceHistory, Measurement
+from bristle_sim.parameters import Bristle, Hub, Strike, Surface
+from bristle_sim.settings import Settings
+from bristle_sim.studies.audit_force import TABLE_3_1
+from bristle_sim.studies.contact_course import TimedContact
+from bristle_sim.studies.force_trials import (
+    FitTrial,
+    fit_as_dict,
+    fit_in_words,
+    fit_trials,
+    peak_of,
+    trial_as_dict,
+    trial_in_words,
+    trial_row,
+)
+from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
+from bristle_sim.theory.force_fit import ForceFit, fit_force_history, read_force_csv
+from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, ForceCurve, segment_impulses
+from bristle_sim.theory.monofilament import tip_speed
+
+__all__ = ["ForceComparison", "force_comparison", "segment_table"]
+
+Array = NDArray[np.float64]
+
+SEGMENTS = 10
+"""Equal parts of the compression (Zhang 2020, table 3.1)."""
+
+SOURCES = ("printed", "scaled", "curve", "simulated")
+"""Of a segment's impulse: table 3.1, the ball's share of the printed impulse (3.15), the curve, the contact."""
+
+OPERATING_SPEED = float(tip_speed(Bristle().length, Hub().radius, Hub().speed, Strike().speed_ratio))
+"""Of the tip, m/s: 845.6 rad/s as an absolute rate (Zhang 2020, eq. 4.3)."""
+
+PRINTED = {"peak_force": 57.0, "compression_time": 5e-5, "compressive_impulse": PRINTED_BRISTLE_IMPULSE}
+"""Zhang 2020, eqs. 3.21, 3.20 and 3.9."""
+
+
+@dataclass(frozen=True, slots=True)
+class ForceComparison:
+    """What pictures are made of.
+
+    Attributes:
+        curve: (3.19), or the one fitted to measured points.
+        contact: the simulated one, or None where the bristle has no such contact, and ``no_contact`` says why.
+        trials: of the fit.
+        measured: time and force, s and N, or None.
+    """
+
+    curve: ForceCurve
+    contact: TimedContact | None
+    trials: tuple[FitTrial, ...]
+    measured: tuple[Array, Array] | None
+    no_contact: str = ""
+
+
+def force_comparison(
+    hub: Hub,
+    bristle: Bristle,
+    surface: Surface,
+    history: ForceHistory,
+    measurement: Measurement,
+    settings: Settings,
+) -> Report:
+    """Lay the simulated contact beside the curve of chapter 3, or beside one fitted to measured points.
+
+    Raises:
+        ValueError: for points that are no force history.
+    """
+    curve, measured, fit = _curve(measurement)
+    trials = fit_trials(curve, int(history.points), history.noise)
+    try:
+        subject = ForceComparison(curve, _contact(hub, bristle, surface, history, settings, curve), trials, measured)
+    except ValueError as error:
+        subject = ForceComparison(curve, None, trials, measured, no_contact=str(error))
+    tolerance = 10.0 * max(1e-6, settings.accuracy)  # timed_contact's own, and what a coarse contact adds to it
+    found = Report(
+        outcome="no contact",
+        quantities=(*_main_rows(subject, history, tolerance), *(trial_row(each, curve) for each in trials)),
+        remarks=_remarks(subject, history, fit),
+        extra={
+            "table_3_1": _table_3_1(subject),
+            "measured_fit": None if fit is None else fit_as_dict(fit),
+            "fits": [trial_as_dict(each) for each in trials],
+        },
+        subject=subject,
+    )
+    return found if subject.contact is None else _with_course(found, subject.contact)
+
+
+def _with_course(report: Report, contact: TimedContact) -> Report:
+    outcome = contact.record.outcome
+    return dataclasses.replace(
+        report,
+        outcome="stiction" if outcome == "jam" else outcome,
+        phases=contact.record.phases,
+        events=(("strike", 0.0), ("deepest", contact.compression_time), ("end", float(contact.time[-1]))),
+        wall_s=contact.wall_s,
+        steps=contact.steps,
+    )
+
+
+def _contact(
+    hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, settings: Settings, curve: ForceCurve
+) -> TimedContact:
+    """With the curve's impulse and compression time where nothing else is asked for."""
+    peak = curve.peak_time()
+    rate = None if history.speed_ratio is None else history.speed_ratio * hub.speed
+    return timed_contact(
+        hub,
+        bristle,
+        surface,
+        math.radians(history.impact_angle_deg),
+        settings,
+        compression_time=peak if history.compression_time is None else history.compression_time,
+        rate=rate,
+        impulse=float(curve.impulse(peak)) if rate is None else None,
+    )
+
+
+def segment_table(contact: TimedContact) -> Array:
+    """Impulse of the simulated contact in each of ten equal parts of its compression, N s."""
+    edges = np.linspace(0.0, contact.compression_time, SEGMENTS + 1)
+    return np.array([contact.resultant.integral(*pair) for pair in pairwise(edges.tolist())])
+
+
+def _curve(measurement: Measurement) -> tuple[ForceCurve, tuple[Array, Array] | None, ForceFit | None]:
+    """The curve laid beside the contact, and where it comes from."""
+    if measurement.force_csv is None:
+        return BRISTLE, None, None
+    measured = read_force_csv(measurement.force_csv)
+    fit = fit_force_history(*measured)
+    if peak_of(fit.curve) is None:
+        raise ValueError(
+            f"force_csv = {measurement.force_csv!r}: points of a force that rises and falls again are allowed"
+        )
+    return fit.curve, measured, fit
+
+
+def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float) -> tuple[Quantity, ...]:
+    """The force is the finding; time and impulse are the same by construction where they are taken from the curve."""
+    curve, contact = subject.curve, subject.contact
+    peak = curve.peak_time()
+    sides = (
+        ("peak_force", "N", curve.peak_force(), False),
+        ("compression_time", "s", peak, history.compression_time is None),
+        ("compressive_impulse", "N s", float(curve.impulse(peak)), history.speed_ratio is None),
+    )
+    rows = []
+    for name, unit, theory, same in sides:
+        simulated = None if contact is None else float(getattr(contact, name))
+        printed = PRINTED[name] if curve is BRISTLE else None
+        rows.append(Quantity(name, unit, simulated, theory, printed=printed, tolerance=tolerance if same else None))
+    return tuple(rows)
+
+
+def _table_3_1(subject: ForceComparison) -> list[dict[str, Any]]:
+    """The ten segments by print, by the ball's curve as printed (3.15), by the curve, and simulated; N s."""
+    curve, contact = subject.curve, subject.contact
+    nothing: list[float | None] = [None] * SEGMENTS
+    columns: tuple[list[float | None], ...] = (
+        [1e-4 * float(each) for each in TABLE_3_1] if curve is BRISTLE else nothing,
+        segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE).tolist() if curve is BRISTLE else nothing,
+        segment_impulses(curve, float(curve.impulse(curve.peak_time()))).tolist(),
+        nothing if contact is None else segment_table(contact).tolist(),
+    )
+    rows = zip(range(1, SEGMENTS + 1), *columns, strict=True)
+    return [dict(zip(("segment", *SOURCES), row, strict=True)) for row in rows]
+
+
+def _remarks(subject: ForceComparison, history: ForceHistory, fit: ForceFit | None) -> tuple[str, ...]:
+    curve, contact = subject.curve, subject.contact
+    source = "as printed in (3.19)" if fit is None else f"fitted to the file, {fit_in_words(fit)}"
+    simulated: tuple[str, ...] = (f"simulated: nothing; {subject.no_contact}",)
+    if contact is not None:
+        simulated = _contact_lines(contact, curve, math.radians(history.impact_angle_deg))
+    terms = f"c = {_listed(curve.amplitude)}, lambda = {_listed(curve.decay)} /s"
+    trials = (f"least-squares fit (3.2-3.4) to points of the curve, {terms}:", *map(trial_in_words, subject.trials))
+    return ("", f"theory: the curve {source}", *simulated, "", *_segment_lines(subject), "", *trials)
+
+
+def _contact_lines(contact: TimedContact, curve: ForceCurve, impact_angle: float) -> tuple[str, ...]:
+    mu = contact.surface.friction
+    rigid = resultant_impulse(contact.bristle.mass, contact.tip_speed, impact_angle, mu)
+    ratio = contact.peak_force * contact.compression_time / contact.compressive_impulse
+    peak = curve.peak_time()
+    curve_ratio = curve.peak_force() * peak / float(curve.impulse(peak))
+    speed = f"{contact.tip_speed:.2f} m/s (operating point {OPERATING_SPEED:.2f})"
+    lasting = f"{1e6 * contact.compression_time:.4g} us"
+    shape = "peak force times compression time over impulse:"
+    return (
+        f"simulated: resultant force of a bristle whose tip strikes at {speed} with mu = {mu:g};",
+        f"  at that speed an impact of no duration has p_c = {1e3 * rigid:.4f}e-3 N s, here the hub turns on for {lasting}",
+        f"{shape} {ratio:.4f} simulated, {curve_ratio:.4f} by the curve, pi/2 = {math.pi / 2:.4f} for a plain spring",
+    )
+
+
+def _segment_lines(subject: ForceComparison) -> tuple[str, ...]:
+    lines = [f"{'table 3.1, 1e-4 N s':<22}{'printed':>10}{'by (3.15)':>10}{'curve':>10}{'simulated':>10}"]
+    for row in _table_3_1(subject):
+        cells = ["-" if row[name] is None else f"{1e4 * row[name]:.4f}" for name in SOURCES]
+        lines.append(f"{'  segment ' + str(row['segment']):<22}" + "".join(f"{cell:>10}" for cell in cells))
+    return tuple(lines)
+
+
+def _listed(values: tuple[float, ...]) -> str:
+    return ", ".join(f"{value:.6g}" for value in values)

@@ -1,0 +1,142 @@
+"""A bristle's contact of a given compression time, and of a given impulse if that is asked for.
+
+A contact of 50 us is not the instant of chapter 2: meanwhile the hub turns by 0.75 deg and the bristle by more, so its
+impulse and duration part from the rigid-body limit by some per cent. Speed and stiffness are therefore adjusted until
+the contact in the scene has what is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.parameters import Bristle, Contact, Hub, Surface
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.settings import Settings
+from bristle_sim.studies.contact_course import TimedContact
+from bristle_sim.theory import monofilament
+
+__all__ = ["radial_chain", "resultant_impulse", "timed_contact"]
+
+Array = NDArray[np.float64]
+
+CLOSE = 1e-6
+"""Least relative difference from what was asked for at which the adjustment ends, or the accuracy if that is coarser."""
+
+ROUNDS = 30
+"""Rounds of adjustment; five to ten are usual."""
+
+LARGEST_STEP = 0.5
+"""Largest change of the logarithm of speed or duration in a round."""
+
+
+def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
+    """A bristle that stands radially at the impact angle, rad, and turns at a rate, rad/s."""
+    return Chain((bristle.mass,), (bristle.length,), (-impact_angle,), (rate,), hub.radius, hub.speed, -impact_angle)
+
+
+def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
+    """p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
+    strike = (mass, tip_speed, impact_angle, friction)
+    return math.hypot(
+        float(monofilament.normal_compressive_impulse(*strike)),
+        float(monofilament.tangential_compressive_impulse(*strike)),
+    )
+
+
+def timed_contact(
+    hub: Hub,
+    bristle: Bristle,
+    surface: Surface,
+    impact_angle: float,
+    settings: Settings,
+    *,
+    compression_time: float,
+    rate: float | None = None,
+    impulse: float | None = None,
+) -> TimedContact:
+    """Strike with a contact whose compression takes that long, s.
+
+    Args:
+        hub, bristle, surface: what strikes what.
+        impact_angle: gamma, rad.
+        settings: of the scene.
+        compression_time: s.
+        rate: of the bristle, rad/s; or
+        impulse: the compressive impulse, N s, for which the rate is found.
+
+    Raises:
+        ValueError: if there is no such contact.
+    """
+    if (rate is None) == (impulse is None):
+        raise ValueError("rate, impulse: exactly one of the two is allowed")
+    given = np.array(
+        [
+            compression_time * _whole_over_compression(surface, impact_angle),
+            _first_speed(hub, bristle, surface, impact_angle, rate, impulse),
+        ]
+    )
+    asked = np.array([compression_time] if impulse is None else [compression_time, impulse])
+    free, slopes, before = len(asked), np.eye(len(asked)), None
+    for _ in range(ROUNDS):
+        found = _struck(hub, bristle, surface, impact_angle, settings, *given.tolist())
+        reached = np.array([found.compression_time, found.compressive_impulse])[:free]
+        missing = np.log(asked / reached)
+        if np.all(np.abs(missing) <= max(CLOSE, settings.accuracy)):
+            return found
+        if before is not None:
+            slopes += _correction(slopes, *before, missing)
+        step = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP)
+        given[:free] *= np.exp(step)
+        before = step, missing
+    raise ValueError(
+        f"compression_time = {compression_time:g}: a shorter one is allowed, the hub turns too far meanwhile (in s)"
+    )
+
+
+def _correction(slopes: Array, step: Array, missing: Array, still_missing: Array) -> Array:
+    """Broyden's correction of the slopes from what the last step has reached."""
+    return np.outer(missing - still_missing - slopes @ step, step) / float(step @ step)
+
+
+def _first_speed(
+    hub: Hub, bristle: Bristle, surface: Surface, impact_angle: float, rate: float | None, impulse: float | None
+) -> float:
+    """Speed of the tip, m/s; that of the rigid-body limit for an impulse."""
+    if impulse is not None:
+        return impulse / resultant_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
+    assert rate is not None
+    return bristle.length * rate + hub.radius * hub.speed
+
+
+def _whole_over_compression(surface: Surface, impact_angle: float) -> float:
+    """Duration of a short contact over that of its compression, 1 + e* sqrt(s_1/s_2).
+
+    The spring is 1/e*^2 stiffer in restitution, and the tip yields to it in proportion to s_2 instead of s_1.
+    """
+    cosine, sine = math.cos(impact_angle), math.sin(impact_angle)
+    leaving = sine - surface.friction_in_restitution * cosine
+    if leaving <= 0.0:
+        return 1.0
+    return 1.0 + surface.restitution * math.sqrt((sine + surface.friction * cosine) / leaving)
+
+
+def _struck(
+    hub: Hub,
+    bristle: Bristle,
+    surface: Surface,
+    impact_angle: float,
+    settings: Settings,
+    duration: float,
+    speed: float,
+) -> TimedContact:
+    chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
+    if not 0.0 < duration <= 1.0:
+        raise ValueError(f"contact_duration = {duration:g}: 0 < contact_duration <= 1 is allowed (in s)")
+    found = strike(chain, surface, Contact("compliant", duration), settings)
+    record = found.contact
+    if record.history is None or record.compressive_impulse is None or not record.compressive_impulse[0] > 0.0:
+        raise ValueError(f"speed_ratio: a tip that strikes is allowed, this one approaches at {speed:g} m/s")
+    return TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)

@@ -1,0 +1,474 @@
+"""Every script in scenarios/, held to one contract: options, keys, table, JSON, pictures, exit status.
+
+What can be asked in this process is asked in it; what a person types is run as they would run it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import functools
+import importlib
+import importlib.util
+import inspect
+import io
+import json
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bristle_sim.quantity import Choice, Quantity
+from bristle_sim.scenario_cli import Scenario, main
+
+ROOT = Path(__file__).parents[2]
+SCRIPTS = {path.stem: path for path in sorted((ROOT / "scenarios").glob("*.py"))}
+
+IMPACT = (
+    "normal_compressive_impulse",
+    "normal_final_impulse",
+    "tangential_compressive_impulse",
+    "normal_compressive_work",
+    "tangential_compressive_work",
+    "final_bristle_rate",
+    "rebound_ratio",
+)
+TOOL = ("hub_speed", "hub_radius", "bristle_length", "bristle_mass")
+BELT = ("belt_stiffness", "belt_damping_ratio")
+BAR = ("bar_radius", "bar_horizontal", "bar_vertical")
+RUBBING = ("friction", "restitution_friction", "restitution")
+LAW = ("contact", "contact_duration", "accuracy")
+
+
+@dataclass(frozen=True)
+class Promise:
+    """What one script owes besides what all owe.
+
+    Attributes:
+        quantities, keys: at least these, reported and accepted.
+        lists: further lists in the JSON, with what each of their entries has.
+        quick: arguments of a short run, for scripts that take long by default.
+        times: what the quantities tell is time; only the lists are the same at every run.
+        integrates: by default the independent solution, or another peer, is asked for.
+        film: module and name of the function that films, to be given a small size.
+    """
+
+    quantities: tuple[str, ...] = ()
+    keys: tuple[str, ...] = ()
+    lists: dict[str, set[str]] = field(default_factory=dict)
+    quick: tuple[str, ...] = ()
+    times: bool = False
+    integrates: bool = False
+    film: tuple[str, str] | None = None
+
+
+PROMISES = {
+    "cue_and_impact": Promise(
+        (
+            "release_time",
+            "release_retraction_deg",
+            "largest_retraction_deg",
+            "contact_time",
+            "lag_deg_at_contact",
+            "relative_speed_at_contact",
+            "tip_speed_at_contact",
+            *IMPACT,
+        ),
+        (*TOOL, "wire_diameter", *BELT, *BAR, "bar_friction", "bar_restitution", "penetration", *RUBBING, *LAW),
+        film=("bristle_sim.render.pass_video", "pass_video"),
+    ),
+    "cue_timing": Promise(
+        (
+            "cue_time",
+            "cue_hub_turn_deg",
+            "highest_relative_speed",
+            "bar_direction_deg",
+            "bar_horizontal",
+            "bar_vertical",
+        ),
+        (*TOOL, *BELT, "bar_radius", "wire_diameter", "penetration", "retraction_deg", "accuracy"),
+        integrates=True,
+    ),
+    "oblique_impact": Promise(
+        IMPACT,
+        (*TOOL, "speed_ratio", "impact_angle_deg", *RUBBING, *LAW),
+        film=("bristle_sim.render.impact_video", "impact_video"),
+    ),
+    "single_pendulum": Promise(
+        ("rebound_ratio", "normal_compressive_impulse", "normal_final_impulse"),
+        ("rod_mass", "rod_length", "impact_angle_deg", "rate", *RUBBING, *LAW),
+        film=("bristle_sim.render.impact_video", "impact_video"),
+    ),
+    "double_pendulum": Promise(
+        ("final_rate_1", "final_rate_2", "normal_compressive_impulse", "normal_final_impulse", "kinetic_energy_ratio"),
+        ("rod_mass", "mass_ratio", "rod_length", "angle_1_deg", "angle_2_deg", "rate_1", "rate_2", *RUBBING, *LAW),
+        film=("bristle_sim.render.impact_video", "impact_video"),
+    ),
+    "bent_bristles": Promise(
+        keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *RUBBING, *LAW)
+    ),
+    "force_history": Promise(
+        ("peak_force", "compression_time", "compressive_impulse"), (*TOOL, "impact_angle_deg", *RUBBING, "force_csv")
+    ),
+    "crater_depth": Promise(
+        ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
+        ("shear_yield_stress", "plies", "friction", "impact_angle_deg"),
+    ),
+    "accuracy_cost": Promise(
+        keys=("effort", "peers"),
+        lists={"curves": {"case", "method", "setting", "error", "cpu_s", "steps"}},
+        quick=("--set", "effort=quick"),
+        times=True,
+        integrates=True,
+    ),
+    "hard_cases": Promise(lists={"rows": {"case", "promise", "reached", "ok"}}),
+    "dissertation_figures": Promise(),
+    "dissertation_audit": Promise(lists={"rows": {"where", "printed", "computed", "status", "why"}}),
+}
+
+OUTCOMES = {"rebound", "no rebound", "stiction", "no contact"}
+SIDES = ("simulated", "theory", "reference", "printed")
+TIMINGS = ("wall_s", "cpu_s")
+SIGNATURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF", ".gif": b"GIF89a"}
+
+each_script = pytest.mark.parametrize("name", SCRIPTS)
+
+
+def promise(name: str) -> Promise:
+    return PROMISES.get(name, Promise())
+
+
+run_in_full = pytest.mark.parametrize("name", [name for name in SCRIPTS if not promise(name).quick])
+
+
+@functools.cache
+def scenario(name: str) -> Scenario:
+    """The scenario that a script declares, without running it."""
+    spec = importlib.util.spec_from_file_location(f"scenario_{name}", SCRIPTS[name])
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found = module.SCENARIO
+    assert isinstance(found, Scenario)
+    return found
+
+
+@functools.cache
+def ran(name: str, *arguments: str, python: tuple[str, ...] = (), seed: str = "0") -> subprocess.CompletedProcess[str]:
+    """A script run as a process, away from the repository and without a display."""
+    return process([sys.executable, *python, str(SCRIPTS[name]), *arguments], ROOT.parent, PYTHONHASHSEED=seed)
+
+
+def process(command: list[str], folder: Path, **variables: str) -> subprocess.CompletedProcess[str]:
+    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "MPLBACKEND")} | variables
+    return subprocess.run(
+        command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+    )
+
+
+def parsed(text: str) -> dict[str, Any]:
+    """One JSON object and nothing else, without NaN and infinities."""
+
+    def refuse(word: str) -> None:
+        pytest.fail(f"{word} in the JSON")
+
+    found = json.loads(text, parse_constant=refuse)
+    assert isinstance(found, dict)
+    return found
+
+
+def asked(name: str, *arguments: str) -> tuple[int, dict[str, Any]]:
+    """Exit status and JSON of a script asked in this process."""
+    with contextlib.redirect_stdout(io.StringIO()) as out:
+        status = main(scenario(name), ["--json", "-", *arguments])
+    return status, parsed(out.getvalue())
+
+
+def numbers(name: str, found: dict[str, Any]) -> Any:
+    """What must not differ between two runs of a script."""
+    return untimed([found[key] for key in promise(name).lists] if promise(name).times else found)
+
+
+def untimed(value: Any) -> Any:
+    """The same without what the clock measured."""
+    if isinstance(value, dict):
+        return {key: untimed(each) for key, each in value.items() if not key.startswith(TIMINGS)}
+    return [untimed(each) for each in value] if isinstance(value, list) else value
+
+
+def test_every_script_is_promised_something():
+    assert SCRIPTS
+    assert set(SCRIPTS) <= set(PROMISES)
+
+
+@each_script
+def test_declared_names_and_keys(name: str):
+    declared = scenario(name)
+    assert declared.name == name
+    assert declared.question.endswith("?")
+    assert set(promise(name).keys) <= set(declared.keys())
+    assert set(declared.defaults) <= set(declared.keys())
+    assert (declared.video is None) is (promise(name).film is None)
+    for found, default in declared.keys().values():
+        assert (default is None and found.optional) or found.check(default) == default
+
+
+@each_script
+def test_a_run_without_options_prints_a_table_and_agrees(name: str):
+    run = ran(name, *promise(name).quick)
+    assert (run.stderr, run.returncode) == ("", 0)
+    assert run.stdout.isascii()
+    assert run.stdout.split()[0] == "quantity"
+    rows = {line.split()[0] for line in run.stdout.splitlines() if line}
+    assert set(promise(name).quantities) <= rows
+    assert any(line.startswith("outcome: ") for line in run.stdout.splitlines())
+
+
+@each_script
+def test_json_keeps_to_the_contract(name: str):
+    run = ran(name, "--json", "-", *promise(name).quick)
+    assert (run.stderr, run.returncode) == ("", 0)
+    found = parsed(run.stdout)
+    required = {"scenario", "parameters", "outcome", "quantities", "phases", "events", "cost", *promise(name).lists}
+    assert required <= set(found)
+    assert found["scenario"] == name
+    assert found["outcome"] in OUTCOMES
+    assert all(isinstance(phase, str) for phase in found["phases"])
+    assert set(found["cost"]) == {"wall_s", "steps"}
+    assert found["cost"]["wall_s"] >= 0.0
+    assert isinstance(found["cost"]["steps"], int)
+    for event in found["events"]:
+        assert set(event) == {"name", "time"}
+        assert isinstance(event["name"], str)
+    times = [event["time"] for event in found["events"]]
+    assert times == sorted(times)
+
+
+@run_in_full
+def test_json_tells_every_parameter(name: str):
+    defaults = {key: default for key, (_, default) in scenario(name).keys().items()}
+    assert parsed(ran(name, "--json", "-").stdout)["parameters"] == defaults
+
+
+@each_script
+def test_quantities_are_complete_and_consistent(name: str):
+    rows = parsed(ran(name, "--json", "-", *promise(name).quick).stdout)["quantities"]
+    names = [row["name"] for row in rows]
+    assert len(set(names)) == len(names)
+    assert set(promise(name).quantities) <= set(names)
+    for row in rows:
+        assert set(row) == {"name", "unit", *SIDES, "relative_difference", "tolerance", "ok"}
+        assert row["unit"]
+        for side in (*SIDES, "relative_difference", "tolerance"):
+            assert row[side] is None or isinstance(row[side], float)
+        check_verdict(row)
+
+
+def check_verdict(row: dict[str, Any]) -> None:
+    """The difference is the one between the row's own numbers, and the verdict follows from it."""
+    judge = next((row[side] for side in ("reference", "theory", "printed") if row[side] is not None), None)
+    difference = None
+    if judge and row["simulated"] is not None:
+        difference = (row["simulated"] - judge) / abs(judge)
+    assert row["relative_difference"] == difference
+    if row["tolerance"] is None or judge is None:
+        assert row["ok"] is None
+    elif row["simulated"] is None:
+        assert row["ok"] is False
+    else:
+        assert row["ok"] is (abs(row["simulated"] if judge == 0.0 else difference) <= row["tolerance"])
+
+
+@each_script
+def test_further_lists(name: str):
+    found = parsed(ran(name, "--json", "-", *promise(name).quick).stdout)
+    for key, columns in promise(name).lists.items():
+        assert found[key]
+        for entry in found[key]:
+            assert columns <= set(entry)
+
+
+@each_script
+def test_same_inputs_same_numbers(name: str):
+    """Bit for bit: another hash seed, assertions stripped, and a process that has run other things before."""
+    quick = promise(name).quick
+    first = ran(name, "--json", "-", *quick)
+    second = ran(name, "--json", "-", *quick, python=("-O",), seed="1")
+    assert (second.stderr, second.returncode) == ("", first.returncode)
+    assert numbers(name, parsed(second.stdout)) == numbers(name, parsed(first.stdout))
+    status, here = asked(name, *quick)
+    assert status == first.returncode
+    assert numbers(name, here) == numbers(name, parsed(first.stdout))
+
+
+@run_in_full
+def test_the_default_typed_is_the_default(name: str):
+    """Every key set to its default gives the same numbers: nothing depends on whether a key was named."""
+    settings = [f"--set={key}={default}" for key, (_, default) in scenario(name).keys().items() if default is not None]
+    _, found = asked(name, *settings)
+    assert numbers(name, found) == numbers(name, parsed(ran(name, "--json", "-").stdout))
+
+
+@each_script
+def test_keys_are_listed(name: str, capsys: pytest.CaptureFixture[str]):
+    assert main(scenario(name), ["--list-keys"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.isascii()
+    head, *lines = out.splitlines()
+    assert head.split() == ["key", "unit", "default", "allowed", "source"]
+    listed = dict(zip((line.split()[0] for line in lines), lines, strict=True))
+    for key, (found, default) in scenario(name).keys().items():
+        assert found.unit in listed[key]
+        assert found.allowed in listed[key]
+        assert listed[key].endswith(found.source)
+        shown = default if isinstance(default, str) else "none" if default is None else f"{default:.9g}"
+        assert shown in listed[key]
+
+
+def bad_texts(found: Quantity | Choice) -> Iterator[str]:
+    """Nothing, words, what floats know besides numbers, and the nearest numbers out of range."""
+    yield from ("", " ", "abc", "nan", "inf", "-inf", "1e999", "1_0", "0x10", "1,5", "\u22121", "1\n2")
+    if isinstance(found, Quantity):
+        yield repr(math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest)
+        yield repr(math.nextafter(found.highest, math.inf))
+
+
+@each_script
+def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFixture[str]):
+    """In one line with key, value and what is allowed, before anything is computed."""
+    idle = dataclasses.replace(scenario(name), run=lambda _: pytest.fail("ran"))
+    for key, (found, _) in idle.keys().items():
+        for text in bad_texts(found):
+            assert main(idle, ["--json", "-", "--set", f"{key}={text}"]) == 2
+            out, err = capsys.readouterr()
+            assert out == ""
+            assert err.count("\n") == 1
+            assert err.startswith(f"{name}.py: error: {key} = {text!r}: ")
+            assert f"{found.allowed} is allowed" in err
+
+
+@pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("reference")])
+def test_the_independent_solution_agrees(name: str):
+    """Every quantity that the simulation knows, the reference knows too, and they agree to the accuracy asked for."""
+    status, found = asked(name, "--set", "reference=yes")
+    assert status == 0
+    referred = [row for row in found["quantities"] if row["name"] in promise(name).quantities]
+    for row in referred:
+        assert row["reference"] is not None
+        assert row["ok"] is True
+    # The tolerance of a well-conditioned quantity is of the order of the accuracy, 1e-6.
+    assert min(row["tolerance"] for row in referred) <= 1e-5
+
+
+BAD_ARGUMENTS = {
+    "not a number": ["--set", "friction=nan"],
+    "unknown key": ["--set", "no_such_key=1"],
+    "malformed": ["--set", "friction"],
+    "unknown option": ["--no-such-option"],
+    "missing argument": ["--set"],
+    "picture of unknown kind": ["--plot", "picture.bmp"],
+    "video of unknown kind": ["--video", "film.avi"],
+    "results of unknown kind": ["--json", "results.txt"],
+    "nowhere": ["--json", "no/such/folder/results.json"],
+    "do not fit together": ["--set", "penetration=0.03"],
+}
+
+
+@pytest.mark.parametrize("case", BAD_ARGUMENTS)
+def test_bad_input_as_a_person_meets_it(case: str, tmp_path: Path):
+    arguments = BAD_ARGUMENTS[case]
+    run = process([sys.executable, str(SCRIPTS["cue_and_impact"]), *arguments], tmp_path)
+    assert (run.stdout, run.returncode) == ("", 2)
+    assert run.stderr.startswith("cue_and_impact.py: error: ")
+    assert run.stderr.count("\n") == 1
+    assert arguments[-1].partition("=")[0] in run.stderr
+    assert not list(tmp_path.iterdir())
+
+
+FIT = {
+    "cue_and_impact": ["penetration=0.027", "bar_radius=0.05", "bar_vertical=0"],
+    "cue_timing": ["penetration=0.027", "penetration=-0.1", "bar_radius=0.05"],
+}
+
+
+@pytest.mark.parametrize(("name", "setting"), [(name, each) for name in FIT for each in FIT[name]])
+def test_values_that_do_not_fit_together(name: str, setting: str, capsys: pytest.CaptureFixture[str]):
+    """One line that begins with the part concerned."""
+    assert main(scenario(name), ["--json", "-", "--set", setting]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith(f"{name}.py: error: {setting.partition('_')[0].partition('=')[0]}")
+    assert "allowed" in err
+
+
+IMPORTED = """
+import runpy, sys
+sys.argv = sys.argv[1:]
+try:
+    runpy.run_path(sys.argv[0], run_name="__main__")
+except SystemExit:
+    pass
+print(*sys.modules, file=sys.stderr)
+"""
+
+
+@each_script
+def test_what_is_not_asked_for_is_not_imported(name: str):
+    run = process([sys.executable, "-c", IMPORTED, str(SCRIPTS[name]), *promise(name).quick], ROOT.parent)
+    modules = set(run.stderr.split())
+    assert "bristle_sim.scenario_cli" in modules
+    assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "tqdm", "bristle_sim.render"}
+    assert ("scipy.integrate" in modules) is promise(name).integrates
+    assert ("bristle_sim.reference" in modules) is promise(name).integrates
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in SCRIPTS if scenario(name).plot and not scenario(name).plot_is_folder]
+)
+def test_a_picture_is_drawn_when_asked_for(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    target = tmp_path / "picture.png"
+    assert main(scenario(name), ["--plot", str(target), "--json", "-", *promise(name).quick]) == 0
+    out, err = capsys.readouterr()
+    assert parsed(out)["scenario"] == name
+    assert err == f"--plot: wrote {target}\n"
+    assert target.read_bytes().startswith(SIGNATURES[".png"])
+    assert target.stat().st_size > 10_000  # an empty picture of that size takes less
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".pdf"])
+def test_pictures_of_other_kinds_need_no_display(suffix: str, tmp_path: Path):
+    target = tmp_path / f"picture{suffix}"
+    run = process([sys.executable, str(SCRIPTS["cue_and_impact"]), "--plot", str(target)], tmp_path)
+    assert run.returncode == 0
+    assert target.read_bytes().startswith(SIGNATURES[suffix])
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("name", [name for name in SCRIPTS if promise(name).film])
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+def test_a_video_is_rendered_when_asked_for(name: str, suffix: str, tmp_path: Path, capsys, monkeypatch):
+    film = promise(name).film
+    assert film
+    module = importlib.import_module(film[0])
+    function = getattr(module, film[1])
+    small = {"width": 160, "height": 120, "fps": 5.0, "duration": 1.0}
+    offered = {option: value for option, value in small.items() if option in inspect.signature(function).parameters}
+    monkeypatch.setattr(module, film[1], functools.partial(function, **offered))
+    target = tmp_path / f"film{suffix}"
+    assert main(scenario(name), ["--video", str(target), "--json", "-"]) == 0
+    out, err = capsys.readouterr()
+    assert parsed(out)["scenario"] == name
+    assert err == f"--video: wrote {target}\n"
+    content = target.read_bytes()
+    assert content.startswith(SIGNATURES[".gif"]) if suffix == ".gif" else content[4:8] == b"ftyp"
+    assert list(tmp_path.iterdir()) == [target]

@@ -1,0 +1,301 @@
+"""Accuracy against cost: exact answers, the compliant contact in contact space, measuring, and every tool's model."""
+
+import json
+import math
+import time
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from bristle_sim.parameters import Surface
+from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.accuracy_cost import (
+    cases,
+    effects,
+    measure,
+    mujoco_methods,
+    mujoco_strike,
+    other_peers,
+    our_methods,
+    scipy_methods,
+)
+from bristle_sim.studies.accuracy_cost.compliant_contact import TipContact
+from bristle_sim.studies.accuracy_cost.measure import Attempt, Effort, Point, Run
+from bristle_sim.studies.accuracy_cost.study import accuracy_cost
+from bristle_sim.theory.monofilament import final_rate, tip_speed
+from bristle_sim.theory.pendulums import double_pendulum_impact
+
+FLIGHT = cases.release_flight()
+
+
+def errors(case, attempts, method):
+    """Errors of one method, from coarse to fine."""
+    return [case.error(each.run().values) for each in attempts if each.method == method]
+
+
+def attempt_named(attempts, method, setting):
+    return next(each for each in attempts if (each.method, each.setting) == (method, setting))
+
+
+class TestCases:
+    @pytest.mark.parametrize("method", ["scipy dop853", "scipy lsoda", "scipy ode dopri5"])
+    def test_closed_form_of_the_flight_is_what_integrators_find(self, method):
+        # Asked for 1e-12; LSODA is known to miss its tolerance by a factor of ten.
+        assert errors(FLIGHT, scipy_methods.flight_attempts(FLIGHT), method)[-1] < 1e-11
+
+    def test_error_is_the_largest_difference_over_its_scale(self):
+        angle, rate = FLIGHT.exact
+        assert FLIGHT.error((angle, rate)) == 0.0
+        assert FLIGHT.error((angle + 0.01 * FLIGHT.retraction, rate)) == pytest.approx(0.01, rel=1e-12)
+        assert FLIGHT.error((angle + 0.01 * FLIGHT.retraction, 0.9 * rate)) == pytest.approx(0.1, rel=1e-12)
+
+    def test_nan_is_no_answer(self):
+        assert FLIGHT.error((0.0, math.nan)) == math.inf
+
+    def test_the_strikes_settle_to_the_printed_rates(self):
+        # Zhang 2020, sec. 2.4.2 evaluated, to the digits given there; kappa omega L from eq. 2.34 for the bristle.
+        np.testing.assert_allclose(cases.double_pendulum().exact, (0.19893234, -0.22313679), atol=5e-9)
+        np.testing.assert_allclose(cases.strike().exact, (-456.550,), atol=5e-4)
+
+
+class TestCompliantContact:
+    """Integrated finely, the bilinear spring ends where the energetic law's closed forms say."""
+
+    @staticmethod
+    def solved(chain, surface):
+        def follow(contact, phase, state):
+            events = [scipy_methods._terminal(*each) for each in contact.ends(phase)]
+            slope = contact.derivative(phase)
+            found = solve_ivp(slope, (0.0, 1e3), state, method="DOP853", events=events, rtol=1e-12, atol=1e-12)
+            return found.y[:, -1].tolist()
+
+        return TipContact(chain, surface).solve(follow)
+
+    # The stick threshold is 0.6234: reverse slip below, stick above; at 0 nothing stops the slip.
+    @pytest.mark.parametrize("friction", [0.0, 0.1, 0.3, 0.5, 0.6, 0.7, 2.0])
+    @pytest.mark.parametrize("restitution", [0.3, 1.0])
+    def test_double_pendulum(self, friction, restitution):
+        angles, rates = (math.radians(20.0), math.radians(30.0)), (-0.1, -0.2)
+        exact = double_pendulum_impact(5.0, 1.0, 1.0, *angles, *rates, friction, restitution)
+        chain = Chain((5.0, 5.0), (1.0, 1.0), (-angles[0], -angles[1]), (0.1, 0.2))
+        found = self.solved(chain, Surface(friction=friction, restitution=restitution))
+        # The integrator's tolerance, times the few phases and the compliance.
+        np.testing.assert_allclose(found, (-exact.final_rate_1, -exact.final_rate_2), atol=1e-9)
+
+    @pytest.mark.parametrize("friction", [0.0, 0.1, 0.31, 0.42])
+    def test_bristle_on_its_hub(self, friction):
+        gamma, speed = math.radians(23.4), 261.8
+        chain = Chain((8.387e-5,), (0.027,), (-gamma,), (3.23 * speed,), 0.0275, speed, -gamma)
+        found = self.solved(chain, Surface(friction=friction, restitution=0.42))
+        exact = final_rate(tip_speed(0.027, 0.0275, speed, 3.23), 0.027, 0.0275, speed, gamma, friction, 0.42)
+        # Near the jam, tan gamma = 0.4327, the motion magnifies the solver's tolerance forty times.
+        assert found[0] == pytest.approx(float(exact), rel=1e-8)
+
+
+class TestMeasuring:
+    @staticmethod
+    def point(method, error, cpu_s, failure=""):
+        return Point("case", method, "setting", error, cpu_s, cpu_s, 1, failure)
+
+    def test_cheapest_within_the_target(self):
+        points = [self.point("a slow", 1e-4, 3.0), self.point("a slow", 1e-6, 4.0), self.point("b", 1e-4, 2.0)]
+        assert measure.cheapest(points, 1e-3).cpu_s == 2.0
+        assert measure.cheapest(points, 1e-5).cpu_s == 4.0
+        assert measure.cheapest(points, 1e-7) is None
+
+    def test_a_lucky_setting_does_not_count(self):
+        lucky = [self.point("a", 1e-9, 1.0), self.point("a", 1e-3, 2.0), self.point("a", 1e-7, 3.0)]
+        assert measure.cheapest(lucky, 1e-6).cpu_s == 3.0
+
+    def test_a_failure_is_shown_and_never_cheapest(self):
+        def fail():
+            raise ValueError("stepped\ntoo far")
+
+        point = measure.measure(FLIGHT, [Attempt("a b", "x", fail)], Effort("quick"))[0]
+        assert point.failure == "stepped too far"
+        assert measure.cheapest([point], 1e9) is None
+        shown = json.loads(json.dumps(point.as_dict(), allow_nan=False))
+        assert shown["error"] is None
+        assert shown["cpu_s"] is None
+
+    def test_rounds_go_through_all_in_turn(self):
+        calls = []
+        actions = [lambda name=name: calls.append(name) for name in "ab"]
+        measure.cpu_times(actions, Effort("quick"))
+        # One call each to choose the number of repetitions, then two rounds.
+        assert "".join(calls) == "ab" + "ab" * 2
+
+    def test_cpu_time_and_not_waiting_is_counted(self):
+        def work():
+            end = time.process_time() + 0.01
+            while time.process_time() < end:
+                pass
+
+        waiting, working = measure.cpu_times([lambda: time.sleep(0.02), work], Effort("quick"))
+        assert working[0] >= 0.01
+        assert waiting[0] < 0.005
+
+    def test_thinning_keeps_every_method_and_its_coarsest_setting(self):
+        attempts = [Attempt(method, str(number), lambda: Run((), 0)) for method in "ab" for number in range(7)]
+        kept = [(each.method, each.setting) for each in measure.thinned(attempts, 2)]
+        assert kept == [("a", "0"), ("a", "4"), ("b", "0"), ("b", "4")]
+        assert measure.thinned(attempts, None) == attempts
+
+
+class TestOurMethods:
+    def test_orders_of_the_steppers(self):
+        attempts = our_methods.flight_attempts(FLIGHT)
+        for method, order in (("bristle_sim plain steps", 1), ("bristle_sim symmetric steps", 2)):
+            coarse, fine = (
+                FLIGHT.error(attempt_named(attempts, method, f"steps={count}").run().values) for count in (512, 1024)
+            )
+            # Asymptotic: the next order is below 1 % of the error at 512 steps.
+            assert math.log2(coarse / fine) == pytest.approx(order, abs=0.03)
+
+    @pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])
+    def test_the_accuracy_asked_for_is_reached(self, accuracy):
+        run = attempt_named(our_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}").run()
+        assert FLIGHT.error(run.values) < float(accuracy)
+
+    @pytest.mark.parametrize("case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name)
+    def test_the_energetic_law_is_exact(self, case):
+        run = attempt_named(our_methods.strike_attempts(case), "bristle_sim energetic", "closed phases").run()
+        assert case.error(run.values) < 1e-13
+
+
+class TestPeers:
+    """Each tool's model is the same mechanism: it converges to the closed form, at its integrator's order."""
+
+    @pytest.mark.parametrize(("integrator", "order"), [("euler", 1), ("implicitfast", 1), ("rk4", 4)])
+    def test_mujoco_flight(self, integrator, order):
+        pytest.importorskip("mujoco")
+        attempts = mujoco_methods.flight_attempts(FLIGHT)
+        coarse, fine = (
+            FLIGHT.error(attempt_named(attempts, f"mujoco {integrator}", f"steps={count}").run().values)
+            for count in (64, 128)
+        )
+        assert math.log2(coarse / fine) == pytest.approx(order, abs=0.06)
+        if order == 4:
+            best = attempt_named(attempts, "mujoco rk4", "steps=512").run()
+            # 512 steps leave 1e-12 of the method's own error, and the hub of finite inertia as much.
+            assert FLIGHT.error(best.values) < 1e-11
+
+    def test_mujoco_strike_without_friction_is_the_energetic_one(self):
+        pytest.importorskip("mujoco")
+        for case in (cases.strike(), cases.double_pendulum()):
+            smooth = Surface(friction=0.0, restitution=case.surface.restitution)
+            frictionless = cases.StrikeCase(
+                name="",
+                title="",
+                exact=TestCompliantContact.solved(case.chain, smooth),
+                scale=case.scale,
+                source="",
+                chain=case.chain,
+                surface=smooth,
+            )
+            run = attempt_named(mujoco_methods.strike_attempts(frictionless), "mujoco soft contact", "steps=1024").run()
+            # First order in the step, some 1/1024 of the speed; and an impedance of 1 % is not quite a pure force.
+            assert frictionless.error(run.values) < 1e-2
+
+    @pytest.mark.parametrize("restitution", [0.2, 0.42, 0.9])
+    def test_damped_spring_returns_what_it_is_tuned_to(self, restitution):
+        stiffness, damping = mujoco_strike.spring_of(restitution, 0.5)
+
+        def force(_, state):
+            return -damping * state[1] - stiffness * state[0]
+
+        force.terminal, force.direction = True, -1.0
+        motion = solve_ivp(
+            lambda time, state: (state[1], force(time, state)),
+            (0.0, 5.0),
+            (-0.0, -1.0),
+            events=force,
+            rtol=1e-11,
+            atol=1e-13,
+        )
+        assert motion.y[1, -1] == pytest.approx(restitution, rel=1e-8)
+        assert motion.t[-1] == pytest.approx(0.5, rel=1e-8)
+
+    @pytest.mark.parametrize("restitution", [0.0, 0.13, 1.1])
+    def test_a_spring_that_cannot_be(self, restitution):
+        with pytest.raises(ValueError, match=r"restitution = .*e\^-2 and at most 1"):
+            mujoco_strike.spring_of(restitution, 1.0)
+
+    def test_mujoco_pass_reaches_the_strike(self):
+        pytest.importorskip("mujoco")
+        case = cases.whole_pass()
+        run = attempt_named(mujoco_methods.pass_attempts(case), "mujoco rk4", "steps=2000").run()
+        # A spring two steps stiff is 2e-3 of the pass soft, and what it keeps of that is a tenth.
+        assert case.error(run.values) < 5e-4
+
+    @pytest.mark.parametrize(("solver", "counts", "order"), [("rk44", (16, 32), 4), ("alpha", (128, 256), 2)])
+    def test_exudyn_flight(self, solver, counts, order):
+        pytest.importorskip("exudyn")
+        attempts = other_peers.exudyn_flight_attempts(FLIGHT)
+        coarse, fine = (
+            FLIGHT.error(attempt_named(attempts, f"exudyn {solver}", f"steps={count}").run().values) for count in counts
+        )
+        assert math.log2(coarse / fine) == pytest.approx(order, abs=0.06)
+
+    def test_exudyn_adapts_its_steps(self):
+        pytest.importorskip("exudyn")
+        attempts = other_peers.exudyn_flight_attempts(FLIGHT)
+        coarse, fine = (attempt_named(attempts, "exudyn dopri5", f"rtol={each}").run() for each in ("1e-05", "1e-10"))
+        assert coarse.steps < fine.steps
+        # An order-5 pair usually stays within its tolerance.
+        assert FLIGHT.error(fine.values) < 1e-9
+
+    def test_pybullet_flight(self, capfd):
+        pytest.importorskip("pybullet")
+        attempts = other_peers.pybullet_flight_attempts(FLIGHT)
+        coarse, fine = (
+            FLIGHT.error(attempt_named(attempts, "pybullet euler", f"steps={count}").run().values)
+            for count in (256, 512)
+        )
+        assert math.log2(coarse / fine) == pytest.approx(1, abs=0.02)
+        assert capfd.readouterr().out == ""
+
+
+class TestEffects:
+    def test_what_is_not_called_for_is_not_there(self):
+        rows = effects._steps(Effort("quick"))
+        held = {row.effect: row.holds for row in rows}
+        assert held["bare: hub and bristle"] == held["gravity"] == "2 bodies, 1 constraints, 0 shapes"
+        assert held["belt"] == held["belt, damped"] == "2 bodies, 2 constraints, 0 shapes"
+        assert held["bar"] == held["bar with friction"] == "2 bodies, 1 constraints, 2 shapes"
+        assert held["all of them"] == "2 bodies, 2 constraints, 4 shapes"
+        assert rows[0].ratio == 1.0
+
+    def test_an_import_is_timed_in_a_fresh_interpreter(self):
+        row = effects._imports(["bristle_sim.parameters"], Effort("quick"))[0]
+        assert row.cpu_s > 0.0
+        assert row.holds == "none of the heavy ones"
+
+
+@pytest.fixture(scope="module")
+def report():
+    return accuracy_cost(Effort("quick", "none"))
+
+
+class TestStudy:
+    def test_curves_of_all_cases(self, report):
+        curves = json.loads(json.dumps(report.extra, allow_nan=False))["curves"]
+        assert {row["case"] for row in curves} == {"release_flight", "strike", "double_pendulum", "whole_pass"}
+        assert all(row["method"].startswith("bristle_sim ") for row in curves)
+        assert all({"case", "method", "setting", "error", "cpu_s", "steps"} <= set(row) for row in curves)
+        assert not [row for row in curves if row["failure"]]
+
+    def test_errors_asked_for_are_met(self, report):
+        asked = [row for row in report.quantities if row.name.endswith("error_over_accuracy")]
+        assert len(asked) == 4
+        assert all(row.ok for row in asked)
+
+    def test_circumstances_are_told(self, report):
+        machine = report.extra["machine"]
+        assert {"python", "pymunk", "numpy", "scipy"} <= set(machine["versions"])
+        assert machine["command"] == "python scenarios/accuracy_cost.py --set effort=quick --set peers=none"
+        assert any(line.startswith("command: ") for line in report.remarks)
+
+    def test_effects_are_priced(self, report):
+        assert {row["what"] for row in report.extra["effects"]} == {"engine step", "pass", "strike", "import"}

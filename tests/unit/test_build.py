@@ -1,0 +1,217 @@
+"""A scene holds exactly what it was asked for, and its bodies stand where the state says."""
+
+import itertools
+import math
+from dataclasses import replace
+
+import pymunk
+import pytest
+
+from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
+from bristle_sim.scene.tool import build_tool
+
+ROD = Link.rod(1.0, 1.0)
+BARE = Tool(hub=Hub(radius=0.0), belt=Belt(stiffness=0.0), bar=None, workpart=None)
+FLOOR = WorkpartObstacle(1.0, 0.5, 0.5, 0.0)
+CLOSED = 1e-14
+"""Rounding of positions of order 1."""
+
+
+def kinds(space: pymunk.Space) -> list[str]:
+    return sorted(type(each).__name__ for each in space.constraints)
+
+
+class TestWhatIsThere:
+    def test_bare_rod_is_one_body_on_one_pivot(self) -> None:
+        """No hub, belt, bar, workpart or gravity: one body, one joint, no shape."""
+        scene, _ = build_tool(BARE)
+        assert scene.space.bodies == scene.links
+        assert len(scene.links) == 1
+        assert kinds(scene.space) == ["PivotJoint"]
+        assert scene.space.constraints[0].a is scene.space.static_body
+        assert scene.space.shapes == []
+        assert scene.space.gravity == (0.0, 0.0)
+        assert scene.space.damping == 1.0
+        assert scene.space.iterations == 1
+
+    @pytest.mark.parametrize(
+        ("hub", "belt", "bar", "workpart", "gravity"), list(itertools.product([False, True], repeat=5))
+    )
+    def test_each_effect_brings_its_own_parts_and_no_others(
+        self, hub: bool, belt: bool, bar: bool, workpart: bool, gravity: bool
+    ) -> None:
+        """A hub or a belt brings the kinematic body, a belt its spring, an obstacle a shape and the link's partner."""
+        tool = Tool(
+            hub=Hub() if hub else Hub(radius=0.0),
+            belt=Belt() if belt else Belt(stiffness=0.0),
+            bar=Bar() if bar else None,
+            workpart=Workpart() if workpart else None,
+            gravity=9.81 if gravity else 0.0,
+        )
+        scene, units = build_tool(tool)
+        assert len(scene.space.bodies) == 1 + (hub or belt)
+        assert kinds(scene.space) == ["DampedRotarySpring"] * belt + ["PivotJoint"]
+        assert len(scene.space.shapes) == 2 * (bar + workpart)
+        assert len(scene.space.static_body.shapes) == bar + workpart
+        # One multiplication and one division of rounding.
+        assert -scene.space.gravity.y * units.acceleration == pytest.approx(9.81 * gravity, rel=1e-15)
+        assert scene.space.gravity.x == 0.0
+
+    def test_undamped_belt_has_no_damping(self) -> None:
+        spring = belt_of(build_tool(Tool())[0])
+        assert spring.damping == 0.0
+        assert spring.rest_angle == 0.0
+
+    def test_belt(self) -> None:
+        """Stiffness and damping in engine units: c = 2 zeta sqrt(k I)."""
+        tool = Tool(belt=Belt(damping_ratio=0.3))
+        scene, units = build_tool(tool)
+        spring = belt_of(scene)
+        assert spring.stiffness * units.energy == pytest.approx(math.degrees(0.00041), rel=1e-14)
+        inertia = 8.387e-5 * 0.027**2 / 3.0
+        damping = 2.0 * 0.3 * math.sqrt(math.degrees(0.00041) * inertia)
+        assert spring.damping * units.angular_damping == pytest.approx(damping, rel=1e-14)
+        assert (spring.a, spring.b) == (scene.hub, scene.links[0])
+
+    def test_frictionless_bar_is_frictionless_in_the_engine(self) -> None:
+        """The engine multiplies both shapes' coefficients; only the engaged pair sees one another."""
+        scene, _ = build_tool(Tool())
+        bar = scene.effects.obstacles[0]
+        scene.engage(bar, friction=bar.friction, elasticity=0.0, iterations=5)
+        pairs = [(a, b) for a in fixed_shapes(scene) for b in link_shapes(scene) if meet(a, b)]
+        assert len(pairs) == 1
+        assert [(a.friction * b.friction, a.elasticity * b.elasticity) for a, b in pairs] == [(0.0, 0.0)]
+
+    def test_bent_bristle_has_a_shape_for_each_piece(self) -> None:
+        tool = Tool(workpart=None)
+        bent = replace(tool, bristle=replace(tool.bristle, knee_angle_deg=20.0))
+        assert len(link_shapes(build_tool(bent)[0])) == 2
+
+    def test_no_callbacks(self) -> None:
+        """Velocity and position functions are the engine's own, and no joint calls back."""
+        scene, _ = build_tool(Tool(belt=Belt(damping_ratio=0.1), gravity=9.81))
+        for body in scene.space.bodies:
+            assert body.velocity_func is pymunk.Body.update_velocity
+            assert body.position_func is pymunk.Body.update_position
+        for joint in scene.space.constraints:
+            assert joint.pre_solve is None
+            assert joint.post_solve is None
+
+
+def belt_of(scene: Scene) -> pymunk.DampedRotarySpring:
+    (spring,) = (each for each in scene.space.constraints if isinstance(each, pymunk.DampedRotarySpring))
+    return spring
+
+
+def fixed_shapes(scene: Scene) -> list[pymunk.Shape]:
+    return list(scene.space.static_body.shapes)
+
+
+def link_shapes(scene: Scene) -> list[pymunk.Shape]:
+    return list(scene.links[-1].shapes)
+
+
+def meet(first: pymunk.Shape, second: pymunk.Shape) -> bool:
+    """Whether the engine looks for contacts of the two."""
+    one, other = first.filter, second.filter
+    return bool(one.categories & other.mask) and bool(other.categories & one.mask)
+
+
+class TestPlacing:
+    STATE = State(0.4, (0.3, -1.2, 2.0), (1.0, -3.0, 0.5))
+    CHAIN = Mechanism((ROD, Link.rod(2.0, 0.5), Link(1.0, 0.1, (0.1, -0.3), (0.2, -0.8))), 0.7, 1.3, -0.2)
+
+    def test_joints_are_closed_and_their_ends_move_together(self) -> None:
+        scene = Scene(self.CHAIN, Effects())
+        scene.place(self.STATE)
+        assert len(scene.joints) == 3
+        for joint in scene.joints:
+            first, second = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
+            assert abs(first - second) < CLOSED
+            difference = joint.a.velocity_at_world_point(first) - joint.b.velocity_at_world_point(second)
+            assert abs(difference) < 10.0 * CLOSED
+
+    def test_bodies_are_where_the_poses_are(self) -> None:
+        scene = Scene(self.CHAIN, Effects())
+        scene.place(self.STATE)
+        assert scene.angles() == list(self.STATE.angles)
+        assert scene.rates() == list(self.STATE.rates)
+        for body, pose in zip(scene.links, self.CHAIN.poses(self.STATE), strict=True):
+            assert body.position == pose.centre
+            assert body.velocity == pose.centre_velocity
+            tip = self.CHAIN.links[scene.links.index(body)].tip
+            centre = self.CHAIN.links[scene.links.index(body)].centre
+            assert abs(body.local_to_world((tip[0] - centre[0], tip[1] - centre[1])) - pose.tip) < CLOSED
+
+    def test_the_hub_turns_at_its_speed(self) -> None:
+        scene = Scene(self.CHAIN, Effects())
+        scene.place(self.STATE)
+        assert scene.hub is not None
+        scene.step(0.01, 7)
+        assert scene.hub.angle == pytest.approx(-0.2 + 1.3 * 0.47, rel=1e-14)
+        assert scene.steps == 7
+
+    def test_an_equal_state_placed_again_is_placed_anew(self) -> None:
+        scene = Scene(self.CHAIN, Effects())
+        for state in (self.STATE, State(0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), self.STATE):
+            scene.place(state)
+            assert scene.angles() == list(state.angles)
+        assert scene.links[0].position == self.CHAIN.poses(self.STATE)[0].centre
+
+
+class TestContact:
+    def resting(self, effects: Effects, angle: float) -> Scene:
+        """A rod on a fixed root whose tip stands on the floor at an angle, pressed on by gravity."""
+        scene = Scene(Mechanism((ROD,)), effects)
+        scene.place(State(0.0, (angle,), (0.0,)))
+        return scene
+
+    def test_obstacles_do_not_act_in_flight(self) -> None:
+        """A rod placed deep inside its obstacles moves on as if they were absent."""
+        bar = BarObstacle((0.0, -0.5), 0.3, 0.1, 0.5, 0.5)
+        scene = self.resting(Effects(obstacles=(bar, WorkpartObstacle(0.1, 0.5, 0.5, 0.5))), 0.3)
+        scene.place(State(0.0, (0.3,), (2.0,)))
+        scene.step(0.01, 1)
+        assert scene.contact_impulse() == (0.0, 0.0)
+        # The rod swings freely: the joint's force turns it at a rate that stays, to the order of the step.
+        assert scene.rates()[0] == pytest.approx(2.0, rel=1e-3)
+
+    def test_impulse_of_a_resting_contact_carries_the_weight(self) -> None:
+        """Rod at 45 degrees, gravity g: moments about the root, N L sin 45 = m g (L/2) sin 45, so N = m g/2."""
+        floor = WorkpartObstacle(math.cos(0.25 * math.pi), 0.0, 0.0, 0.0)
+        scene = self.resting(Effects(gravity=9.0, obstacles=(floor,)), 0.25 * math.pi)
+        scene.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
+        scene.step(1e-3, 3)
+        normal, tangential = scene.contact_impulse()
+        # Eighty iterations leave 0.4^80; the state moves by 1e-6 in three steps of 1e-3.
+        assert normal == pytest.approx(4.5e-3, rel=1e-5)
+        assert tangential == 0.0
+
+    def test_released_contact_acts_no_more(self) -> None:
+        floor = WorkpartObstacle(math.cos(0.25 * math.pi), 0.0, 0.0, 0.0)
+        scene = self.resting(Effects(gravity=9.0, obstacles=(floor,)), 0.25 * math.pi)
+        before = scene.space.iterations
+        scene.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
+        scene.step(1e-3, 1)
+        scene.release(floor)
+        scene.step(1e-3, 2)
+        assert scene.space.iterations == before
+        # Falls at (3/2) (g/L) sin 45 from rest at the first step of the two without contact.
+        assert scene.rates()[0] == pytest.approx(-1.5 * 9.0 * math.sin(0.25 * math.pi) * 2e-3, rel=1e-3)
+
+    @pytest.mark.parametrize("friction", [0.2, 0.7])
+    def test_friction_opposes_slip(self, friction: float) -> None:
+        """A pendulum's tip rubs over a floor to the right: the tangential impulse is -mu times the normal one."""
+        floor = WorkpartObstacle(math.cos(0.6), friction, friction, 0.0)
+        scene = self.resting(Effects(obstacles=(floor,)), -0.6)
+        scene.place(State(0.0, (-0.6,), (1.0,)))
+        scene.engage(floor, friction=friction, elasticity=0.0, iterations=200)
+        scene.step(1e-9, 1)
+        normal, tangential = scene.contact_impulse()
+        # One degree of freedom: v_n = -L sin 0.6, K = (s (s + mu c)) 3/m with friction helping to stop the tip.
+        s, c = math.sin(0.6), math.cos(0.6)
+        assert normal == pytest.approx(s / (3.0 * s * (s + friction * c)), rel=1e-6)
+        assert tangential == pytest.approx(-friction * normal, rel=1e-12)

@@ -1,0 +1,173 @@
+"""Imports go one way, each library stays in its place, and every module says what it is for."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGE = ROOT / "src" / "bristle_sim"
+MODULES = sorted(PACKAGE.rglob("*.py"))
+SCRIPTS = sorted((ROOT / "scenarios").glob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
+
+RANKS = {
+    "quantity": 0,
+    "files": 0,
+    "parameters": 1,
+    "crater_parameters": 1,
+    "settings": 1,
+    "trajectory": 1,
+    "theory": 2,
+    "scene": 3,
+    "reference": 3,
+    "comparison": 4,
+    "studies": 5,
+    "render": 6,
+    "scenario_cli": 6,
+}
+"""A layer may import layers of lower rank, and itself. Two layers of one rank know nothing of each other."""
+
+HOMES = {
+    "pymunk": "scene",
+    "scipy.integrate": "reference",
+    "matplotlib": "render",
+    "PIL": "render",
+    "imageio_ffmpeg": "render",
+    "tqdm": "render",
+}
+"""The only layer that may import a library."""
+
+PEERS = PACKAGE / "studies" / "accuracy_cost"
+"""Measures libraries against each other, so it may import any of them but those that draw."""
+
+
+def imports(source: str) -> Iterator[str]:
+    """Every module that a source imports, at its top or inside a function; of ``from a import b`` both a and a.b."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (each.name for each in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            stem = "." * node.level + (node.module or "")
+            yield stem
+            yield from (f"{stem}.{each.name}" for each in node.names)
+
+
+def layer_of(path: Path) -> str:
+    """The package's first name below bristle_sim, of a file or a module."""
+    return path.relative_to(PACKAGE).with_suffix("").parts[0]
+
+
+def within(name: str, package: str) -> bool:
+    return name == package or name.startswith(package + ".")
+
+
+def faults(layer: str, source: str, homes: Mapping[str, str] = HOMES) -> list[str]:
+    """What a module of a layer imports but must not."""
+    found = []
+    for name in imports(source):
+        if name.startswith("."):
+            found.append(f"{name}: the package is imported by its full name")
+        elif within(name, "bristle_sim"):
+            parts = name.split(".")
+            target = parts[1] if len(parts) > 1 else None
+            if target in RANKS and target != layer and RANKS[target] >= RANKS[layer]:
+                found.append(f"{name}: {target} is not below {layer}")
+        found += [
+            f"{name}: only in {home}" for library, home in homes.items() if within(name, library) and layer != home
+        ]
+    return found
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_go_one_way(path: Path):
+    layer = layer_of(path)
+    if layer != "__init__":
+        assert layer in RANKS, "a new layer needs a rank"
+        homes = {library: home for library, home in HOMES.items() if PEERS not in path.parents or home == "render"}
+        assert faults(layer, path.read_text(encoding="utf-8"), homes) == []
+
+
+def test_the_package_itself_imports_nothing():
+    """Whoever imports one layer must not get others with it."""
+    assert list(imports((PACKAGE / "__init__.py").read_text(encoding="utf-8"))) == []
+
+
+@pytest.mark.parametrize(
+    ("layer", "source"),
+    [
+        ("theory", "import pymunk"),
+        ("theory", "from pymunk.vec2d import Vec2d"),
+        ("theory", "from bristle_sim.scene import build"),
+        ("theory", "from bristle_sim.comparison import Report"),
+        ("theory", "import bristle_sim.reference.run as run"),
+        ("theory", "from bristle_sim import reference"),
+        ("theory", "from scipy.integrate import solve_ivp"),
+        ("theory", "from scipy import integrate"),
+        ("theory", "import scipy.integrate"),
+        ("scene", "def later():\n    from scipy.integrate import solve_ivp"),
+        ("scene", "from bristle_sim.reference import simulate_reference"),
+        ("scene", "from ..reference import simulate_reference"),
+        ("reference", "from bristle_sim.scene.tool import simulate"),
+        ("studies", "import matplotlib.pyplot as plt"),
+        ("studies", "from bristle_sim.render import style"),
+        ("render", "from bristle_sim.scenario_cli import main"),
+        ("scenario_cli", "def later():\n    from bristle_sim.render.style import save_figure"),
+        ("scenario_cli", "import tqdm"),
+        ("quantity", "from bristle_sim.parameters import Tool"),
+        ("parameters", "from bristle_sim.settings import Settings"),
+        ("quantity", "from bristle_sim.files import complete_or_absent"),
+    ],
+)
+def test_a_fault_is_seen(layer: str, source: str):
+    assert faults(layer, source)
+
+
+@pytest.mark.parametrize(
+    ("layer", "source"),
+    [
+        ("theory", "import numpy as np\nfrom scipy.special import ellipk\nfrom bristle_sim.parameters import Tool"),
+        (
+            "scene",
+            "import pymunk\nfrom bristle_sim.theory.impact import energetic_impact\nimport bristle_sim.scene.run",
+        ),
+        ("reference", "from scipy import integrate\nfrom bristle_sim import parameters"),
+        ("studies", "from bristle_sim.scene import tool\nfrom bristle_sim.reference import simulate_reference"),
+        ("render", "from matplotlib.figure import Figure\nfrom bristle_sim.studies.whole_pass import WholePass"),
+    ],
+)
+def test_what_is_allowed_is_no_fault(layer: str, source: str):
+    assert faults(layer, source) == []
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_scripts_import_only_the_package(path: Path):
+    """And the standard library: what a script needs else belongs in a layer."""
+    roots = {name.split(".")[0] for name in imports(path.read_text(encoding="utf-8"))}
+    assert roots <= {"bristle_sim", *sys.stdlib_module_names}
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_scripts_draw_only_when_asked(path: Path):
+    """What a script imports at its top is what a run without a picture pays for."""
+    top = ast.Module(
+        [node for node in ast.parse(path.read_text(encoding="utf-8")).body if not isinstance(node, ast.FunctionDef)], []
+    )
+    assert not [name for name in imports(ast.unparse(top)) if within(name, "bristle_sim.render")]
+
+
+@pytest.mark.parametrize("path", [*MODULES, *SCRIPTS, *TESTS], ids=lambda path: str(path.relative_to(ROOT)))
+def test_every_module_says_what_it_is_for(path: Path):
+    words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8")))
+    assert words is not None
+    assert len(words.split()) >= 3
+
+
+def test_there_are_modules_to_look_at():
+    assert {layer_of(path) for path in MODULES} - {"__init__"} == set(RANKS)
+    assert SCRIPTS
+    assert Path(__file__) in TESTS

@@ -1,0 +1,247 @@
+"""The declared parameters: the printed operating point, what follows from it, and what is refused."""
+
+from __future__ import annotations
+
+import cmath
+import dataclasses
+import inspect
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bristle_sim import crater_parameters, parameters
+from bristle_sim.parameters import (
+    PRINTED_BELT_STIFFNESS,
+    RETRACTION_AT_RELEASE,
+    Bar,
+    Belt,
+    Bristle,
+    Hub,
+    Release,
+    Strike,
+    Tool,
+    Workpart,
+    operating_point,
+)
+from bristle_sim.quantity import Choice, Quantity
+
+
+def fields(part: type) -> tuple[dataclasses.Field[Any], ...]:
+    return dataclasses.fields(part) if dataclasses.is_dataclass(part) else ()
+
+
+PARTS = [
+    part
+    for module in (parameters, crater_parameters)
+    for _, part in inspect.getmembers(module, inspect.isclass)
+    if part.__module__ == module.__name__ and any("declaration" in each.metadata for each in fields(part))
+]
+
+
+def declared(part: type) -> list[tuple[str, Quantity | Choice]]:
+    return [(each.name, each.metadata["declaration"]) for each in fields(part) if "declaration" in each.metadata]
+
+
+FIELDS = [(part, name, found) for part in PARTS for name, found in declared(part)]
+NUMBERS = [each for each in FIELDS if isinstance(each[2], Quantity)]
+WORDS = [each for each in FIELDS if isinstance(each[2], Choice)]
+
+UNITS = {
+    "hub_speed": "rad/s",
+    "hub_radius": "m",
+    "bristle_length": "m",
+    "bristle_mass": "kg",
+    "wire_diameter": "m",
+    "belt_stiffness": "N m/rad",
+    "belt_damping_ratio": "1",
+    "bar_radius": "m",
+    "bar_horizontal": "m",
+    "bar_vertical": "m",
+    "bar_friction": "1",
+    "bar_restitution": "1",
+    "penetration": "m",
+    "friction": "1",
+    "restitution_friction": "1",
+    "restitution": "1",
+    "contact": "word",
+    "contact_duration": "s",
+    "speed_ratio": "1",
+    "impact_angle_deg": "deg",
+    "retraction_deg": "deg",
+    "rod_mass": "kg",
+    "mass_ratio": "1",
+    "rod_length": "m",
+    "angle_1_deg": "deg",
+    "angle_2_deg": "deg",
+    "rate_1": "rad/s",
+    "rate_2": "rad/s",
+    "rate": "rad/s",
+    "knee_position": "1",
+    "knee_angle_deg": "deg",
+    "shear_yield_stress": "Pa",
+    "plies": "1",
+}
+
+
+def identity(value: object) -> str:
+    return value.__name__ if isinstance(value, type) else str(getattr(value, "key", value))
+
+
+@pytest.mark.parametrize("key", UNITS)
+def test_every_key_is_declared_in_its_unit(key: str):
+    units = {found.unit for _, _, found in FIELDS if found.key == key}
+    assert units == {UNITS[key]}
+
+
+def test_operating_point_is_the_printed_one():
+    """Zhang 2020, eqs. 2.2 and 2.3, captions of figs. 2.7, 2.8 and 2.13."""
+    tool = operating_point()
+    assert (tool.hub.speed, tool.hub.radius) == (261.8, 0.0275)
+    assert (tool.bristle.length, tool.bristle.mass, tool.bristle.wire_diameter) == (0.027, 8.387e-5, 7.1e-4)
+    assert (tool.bar.horizontal, tool.bar.vertical) == (0.05037, 0.0225)
+    assert tool.bar.centre == (-0.05037, -0.0225)
+    assert tool.workpart.penetration == 0.0045
+    assert (tool.workpart.friction, tool.workpart.restitution) == (0.31, 0.42)
+    assert (Strike().speed_ratio, Strike().impact_angle_deg, Release().retraction_deg) == (3.23, 23.4, 44.5)
+    assert (tool.belt.damping_ratio, tool.bar.friction, tool.bar.restitution, tool.gravity) == (0.0, 0.0, 0.0, 0.0)
+    assert tool.contact.law == "energetic"
+
+
+def test_printed_numbers_are_consistent():
+    """2500 rpm is 261.8 rad/s; 3.23 of it are 845.6 rad/s: all to the digits printed."""
+    assert operating_point().hub.speed == pytest.approx(2500.0 * 2.0 * math.pi / 60.0, abs=0.05)
+    assert Strike().speed_ratio * Hub().speed == pytest.approx(845.6, abs=0.05)
+
+
+def test_belt_stiffness_is_the_printed_number_per_degree():
+    per_degree = Belt().stiffness * math.pi / 180.0
+    assert per_degree == pytest.approx(PRINTED_BELT_STIFFNESS, rel=1e-15)  # one rounding of the conversion
+    assert PRINTED_BELT_STIFFNESS == 0.00041
+
+
+def test_bar_touches_the_wire_at_the_printed_retraction():
+    """The tip, one bristle off the root and retracted by 44.5 deg, is half a wire and a bar radius short of the bar."""
+    tip = 0.0275 + 0.027 * cmath.exp(-1j * math.radians(44.5))
+    distance = abs(complex(0.05037, 0.0225))
+    assert math.radians(44.5) == RETRACTION_AT_RELEASE
+    assert abs(tip) + Bar().radius + 7.1e-4 / 2.0 == pytest.approx(distance, rel=1e-14)  # roundings
+    # Evaluated by hand from the printed figures, to the micrometre.
+    assert Bar().radius == pytest.approx(4.370e-3, abs=5e-7)
+
+
+def wire(bristle: Bristle, pieces: int = 100_000) -> np.ndarray:
+    """Points at equal distances along the centre line, as x + iy from the root with the shank along -i."""
+    along = (np.arange(pieces) + 0.5) / pieces * bristle.length
+    knee = bristle.knee_position * bristle.length
+    beyond = np.maximum(along - knee, 0.0)
+    return -1j * (np.minimum(along, knee) + beyond * np.exp(1j * math.radians(bristle.knee_angle_deg)))
+
+
+@pytest.mark.parametrize("knee", [0.0, 30.0, -30.0, 90.0])
+def test_mass_and_shape_of_a_wire(knee: float):
+    """Sums over the points of the wire; a positive knee bends the tip forward, along +x."""
+    bristle = Bristle(length=0.3, mass=0.02, knee_position=0.6, knee_angle_deg=knee)
+    points = wire(bristle)
+    centre = np.mean(points)
+    # Midpoint sums of squares are low by 1/(12 n^2) of the length squared, n = 1e5; the last point is half a piece short.
+    assert complex(*bristle.centre) == pytest.approx(centre, rel=1e-9)
+    assert bristle.inertia_about_centre == pytest.approx(0.02 * np.mean(abs(points - centre) ** 2), rel=1e-9)
+    assert bristle.inertia_about_root == pytest.approx(0.02 * np.mean(abs(points) ** 2), rel=1e-9)
+    assert complex(*bristle.tip) == pytest.approx(points[-1], abs=0.3 / 1e5)
+    assert np.sign(bristle.tip[0]) == np.sign(knee)
+    tool = Tool(bristle=bristle)
+    assert tool.workpart_depth == pytest.approx(abs(points[-1] - 0.0275j) - 0.0045, abs=0.3 / 1e5)
+
+
+def test_straight_wire():
+    """m L^2/12 about its centre (Zhang 2020, eq. 2.22), m L^2/3 about its root, wherever a knee might have been."""
+    for position in (0.1, 0.99):
+        bristle = Bristle(length=0.3, mass=0.02, knee_position=position)
+        assert bristle.inertia_about_centre == pytest.approx(1.5e-4, rel=1e-15)
+        assert bristle.inertia_about_root == pytest.approx(6e-4, rel=1e-15)
+        assert bristle.tip == (0.0, -0.3)
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.018, 0.5, 1.0])
+def test_belt_damping_is_that_ratio_of_critical(ratio: float):
+    """The roots s of I s^2 + c s + k = 0 have Re s = -zeta |s| up to critical damping."""
+    tool = Tool(belt=Belt(damping_ratio=ratio))
+    roots = np.roots([tool.bristle.inertia_about_root, tool.belt_damping, tool.belt.stiffness])
+    # At critical damping the root is double: an error of one rounding moves it by its square root.
+    assert roots.real / abs(roots) == pytest.approx(-ratio, abs=1e-7)
+
+
+def test_friction_of_restitution_follows_that_of_compression():
+    assert Workpart(friction=0.2).friction_in_restitution == 0.2
+    assert Workpart(friction=0.2, restitution_friction=0.0).friction_in_restitution == 0.0
+
+
+def test_heights_and_clearances():
+    tool = operating_point()
+    assert tool.workpart_depth == pytest.approx(0.050, rel=1e-15)  # 27.5 + 27 - 4.5 mm
+    assert tool.bar_reach == tool.bar.radius + 3.55e-4
+    # The bar lets go of the wire's end where the end's path passes under it.
+    assert tool.bar_clearance == pytest.approx(abs(0.0275 + 0.027 * cmath.exp(-1j * math.radians(44.5))), rel=1e-14)
+
+
+def test_workpart_must_clear_the_hub():
+    Tool(workpart=Workpart(penetration=math.nextafter(0.027, 0.0) - 1e-17))
+    for penetration in (0.027, 0.03):
+        with pytest.raises(
+            ValueError, match=rf"^penetration = {penetration}: less than .* 0\.027 .*is allowed.*\(in m\)$"
+        ):
+            Tool(workpart=Workpart(penetration=penetration))
+    assert Tool(workpart=Workpart(penetration=-0.1)).workpart_depth == pytest.approx(0.1545, rel=1e-15)
+
+
+def test_bar_must_clear_the_root_circle():
+    largest = math.hypot(0.05037, 0.0225) - 3.55e-4 - 0.0275
+    Tool(bar=Bar(radius=0.999 * largest))
+    with pytest.raises(ValueError, match=rf"^bar_radius = .* = {largest:g} is allowed.*\(in m\)$"):
+        Tool(bar=Bar(radius=1.001 * largest))
+
+
+def test_bar_and_workpart_may_be_absent():
+    tool = Tool(bar=None, workpart=None)
+    assert tool.bar is None
+    assert tool.workpart is None
+    assert tool.belt_damping == 0.0
+
+
+@pytest.mark.parametrize("part", PARTS, ids=identity)
+def test_parts_are_frozen_and_keep_to_their_declarations(part: type):
+    default = part()
+    for name, found in declared(part):
+        value = getattr(default, name)
+        assert (value is None) == found.optional
+        assert value is None or found.check(value) == value
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            setattr(default, name, value)
+
+
+@pytest.mark.parametrize(("part", "name", "found"), FIELDS, ids=identity)
+def test_every_declaration_tells_its_source(part: type, name: str, found: Quantity | Choice):
+    assert len(found.source) > 5, f"{part.__name__}.{name}"
+    assert found.key.isidentifier()
+    assert found.unit
+    assert found.allowed
+
+
+@pytest.mark.parametrize(("part", "name", "found"), NUMBERS, ids=identity)
+def test_every_number_is_refused_out_of_its_range(part: type, name: str, found: Quantity):
+    below = math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest
+    above = math.nextafter(found.highest, math.inf)
+    for wrong in (below, above, math.nan, math.inf, -math.inf, "0.1", True, [0.1]):
+        with pytest.raises(ValueError, match=rf"^{found.key} = .* is allowed \((in |dimensionless)"):
+            part(**{name: wrong})
+
+
+@pytest.mark.parametrize(("part", "name", "found"), WORDS, ids=identity)
+def test_every_word_is_refused_unless_allowed(part: type, name: str, found: Choice):
+    for option in found.options:
+        assert getattr(part(**{name: option}), name) == option
+    for wrong in ("", "other", found.options[0].upper(), None, 1):
+        with pytest.raises(ValueError, match=rf"^{found.key} = .* is allowed$"):
+            part(**{name: wrong})

@@ -1,0 +1,392 @@
+"""The scripts' command line, on a scenario that costs nothing: keys, table, JSON, files, pipes and exit status."""
+
+from __future__ import annotations
+
+import dataclasses
+import errno
+import json
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.quantity import choice, quantity, validate
+from bristle_sim.scenario_cli import Scenario, build, main
+
+
+@dataclass(frozen=True)
+class Body:
+    mass: float = quantity(2.0, "mass", "kg", above=0.0, at_most=1e3, source="a source")
+    speed: float = quantity(0.5, "speed", "m/s", at_least=-10.0, at_most=10.0, source="another source")
+    drag: float | None = quantity(None, "drag", "1", at_least=0.0, at_most=1.0, source="off")
+    inner: object = None
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True)
+class Law:
+    name: str = choice("elastic", "law", ("elastic", "plastic"), source="a source")
+    unused: float = quantity(1.0, "unused", "1", at_least=0.0, at_most=1.0, source="a source")
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+def run(values: Mapping[str, Any]) -> Report:
+    body = build(Body, values)
+    if body.mass * abs(body.speed) > 100.0:
+        raise ValueError("mass = too much:\n  less momentum is allowed (in kg m/s)")
+    momentum = Quantity("momentum", "N s", body.mass * body.speed, 1.0, tolerance=1e-9)
+    return Report(
+        "rebound",
+        (momentum, Quantity("nothing", "1", math.nan, None)),
+        phases=("compression slip", "restitution stick"),
+        events=(("strike", 0.25), ("never", math.inf)),
+        wall_s=np.float64(0.125),
+        steps=np.int64(7),
+        remarks=("a remark",),
+        extra={"rows": [{"case": "a", "ok": np.bool_(True), "reached": math.nan}], "curve": np.array([1.0, np.inf])},
+        subject=body,
+    )
+
+
+def draw(report: Report, path: Path) -> None:
+    path.write_text(f"drawn {report.subject.mass}")
+
+
+SCENARIO = Scenario(
+    name="fake",
+    question="Is momentum mass times speed? 100% of it?",
+    parts=(Body, Law),
+    run=run,
+    plot=draw,
+    video=draw,
+    without=("unused",),
+)
+
+
+def refusal(capsys: pytest.CaptureFixture[str], *arguments: str, scenario: Scenario = SCENARIO) -> str:
+    """The one line that refuses some arguments."""
+    assert main(scenario, arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.count("\n") == 1
+    assert err.startswith("fake.py: error: ")
+    return err.removeprefix("fake.py: error: ").rstrip("\n")
+
+
+def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, Any]:
+    main(SCENARIO, ["--json", "-", *arguments])
+    out, err = capsys.readouterr()
+    assert err == ""
+    found = json.loads(out, parse_constant=lambda word: pytest.fail(f"{word} in JSON"))
+    assert isinstance(found, dict)
+    return found
+
+
+def test_keys_come_from_the_declarations():
+    keys = dataclasses.replace(SCENARIO, defaults={"speed": 4.0}).keys()
+    assert {key: default for key, (_, default) in keys.items()} == {
+        "mass": 2.0,
+        "speed": 4.0,
+        "drag": None,
+        "law": "elastic",
+    }
+
+
+def test_build_takes_what_the_values_name():
+    assert build(Body, {"mass": 3.0, "law": "plastic"}) == Body(mass=3.0)
+    with pytest.raises(ValueError, match="mass"):
+        build(Body, {"mass": 0.0})
+
+
+def test_the_table_is_printed(capsys: pytest.CaptureFixture[str]):
+    assert main(SCENARIO, []) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    lines = out.splitlines()
+    assert lines[0].split()[:4] == ["quantity", "unit", "simulated", "theory"]
+    assert lines[2].split()[:5] == ["momentum", "N", "s", "1", "1"]
+    assert lines[-3:] == ["", "outcome: rebound (compression slip, restitution stick)", "a remark"]
+    assert main(dataclasses.replace(SCENARIO, run=lambda _: Report("no contact", ())), []) == 0
+    assert capsys.readouterr().out.splitlines()[-2:] == ["", "outcome: no contact"]
+
+
+def test_the_exit_status_tells_whether_all_agrees(capsys: pytest.CaptureFixture[str]):
+    assert main(SCENARIO, ["--set", "speed=0.5"]) == 0
+    assert main(SCENARIO, ["--set", "speed=0.6"]) == 1
+    assert "NO" in capsys.readouterr().out
+
+
+def test_settings_are_read_and_the_last_one_counts(capsys: pytest.CaptureFixture[str]):
+    found = document(capsys, "--set", "mass=4", "--set=speed=-1e1", "--set", "law=plastic", "--set", "mass= 5")
+    assert found["parameters"] == {"mass": 5.0, "speed": -10.0, "drag": None, "law": "plastic"}
+    assert found["quantities"][0]["simulated"] == -50.0
+
+
+def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str]):
+    nothing = dict.fromkeys(("simulated", "theory", "reference", "printed", "relative_difference", "tolerance", "ok"))
+    assert document(capsys) == {
+        "scenario": "fake",
+        "parameters": {"mass": 2.0, "speed": 0.5, "drag": None, "law": "elastic"},
+        "outcome": "rebound",
+        "quantities": [
+            nothing
+            | {"name": "momentum", "unit": "N s", "simulated": 1.0, "theory": 1.0, "relative_difference": 0.0}
+            | {"tolerance": 1e-9, "ok": True},
+            nothing | {"name": "nothing", "unit": "1"},
+        ],
+        "phases": ["compression slip", "restitution stick"],
+        "events": [{"name": "strike", "time": 0.25}],
+        "cost": {"wall_s": 0.125, "steps": 7},
+        "rows": [{"case": "a", "ok": True, "reached": None}],
+        "curve": [1.0, None],
+    }
+
+
+def test_json_can_go_to_a_file_beside_the_table(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    target = tmp_path / "out.json"
+    target.write_text("old")
+    assert main(SCENARIO, ["--json", str(target), "--set", "speed=0.6"]) == 1
+    assert "quantity" in capsys.readouterr().out
+    assert json.loads(target.read_text())["quantities"][0]["simulated"] == 1.2
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_keys_are_listed_with_unit_default_range_and_source(capsys: pytest.CaptureFixture[str]):
+    assert main(SCENARIO, ["--list-keys", "--set", "nonsense"]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert out.splitlines()[0].split() == ["key", "unit", "default", "allowed", "source"]
+    assert [line.split("  ")[0] for line in out.splitlines()[1:]] == ["mass", "speed", "drag", "law"]
+    assert out.splitlines()[1].split() == ["mass", "kg", "2", "0", "<", "mass", "<=", "1000", "a", "source"]
+    assert out.splitlines()[3].split()[:3] == ["drag", "1", "none"]
+    assert out.splitlines()[4].split()[:6] == ["law", "word", "elastic", "elastic", "|", "plastic"]
+
+
+def help_text(scenario: Scenario, capsys: pytest.CaptureFixture[str]) -> str:
+    with pytest.raises(SystemExit) as stop:
+        main(scenario, ["--help"])
+    assert stop.value.code == 0
+    return capsys.readouterr().out
+
+
+def test_help_shows_the_question_and_every_option(capsys: pytest.CaptureFixture[str]):
+    out = help_text(SCENARIO, capsys)
+    for expected in ("100% of it?", "--set KEY=VALUE", "--json FILE", "--plot FILE", "--video FILE", "--list-keys"):
+        assert expected in out
+
+
+@pytest.mark.parametrize(
+    "text", ["abc", "", "nan", "inf", "-inf", "0", "-1", "1000.1", "1e999", "1_0", "0x1", "1,5", "1\n2"]
+)
+def test_bad_values_are_refused(text: str, capsys: pytest.CaptureFixture[str]):
+    line = refusal(capsys, "--set", "speed=1", "--set", f"mass={text}")
+    assert line == f"mass = {text!r}: a finite number with 0 < mass <= 1000 is allowed (in kg)"
+
+
+@pytest.mark.parametrize("text", ["", "Elastic", "rubber", "elastic plastic", "law=elastic", "1"])
+def test_bad_words_are_refused(text: str, capsys: pytest.CaptureFixture[str]):
+    assert refusal(capsys, "--set", f"law={text}") == f"law = {text!r}: one word of elastic | plastic is allowed"
+
+
+@pytest.mark.parametrize("setting", ["", "mass", "mass 3", "mass:3"])
+def test_malformed_settings_are_refused(setting: str, capsys: pytest.CaptureFixture[str]):
+    assert refusal(capsys, "--set", setting) == f"--set {setting!r}: KEY=VALUE is allowed"
+
+
+@pytest.mark.parametrize("key", ["", "Mass", " mass", "mass ", "unused", "inner", "__class__", "\udcff", "a\nb"])
+def test_unknown_keys_are_refused(key: str, capsys: pytest.CaptureFixture[str]):
+    line = refusal(capsys, "--set", f"{key}=1")
+    assert line == f"--set {key + '=1'!r}: unknown key {key!r}; allowed are mass, speed, drag, law"
+
+
+def test_values_that_do_not_fit_together_are_refused_in_one_line(capsys: pytest.CaptureFixture[str]):
+    line = refusal(capsys, "--set", "mass=100", "--set", "speed=10")
+    assert line == "mass = too much: less momentum is allowed (in kg m/s)"
+
+
+@pytest.mark.parametrize("error", [OverflowError, ZeroDivisionError, FloatingPointError])
+def test_values_too_extreme_for_arithmetic_are_refused(
+    error: type[ArithmeticError], capsys: pytest.CaptureFixture[str]
+):
+    def fail(_: Mapping[str, Any]) -> Report:
+        raise error("out of range")
+
+    extreme = dataclasses.replace(SCENARIO, run=fail)
+    line = refusal(capsys, "--set", "mass=1e-300", "--set", "speed=3", scenario=extreme)
+    assert line == "mass=1e-300, speed=3: less extreme values are allowed (out of range)"
+    with pytest.raises(error):  # with no value typed it is nobody's input that is wrong
+        main(extreme, [])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "named"),
+    [
+        (["--unknown"], "--unknown"),
+        (["--jso", "-"], "--jso"),
+        (["mass=3"], "mass=3"),
+        (["--set"], "--set"),
+        (["--set", "--json"], "--set"),
+        (["--json"], "--json"),
+        (["--plot"], "--plot"),
+        (["--list-keys=yes"], "--list-keys"),
+    ],
+)
+def test_bad_options_are_refused_in_one_line_too(arguments: list[str], named: str, capsys: pytest.CaptureFixture[str]):
+    assert named in refusal(capsys, *arguments)
+
+
+def test_options_that_a_scenario_does_not_offer_are_refused(capsys: pytest.CaptureFixture[str]):
+    plain = dataclasses.replace(SCENARIO, plot=None, video=None)
+    for option in ("--plot", "--video"):
+        assert option in refusal(capsys, option, "a.png", scenario=plain)
+    assert main(plain, []) == 0
+
+
+@pytest.mark.parametrize(
+    ("option", "suffixes"), [("--json", ".json"), ("--plot", ".png, .svg, .pdf"), ("--video", ".mp4, .gif")]
+)
+def test_bad_targets_are_refused_before_anything_runs(
+    option: str, suffixes: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+):
+    idle = dataclasses.replace(SCENARIO, run=lambda _: pytest.fail("ran"))
+    ending = suffixes.split(", ", maxsplit=1)[0]
+    (tmp_path / "file").write_text("a file")
+    (tmp_path / f"folder{ending}").mkdir()
+    for name in ("", "out", "out.txt", f"out{ending}.bak", ending):
+        line = refusal(capsys, option, str(tmp_path / name) if name else "", scenario=idle)
+        assert line.startswith(f"{option} = ")
+        assert line.endswith(f": a file name that ends in {suffixes} is allowed")
+    folder = refusal(capsys, option, str(tmp_path / f"folder{ending}"), scenario=idle)
+    assert folder == f"{option} = {str(tmp_path / f'folder{ending}')!r}: a file, not a folder, is allowed"
+    for parent in ("nowhere", "file"):
+        target = tmp_path / parent / f"out{ending}"
+        line = refusal(capsys, option, str(target), scenario=idle)
+        assert line == f"{option} = {str(target)!r}: a path in an existing, writable folder is allowed"
+    assert "File name too long" in refusal(capsys, option, str(tmp_path / ("x" * 5000 + ending)), scenario=idle)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["file", f"folder{ending}"]
+
+
+def test_a_folder_that_cannot_be_written_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda *_: False)
+    assert "writable" in refusal(capsys, "--json", str(tmp_path / "out.json"))
+
+
+def test_pictures_and_videos_are_drawn_when_asked_for(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    plot, video = tmp_path / "plot.SVG", tmp_path / "film.gif"
+    assert main(SCENARIO, ["--plot", str(plot), "--video", str(video), "--json", "-", "--set", "mass=2"]) == 0
+    out, err = capsys.readouterr()
+    assert json.loads(out)["scenario"] == "fake"
+    assert err == f"--plot: wrote {plot}\n--video: wrote {video}\n"
+    assert plot.read_text() == video.read_text() == "drawn 2.0"
+
+
+def test_a_plot_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch):
+    def draw_all(report: Report, folder: Path) -> None:
+        folder.mkdir(exist_ok=True)
+        draw(report, folder / "one.png")
+
+    many = dataclasses.replace(SCENARIO, plot=draw_all, plot_is_folder=True)
+    for _ in range(2):
+        assert main(many, ["--plot", str(tmp_path / "figures")]) == 0
+        assert (tmp_path / "figures" / "one.png").read_text() == "drawn 2.0"
+    capsys.readouterr()
+    (tmp_path / "file").write_text("a file")
+    assert refusal(capsys, "--plot", str(tmp_path / "file"), scenario=many).endswith("a folder is allowed")
+    assert "existing" in refusal(capsys, "--plot", str(tmp_path / "no" / "figures"), scenario=many)
+    monkeypatch.setattr(os, "access", lambda folder, _: Path(folder) != tmp_path / "figures")
+    assert "writable" in refusal(capsys, "--plot", str(tmp_path / "figures"), scenario=many)
+    assert "--plot FOLDER" in help_text(many, capsys)
+
+
+@pytest.mark.parametrize("error", [ValueError("nothing\nto draw"), OSError(errno.ENOSPC, "No space left")])
+def test_a_failed_drawing_leaves_no_output_at_all(error: Exception, capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    def fail(_report: Report, _path: Path) -> None:
+        raise error
+
+    broken = dataclasses.replace(SCENARIO, plot=fail)
+    for arguments in ([], ["--json", "-"], ["--json", str(tmp_path / "out.json")]):
+        refusal(capsys, "--plot", str(tmp_path / "plot.png"), *arguments, scenario=broken)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_failed_write_leaves_the_old_file(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch):
+    target = tmp_path / "out.json"
+    target.write_text("old")
+
+    def half(path: Path, text: str, **_: Any) -> None:
+        with path.open("w") as stream:
+            stream.write(text[:10])
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", half)
+    assert "No space left" in refusal(capsys, "--json", str(target))
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+FAKE = f"""
+import importlib.util, sys
+from bristle_sim.scenario_cli import main
+spec = importlib.util.spec_from_file_location("fake", {__file__!r})
+fake = importlib.util.module_from_spec(spec)
+sys.modules["fake"] = fake
+spec.loader.exec_module(fake)
+sys.exit(main(fake.SCENARIO, sys.argv[1:]))
+"""
+
+
+def as_process(*arguments: str, **options: Any) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", FAKE, *arguments], stderr=subprocess.PIPE, text=True, stdin=subprocess.DEVNULL, **options
+    )
+
+
+@pytest.fixture
+def pipe_without_reader() -> Iterator[int]:
+    read, write = os.pipe()
+    os.close(read)
+    yield write
+    os.close(write)
+
+
+def test_a_reader_that_leaves_early_is_no_error(pipe_without_reader: int):
+    """As of ``scenario.py | head -1``: no complaint at exit either."""
+    process = as_process(stdout=pipe_without_reader)
+    _, err = process.communicate(timeout=60)
+    assert (err, process.returncode) == ("", 0)
+
+
+@pytest.mark.parametrize("arguments", [[], ["--json", "-"], ["--list-keys"]])
+def test_no_output_minds_a_reader_that_leaves(arguments: list[str], pipe_without_reader: int, capsys, monkeypatch):
+    with os.fdopen(pipe_without_reader, "w", closefd=False) as out:
+        monkeypatch.setattr(sys, "stdout", out)
+        assert main(SCENARIO, arguments) == 0
+        out.flush()  # what Python does at exit
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_an_error_in_one_line(capsys: pytest.CaptureFixture[str], monkeypatch):
+    with Path("/dev/full").open("w") as out:
+        monkeypatch.setattr(sys, "stdout", out)
+        assert main(SCENARIO, []) == 2
+        out.flush()
+    assert capsys.readouterr().err == f"fake.py: error: standard output: {os.strerror(errno.ENOSPC)}\n"
+
+
+def test_arguments_come_from_the_command_line_by_default(capsys: pytest.CaptureFixture[str], monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["fake.py", "--set", "mass=x"])
+    assert main(SCENARIO) == 2
+    assert "mass = 'x'" in capsys.readouterr().err

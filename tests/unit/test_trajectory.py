@@ -1,0 +1,241 @@
+"""Trajectories: what can be asked of them, and files that hold them completely or not at all."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import random
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
+
+ARRAYS = ("time", "hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
+
+
+def history(samples: int = 7) -> ContactHistory:
+    ramp = np.linspace(0.0, 1.0, samples)
+    return ContactHistory(ramp * 1e-5, np.sin(np.pi * ramp), -0.3 * ramp, ramp**2, 1.0 - 2.0 * ramp, 0.1 - ramp)
+
+
+def impact(time: float, obstacle: str, kept: ContactHistory | None = None) -> ContactRecord:
+    return ContactRecord(
+        obstacle=obstacle,
+        law="compliant" if kept else "energetic",
+        outcome="rebound",
+        time=time,
+        duration=1e-5 if kept else 0.0,
+        impulse=(2e-3, -6e-4),
+        compressive_impulse=None if obstacle == "bar" else (1e-3, -3e-4),
+        compressive_work=None if obstacle == "bar" else (-7e-3, -5e-3),
+        restitutive_work=None if obstacle == "bar" else (1e-3, -1e-3),
+        velocity_before=(-15.0, 33.0),
+        velocity_after=(5.0, 20.0),
+        angles=(0.4, 0.1 + 0.2),
+        rates_before=(877.1, 1.0 / 3.0),
+        rates_after=(-497.1, -0.1),
+        phases=("compression slip", "restitution slip"),
+        history=kept,
+    )
+
+
+@pytest.fixture
+def trajectory() -> Trajectory:
+    """Two links on a hub at 2 rad/s; the first lags by 0.5 rad and swings at 3 rad/s relative to the hub."""
+    time = np.linspace(0.0, 0.4, 5)
+    hub_angle = -1.0 + 2.0 * time
+    angles = np.column_stack([hub_angle - 0.5 + 3.0 * time, np.pi * time])
+    return Trajectory(
+        time=time,
+        hub_angle=hub_angle,
+        angles=angles,
+        rates=np.column_stack([np.full(5, 5.0), np.full(5, np.pi)]),
+        tip=np.arange(10.0).reshape(5, 2) / 7.0,
+        kinetic_energy=np.arange(5.0),
+        potential_energy=np.arange(5.0) ** 2,
+        normal_force=np.zeros(5),
+        hub_speed=2.0,
+        events=(
+            Event("bar touch", 0.1),
+            Event("bar release", 0.15),
+            Event("bar touch", 0.2),
+            Event("strike", 0.1 + 0.2),
+        ),
+        contacts=(impact(0.1, "bar"), impact(0.3, "workpart", history()), impact(0.35, "workpart", history(2))),
+        stop_reason="end of the planned time",
+        cost=Cost(0.25, 0.2, 1234, 1e-9),
+        parameters={"hub_speed": 2.0, "step": None, "law": "energetic", "nested": {"friction": 0.1}},
+    )
+
+
+def assert_same(one: Trajectory, other: Trajectory) -> None:
+    for name in ARRAYS:
+        assert getattr(one, name).dtype == getattr(other, name).dtype
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), strict=True)
+    for name in ("hub_speed", "events", "stop_reason", "cost", "parameters"):
+        assert getattr(one, name) == getattr(other, name)
+    assert len(one.contacts) == len(other.contacts)
+    for mine, yours in zip(one.contacts, other.contacts, strict=True):
+        assert dataclasses.replace(mine, history=None) == dataclasses.replace(yours, history=None)
+        assert (mine.history is None) == (yours.history is None)
+        if mine.history is not None and yours.history is not None:
+            for each in dataclasses.fields(ContactHistory):
+                np.testing.assert_array_equal(getattr(mine.history, each.name), getattr(yours.history, each.name))
+
+
+def test_relative_motion(trajectory: Trajectory):
+    # Differences of numbers near 1: a few roundings.
+    np.testing.assert_allclose(trajectory.relative_angle, -0.5 + 3.0 * trajectory.time, atol=1e-15)
+    np.testing.assert_array_equal(trajectory.relative_rate, 3.0)
+    np.testing.assert_array_equal(trajectory.total_energy, [0.0, 2.0, 6.0, 12.0, 20.0])
+
+
+def test_events_are_found_by_name(trajectory: Trajectory):
+    assert trajectory.event_time("bar touch") == 0.1
+    assert trajectory.event_time("bar touch", last=True) == 0.2
+    assert trajectory.event_time("bar touch", last=True, before=0.19) == 0.1
+    assert trajectory.event_time("bar touch", last=True, before=0.2) == 0.2
+    assert trajectory.event_time("bar touch", before=0.05) is None
+    assert trajectory.event_time("jam") is None
+
+
+def test_first_contact(trajectory: Trajectory):
+    assert trajectory.first_contact("workpart") is trajectory.contacts[1]
+    assert trajectory.first_contact("bar") is trajectory.contacts[0]
+    assert trajectory.first_contact("floor") is None
+
+
+def test_a_file_holds_everything(trajectory: Trajectory, tmp_path: Path):
+    """Every number comes back as it was, to the last bit, and so does the history of each contact that has one."""
+    path = tmp_path / "run.npz"
+    trajectory.save(path)
+    assert [each.name for each in tmp_path.iterdir()] == ["run.npz"]
+    assert_same(Trajectory.load(path), trajectory)
+    assert_same(Trajectory.load(str(path)), trajectory)
+
+
+def test_a_run_without_contacts_is_saved_too(trajectory: Trajectory, tmp_path: Path):
+    bare = dataclasses.replace(trajectory, contacts=(), events=(), cost=Cost(0.1, 0.1, 5), parameters={})
+    bare.save(tmp_path / "run")
+    assert_same(Trajectory.load(tmp_path / "run"), bare)
+
+
+def test_saving_again_replaces(trajectory: Trajectory, tmp_path: Path):
+    path = tmp_path / "run.npz"
+    path.write_text("something else")
+    trajectory.save(path)
+    trajectory.save(path)
+    assert_same(Trajectory.load(path), trajectory)
+
+
+def test_a_failed_save_leaves_the_old_file_and_nothing_else(trajectory: Trajectory, tmp_path: Path, monkeypatch):
+    path = tmp_path / "run.npz"
+    trajectory.save(path)
+    before = path.read_bytes()
+
+    def half(stream, **_):
+        stream.write(b"half")
+        raise OSError("no space left")
+
+    monkeypatch.setattr(np, "savez_compressed", half)
+    with pytest.raises(OSError, match="no space left"):
+        trajectory.save(path)
+    assert [each.name for each in tmp_path.iterdir()] == ["run.npz"]
+    assert path.read_bytes() == before
+
+
+def test_parameters_must_be_plain(trajectory: Trajectory, tmp_path: Path):
+    odd = dataclasses.replace(trajectory, parameters={"law": object()})
+    with pytest.raises(TypeError):
+        odd.save(tmp_path / "run.npz")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path: Path):
+    with pytest.raises(FileNotFoundError):
+        Trajectory.load(tmp_path / "none.npz")
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04 not a zip", b"\x80\x04K\x01.", b"\x93NUMPY"])
+def test_other_files_are_refused(content: bytes, tmp_path: Path):
+    path = tmp_path / "other.npz"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"other\.npz: not a trajectory file"):
+        Trajectory.load(path)
+
+
+def test_other_arrays_are_refused(tmp_path: Path):
+    single, several = tmp_path / "single.npy", tmp_path / "several.npz"
+    np.save(single, np.zeros(3))
+    np.savez(several, time=np.zeros(3))
+    for path in (single, several):
+        with pytest.raises(ValueError, match="not a trajectory file"):
+            Trajectory.load(path)
+
+
+def rewrite(path: Path, change, dtype=None) -> None:
+    """Change the metadata of a saved file."""
+    with np.load(path) as stored:
+        arrays = dict(stored)
+    meta = json.loads(str(arrays.pop("metadata")))
+    np.savez(path, metadata=np.array(json.dumps(change(meta)), dtype=dtype), **arrays)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda meta: meta | {"format": 2},
+        lambda _: [],
+        lambda _: None,
+        lambda meta: {key: value for key, value in meta.items() if key != "cost"},
+        lambda meta: meta | {"events": [{"when": 1.0}]},
+        lambda meta: meta | {"cost": {"price": 3}},
+        lambda meta: meta | {"contacts": ["bar"]},
+        lambda meta: meta | {"contacts": [meta["contacts"][1]]},  # its history is stored under another number
+    ],
+)
+def test_files_with_other_metadata_are_refused(trajectory: Trajectory, tmp_path: Path, change):
+    path = tmp_path / "run.npz"
+    trajectory.save(path)
+    rewrite(path, lambda meta: meta)
+    assert_same(Trajectory.load(path), trajectory)
+    rewrite(path, change)
+    with pytest.raises(ValueError, match="not a trajectory file"):
+        Trajectory.load(path)
+
+
+def test_damaged_files_are_refused_or_read_completely(trajectory: Trajectory, tmp_path: Path):
+    """Single bytes anywhere, and files cut short: no other error than ValueError. Only names and dates are unguarded."""
+    path, damaged = tmp_path / "run.npz", tmp_path / "damaged.npz"
+    trajectory.save(path)
+    whole = path.read_bytes()
+    dice = random.Random(1)
+    refused = 0
+    for _ in range(200):
+        content = bytearray(whole)
+        content[dice.randrange(len(content))] ^= 1 << dice.randrange(8)
+        damaged.write_bytes(content[: dice.choice((len(content), dice.randrange(len(content))))])
+        try:
+            assert_same(Trajectory.load(damaged), trajectory)
+        except ValueError:
+            refused += 1
+    assert refused > 100
+
+
+def test_another_format_is_named(trajectory: Trajectory, tmp_path: Path):
+    path = tmp_path / "run.npz"
+    trajectory.save(path)
+    rewrite(path, lambda meta: meta | {"format": 2})
+    with pytest.raises(ValueError, match="format 2 is not 1"):
+        Trajectory.load(path)
+
+
+def test_no_code_is_run_from_a_file(trajectory: Trajectory, tmp_path: Path):
+    """Pickled objects are refused, not opened, even if they hold what is looked for."""
+    path = tmp_path / "run.npz"
+    trajectory.save(path)
+    rewrite(path, lambda meta: meta, dtype=object)
+    with pytest.raises(ValueError, match="not a trajectory file"):
+        Trajectory.load(path)
