@@ -15,20 +15,26 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_timing import cue_timing
+from bristle_sim.studies.cue_timing import cue_timing, unplaced
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and release its bristle."""
+    hub, bristle, bar = build(Hub, values), build(Bristle, values), build(Bar, values)
     tool = Tool(
-        hub=build(Hub, values),
+        hub=hub,
         belt=build(Belt, values),
-        bristle=build(Bristle, values),
-        bar=build(Bar, values),
+        bristle=bristle,
+        bar=unplaced(bar, hub, bristle),
         workpart=build(Workpart, values),
     )
-    retraction = math.radians(values["retraction_deg"])
-    return cue_timing(tool, retraction, build(Settings, values), with_reference=values["reference"] == "yes")
+    return cue_timing(
+        tool,
+        math.radians(values["retraction_deg"]),
+        build(Settings, values),
+        stands_at=math.degrees(math.atan2(bar.horizontal, bar.vertical)),
+        with_reference=values["reference"] == "yes",
+    )
 
 
 def plot(report: Report, path: Path) -> None:

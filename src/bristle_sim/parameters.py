@@ -322,7 +322,7 @@ class Release:
     """Release of the bristle from rest relative to the hub."""
 
     retraction_deg: float = quantity(
-        44.5, "retraction_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, eq. 2.2: theta_p"
+        44.5, "retraction_deg", "deg", above=0.0, at_most=89.9, source="Zhang 2020, eq. 2.2: theta_p"
     )
 
     def __post_init__(self) -> None:

@@ -139,7 +139,12 @@ def _parser(scenario: Scenario) -> _Parser:
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
     for key in scenario.options:
         parser.add_argument(
-            f"--{key}", dest="set", metavar="VALUE", action="append", type=f"{key}={{}}".format, help=f"--set {key}=VALUE"
+            f"--{key}",
+            dest="set",
+            metavar="VALUE",
+            action="append",
+            type=f"{key}={{}}".format,
+            help=f"--set {key}=VALUE",
         )
     return parser
 

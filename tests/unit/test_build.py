@@ -28,11 +28,12 @@ class TestWhatIsThere:
     def test_bare_rod_is_one_body_on_one_pivot(self) -> None:
         """No hub, belt, bar, workpart or gravity: one body, one joint, no shape."""
         scene, _ = build_tool(BARE)
-        assert scene.space.bodies == scene.links
+        assert list(scene.space.bodies) == scene.links
         assert len(scene.links) == 1
         assert kinds(scene.space) == ["PivotJoint"]
-        assert scene.space.constraints[0].a is scene.space.static_body
-        assert scene.space.shapes == []
+        assert list(scene.space.constraints) == scene.joints
+        assert scene.joints[0].a is scene.space.static_body
+        assert list(scene.space.shapes) == []
         assert scene.space.gravity == (0.0, 0.0)
         assert scene.space.damping == 1.0
         assert scene.space.iterations == 1

@@ -148,6 +148,7 @@ class _Passage:
         self.duration = duration
         self.expected = expected
         self.done = ""
+        self.most_stretches = max(MOST_STRETCHES, int(4 * duration / stepper.propose(duration)))
         self.phases: list[str] = []
         self.totals = np.zeros(4)
         self.at_compression_end: np.ndarray | None = None
@@ -160,12 +161,12 @@ class _Passage:
 
     def go(self) -> None:
         """Stretch after stretch until the contact is over."""
-        for _ in range(MOST_STRETCHES):
+        for _ in range(self.most_stretches):
             if self.done:
                 return
             self._stretch()
         raise ValueError(
-            f"contact: not over after {MOST_STRETCHES} stretches of its motion; friction below the jam is allowed"
+            f"contact: not over after {self.most_stretches} stretches of its motion; friction below the jam is allowed"
         )
 
     def _stretch(self) -> None:
@@ -235,8 +236,15 @@ class _Passage:
             spring.slip = direction
             after = self._advance(PROBE * self.duration)
             if direction * self._velocity(after)[1] > SAME * abs(spring.coupling) * after.totals[0]:
-                return
-        spring.slip = 0.0
+                break
+        else:
+            spring.slip = 0.0
+        if spring.loading and self.rows and -self._now()[0] <= SAME * abs(self.rows[0][4]):
+            # Slip and compression of one degree of freedom stop together.
+            self._end_compression()
+
+    def _now(self) -> Vector:
+        return self.spring.components(self.scene.mechanism.poses(self.state)[-1].tip_velocity)
 
     def _holds(self, result: Advance) -> bool:
         """Whether what stick takes of a stretch is what friction can give."""

@@ -29,6 +29,11 @@ class Link:
         """Uniform slender rod, inertia m L^2/12."""
         return cls(mass, mass * length**2 / 12.0, (0.0, -length / 2.0), (0.0, -length))
 
+    @property
+    def inertia_about_joint(self) -> float:
+        """Moment of inertia about the joint."""
+        return self.inertia + self.mass * (self.centre[0] ** 2 + self.centre[1] ** 2)
+
 
 class State(NamedTuple):
     """Time, and absolute angle and rate of every link; engine units, rad."""

@@ -108,6 +108,9 @@ class _Runner:
         self.growth = math.inf
         self.releasing = False
         self.force_slope = 0.0
+        # A damped spring turns an error of the rate into one of the acceleration.
+        damping = scene.effects.damping / scene.mechanism.links[0].inertia_about_joint
+        self.noise = max(NOISE, stepper.noise * (1.0 + damping))
         self.departing: Obstacle | None = None
         self.signs: dict[str, float] = {}
         self.recording = Recording()
@@ -172,7 +175,7 @@ class _Runner:
         if self.held is not None:
             state = set_back(self.mechanism, self.held, state)
             self.hold_sums = tuple(a + b for a, b in zip(self.hold_sums, result.totals[1:], strict=True))
-            if self.before is not None:
+            if self.before is not None and length > 0.0:
                 self.force_slope = (result.totals[0] - self.before.totals[0]) / length
         self.state, self.before = state, result
         self._take_hold()
@@ -252,19 +255,28 @@ class _Runner:
     def _look_for_change(
         self, watch: Watch, result: Advance, act: Callable[[Advance], None] | None
     ) -> tuple[Advance, Callable[[Advance], None] | None]:
+        length = result.state.time - self.state.time
+        instant = 1e-15 * (1.0 + result.state.time)
+        if length <= instant:
+            return result, act
         right = watch.value(result)
         sign = self.signs.get(watch.name)
-        if abs(right) > NOISE:
+        noise = max(self.noise, DIFFERENCE / length)
+        if abs(right) > noise:
             self.signs[watch.name] = math.copysign(1.0, right)
-        if sign is None or self.before is None or sign * right >= 0.0 or abs(right) <= NOISE:
+        if sign is None or self.before is None or sign * right >= 0.0 or abs(right) <= noise:
             return result, act
         if watch.falling is not None and watch.falling != (sign > 0.0):
             return result, act
         left = sign * max(sign * watch.value(self.before), NOISE)
-        length = result.state.time - self.state.time
-        tolerance = max(1e-3 * self.plan.accuracy * max(abs(left), abs(right)), NOISE)
+        tolerance = max(1e-3 * self.plan.accuracy * max(abs(left), abs(right)), 0.01 * NOISE)
+        self.stepper.begin_afresh()
         duration = locate(lambda span: watch.value(self._advance(span)), 0.0, length, left, right, tolerance)
-        return self._advance(duration), partial(self._notice, watch)
+        if watch.event is not None and duration > CLOSE_BY:
+            # Over a long stretch extrapolation amplifies rounding: come close first, and look again from there.
+            self.signs[watch.name] = sign
+            return self._advance(duration - 0.5 * CLOSE_BY), None
+        return self._advance(max(duration, instant)), partial(self._notice, watch)
 
     def _watches(self) -> list[Watch]:
         """Events other than touches, for what the link is doing now."""
@@ -389,7 +401,13 @@ SHORTEST = 1e-13
 """A stretch shorter than this share of the scene's time unit means that no stretch is short enough."""
 
 NOISE = 1e-10
-"""Rates, accelerations and forces of a scene's units below this have no sign."""
+"""Rates, accelerations and forces of a scene's units below this have no sign, however accurate the stepper is."""
+
+DIFFERENCE = 1e-13
+"""Rounding of the difference of two rates that an acceleration is made of."""
+
+CLOSE_BY = 0.1
+"""Length of a stretch over which an extreme of the motion is located to full accuracy."""
 
 CAPTURE = 1e-8
 """An impact slower than this share of the fastest point's speed takes the rest of the approach away: repeated taps of

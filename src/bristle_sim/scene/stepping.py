@@ -62,6 +62,10 @@ class Advance(NamedTuple):
 class Stepper(Protocol):
     """A way to carry a scene over a stretch."""
 
+    @property
+    def noise(self) -> float:
+        """Rates of the scene below this are not told from none."""
+
     def propose(self, remaining: float) -> float:
         """Length of the next stretch, at most ``remaining``."""
 
@@ -70,6 +74,9 @@ class Stepper(Protocol):
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the stretch is accurate enough; adapts the next proposal either way."""
+
+    def begin_afresh(self) -> None:
+        """Forget what earlier stretches have taught: the next ones are of another length."""
 
     def stray(self, start: State, end: State) -> float:
         """How far a link's tip may be, within the stretch, off the cubic through the states at its ends."""
@@ -82,6 +89,11 @@ class PlainSteps:
         """``step`` in engine units."""
         self.step = step
         self._left: State | None = None
+
+    @property
+    def noise(self) -> float:
+        """The error of first order."""
+        return self.step
 
     def propose(self, remaining: float) -> float:
         """One step."""
@@ -109,6 +121,9 @@ class PlainSteps:
         del result, duration
         return True
 
+    def begin_afresh(self) -> None:
+        """Nothing was learnt."""
+
     def stray(self, start: State, end: State) -> float:
         """The engine goes straight on at the old rates, which a cubic between old and new rates does not."""
         return _straight(start, end)
@@ -128,6 +143,11 @@ class SymmetricSteps:
         """``step`` in engine units."""
         self.step = step
         self._left: tuple[State, float] | None = None
+
+    @property
+    def noise(self) -> float:
+        """The error of second order."""
+        return self.step**2
 
     def propose(self, remaining: float) -> float:
         """Some steps, or what is left in as many steps as it takes."""
@@ -156,6 +176,9 @@ class SymmetricSteps:
         """A fixed step knows nothing of its error."""
         del result, duration
         return True
+
+    def begin_afresh(self) -> None:
+        """Nothing was learnt."""
 
     def stray(self, start: State, end: State) -> float:
         """As for plain steps."""
@@ -220,6 +243,11 @@ class Extrapolation:
         self.length = 1.5
         self._errors: dict[int, float] = {}
 
+    @property
+    def noise(self) -> float:
+        """The error that a stretch may have."""
+        return self.limit
+
     def propose(self, remaining: float) -> float:
         """The stretch that costs least per time; what is left is cut evenly rather than into a stub."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
@@ -262,6 +290,10 @@ class Extrapolation:
             self.length = min(self.length, 0.5 * duration)
             return False
         return True
+
+    def begin_afresh(self) -> None:
+        """Begin with few repetitions again, whose weights amplify rounding least."""
+        self.rows = LEAST_ROWS
 
     def stray(self, start: State, end: State) -> float:
         """Nothing to speak of beside the cubic's own error."""

@@ -15,7 +15,7 @@ from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["Chain", "ChainStrike", "strike"]
+__all__ = ["Chain", "ChainStrike", "build_strike", "strike"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
         ValueError: if a compliant contact comes to no end.
     """
     begin = clock.perf_counter()
-    scene, start, obstacle, units = _build(chain, surface)
+    scene, start, obstacle, units = build_strike(chain, surface)
     approach = obstacle.touch(scene.mechanism.poses(start)[-1], start.rates[-1]).velocity[0]
     law: ContactLaw = contact_law(contact, settings, units) if approach < 0.0 else EnergeticLaw()
     after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
@@ -73,7 +73,8 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     )
 
 
-def _build(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
+def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
+    """The chain's scene with its tip on the surface, the state at that instant, and the units the scene runs in."""
     fastest = max(*(abs(rate) for rate in chain.rates), chain.hub_speed)
     units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / fastest if fastest else 1.0)
     links = tuple(

@@ -118,7 +118,9 @@ def simulate(
         maximum_steps=settings.maximum_steps,
         retraction_limit=math.pi / 2.0,
     )
-    recording = run(scene, start, _stepper(settings, units), contact_law(tool.contact, settings, units), plan)
+    swing = max(abs(start_relative_angle), abs(start_relative_rate) * units.time)
+    scale = swing if not scene.effects.obstacles and swing else 1.0
+    recording = run(scene, start, _stepper(settings, units, scale), contact_law(tool.contact, settings, units), plan)
     _note_absences(recording, tool)
     return _trajectory(tool, settings, scene, units, recording)
 
@@ -127,9 +129,10 @@ REST_PERIODS = 3.0
 """Length of a run on a hub at rest, in the scene's periods."""
 
 
-def _stepper(settings: Settings, units: Units) -> Stepper:
+def _stepper(settings: Settings, units: Units, scale: float) -> Stepper:
+    """Plain steps if a step is given, else extrapolation to the accuracy, relative to the size of the motion."""
     if settings.step is None:
-        return Extrapolation(LOCAL_SHARE * settings.accuracy)
+        return Extrapolation(LOCAL_SHARE * settings.accuracy, min(scale, 1.0))
     largest = min(2.0 * math.pi / settings.samples_per_period, LARGEST_STEP) * units.time
     if settings.step > largest:
         raise ValueError(

@@ -12,13 +12,13 @@ import math
 from dataclasses import dataclass
 
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Belt, Tool
+from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["CueTiming", "cue_timing", "stiffness_readings"]
+__all__ = ["CueTiming", "cue_timing", "stiffness_readings", "unplaced"]
 
 PRINTED_DIRECTION = math.degrees(math.atan2(0.05037, 0.0225))
 """A + theta_1 + gamma of the printed bar position, deg (Zhang 2020, eq. 2.3)."""
@@ -61,8 +61,23 @@ def stiffness_readings(tool: Tool) -> dict[str, float]:
     }
 
 
-def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_reference: bool = True) -> Report:
+def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
+    """A bar of the same radius out of everybody's way, for a question whose answer is the bar's place."""
+    away = hub.radius + 2.0 * (bristle.length + bristle.wire_diameter + bar.radius)
+    return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
+
+
+def cue_timing(
+    tool: Tool,
+    retraction: float,
+    settings: Settings,
+    *,
+    stands_at: float = PRINTED_DIRECTION,
+    with_reference: bool = True,
+) -> Report:
     """Simulate the release from rest at a retraction (rad) and place the bar by what came out.
+
+    ``stands_at`` is the direction (deg) of the bar that the readings of the belt stiffness are tried on.
 
     Raises:
         ValueError: if nothing drives the bristle, or the tip cannot reach the workpart radially.
@@ -71,19 +86,23 @@ def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_refere
     simulated = _placed(tool, retraction, trajectory)
     theory = _formulas(tool, retraction)
     reference: dict[str, float | None] = {}
-    if with_reference:
+    if with_reference and simulated["cue_time"] is not None:
         from bristle_sim.reference import simulate_reference
 
         referred = simulate_reference(
             _bare(tool),
             start_relative_angle=-retraction,
             accuracy=1e-10,
-            hub_turn=FULL_TURNS * 2.0 * math.pi,
+            duration=2.0 * simulated["cue_time"],
             stop_after="highest relative speed",
         )
         reference = _placed(tool, retraction, referred)
     tolerance = max(1e-8, 10.0 * settings.accuracy) if reference else None
-    at_print = tool == Tool() and retraction == math.radians(44.5)
+    default = Tool()
+    parts = (tool.hub, tool.belt, tool.bristle, tool.workpart)
+    at_print = parts == (default.hub, default.belt, default.bristle, default.workpart) and retraction == math.radians(
+        44.5
+    )
     rows = [
         Quantity(
             name,
@@ -96,7 +115,7 @@ def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_refere
         )
         for name, unit in UNITS.items()
     ]
-    readings, verdicts = _readings(tool, retraction, settings)
+    readings, verdicts = _readings(tool, retraction, settings, stands_at)
     return Report(
         outcome="no contact",
         quantities=(*rows, *readings),
@@ -162,7 +181,7 @@ def _formulas(tool: Tool, retraction: float) -> dict[str, float | None]:
     return dict(zip(UNITS, values, strict=True))
 
 
-def _readings(tool: Tool, retraction: float, settings: Settings) -> tuple[list[Quantity], list[str]]:
+def _readings(tool: Tool, retraction: float, settings: Settings, stands_at: float) -> tuple[list[Quantity], list[str]]:
     """Cue time and bar direction for every reading of the printed stiffness, and which one the printed bar can cue."""
     rows, verdicts = [], []
     for reading, stiffness in stiffness_readings(tool).items():
@@ -173,14 +192,17 @@ def _readings(tool: Tool, retraction: float, settings: Settings) -> tuple[list[Q
             rows.append(
                 Quantity(f"{name}_{reading}", UNITS[name], simulated[name], theory[name], printed=PRINTED.get(name))
             )
-        verdicts.append(_verdict(reading, stiffness, simulated["bar_direction_deg"]))
+        verdicts.append(_verdict(reading, stiffness, simulated["bar_direction_deg"], stands_at))
     return rows, verdicts
 
 
-def _verdict(reading: str, stiffness: float, direction: float | None) -> str:
+def _verdict(reading: str, stiffness: float, direction: float | None, stands_at: float) -> str:
     words = f"belt stiffness {reading.replace('_', ' ')} ({stiffness:.5g} N m/rad): "
     if direction is None:
-        return words + "never reaches a highest speed; cannot be cued at the printed bar"
-    off = direction - PRINTED_DIRECTION
+        return words + "never reaches a highest speed; cannot be cued by any bar"
+    off = direction - stands_at
     can = "can" if abs(math.radians(off)) <= WITHIN else "cannot"
-    return f"{words}bar needed at {direction:.2f} deg, {off:+.2f} deg from the printed one; {can} be cued there"
+    return (
+        f"{words}bar needed at {direction:.2f} deg, {off:+.2f} deg from where it stands ({stands_at:.2f} deg);"
+        f" {can} be cued there"
+    )

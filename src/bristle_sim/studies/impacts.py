@@ -35,12 +35,14 @@ class Impacts:
         chain, surface: what strikes what.
         law: the one asked for.
         strikes: by law.
+        refusals: why a law that was not asked for has no answer, by law.
     """
 
     chain: Chain
     surface: Surface
     law: str
     strikes: dict[str, ChainStrike]
+    refusals: dict[str, str]
 
 
 def oblique_impact(
@@ -174,11 +176,17 @@ def _tolerance(contact: Contact, jam: float | None, surface: Surface, mass_ratio
 
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    strikes = {}
+    """The law asked for, and the others where they have an answer."""
+    strikes, refusals = {}, {}
     for law in LAWS:
-        asked = contact if law == contact.law else Contact(law)
-        strikes[law] = strike(chain, surface, asked, settings)
-    return Impacts(chain, surface, contact.law, strikes)
+        if law == contact.law:
+            strikes[law] = strike(chain, surface, contact, settings)
+            continue
+        try:
+            strikes[law] = strike(chain, surface, Contact(law), settings)
+        except ValueError as error:
+            refusals[law] = str(error)
+    return Impacts(chain, surface, contact.law, strikes, refusals)
 
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], rate_name: str) -> Report:
@@ -206,6 +214,7 @@ def _laws_side_by_side(impacts: Impacts, rate: Callable[[ChainStrike], float], r
         ratio = "-" if one.kinetic_energy_ratio is None else f"{one.kinetic_energy_ratio:.7f}"
         impulse = one.contact.impulse
         lines.append(f"{law:<10} {rate(one):26.9g} {impulse[0]:12.6g} {impulse[1]:12.6g}{shown} {ratio:>13}")
+    lines += [f"{law:<10} {reason}" for law, reason in impacts.refusals.items()]
     return tuple(lines)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw, EngineLaw
-from bristle_sim.scene.strike import Chain, _build
+from bristle_sim.scene.strike import Chain, build_strike
 from bristle_sim.studies.impact_measures import closed_form
 from bristle_sim.studies.impact_sweeps import weighted
 
@@ -80,7 +80,7 @@ class Convergence:
 
 def strike_by(chain: Chain, surface: Surface, law: ContactLaw) -> LawResult:
     """One impact of a moving chain through the scene, by a law with settings of its own."""
-    scene, start, obstacle, units = _build(chain, surface)
+    scene, start, obstacle, units = build_strike(chain, surface)
     before = scene.mechanism.kinetic_energy(start)
     after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
     rates = tuple(rate / units.time for rate in record.rates_after)
