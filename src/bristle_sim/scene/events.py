@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
 from bristle_sim.scene.mechanism import Mechanism, State
 
-__all__ = ["first_touch", "interpolate", "locate"]
+__all__ = ["extrapolated_root", "first_touch", "interpolate", "locate"]
 
 CUBIC_ERROR = 0.01
 """Gap by which the cubic may be off, per fourth power of the stretch, in a scene's units: h^4/384 times some safety."""
@@ -103,3 +105,17 @@ def locate(
             at_right *= 0.5 if side == -1 else 1.0
             side = -1
     return right
+
+
+def extrapolated_root(value: Callable[[float], float], reach: float, guess: float) -> float:
+    """Root near a guess of the cubic through a function's values at four places up to ``reach``.
+
+    A value that rests on differences over the stretch itself is of no use where the stretch is next to nothing, so an
+    event at its very beginning is extrapolated from behind it. Returns the guess if the cubic has no root there.
+    """
+    places = [reach * quarter for quarter in (0.25, 0.5, 0.75, 1.0)]
+    cubic = np.polynomial.Polynomial.fit(places, [value(place) for place in places], 3)
+    roots = cubic.roots()
+    real = roots.real[np.abs(roots.imag) <= 1e-9 * reach]
+    nearest = min(real.tolist(), key=lambda root: abs(root - guess), default=guess)
+    return nearest if abs(nearest - guess) < reach else guess

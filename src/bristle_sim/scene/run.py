@@ -17,7 +17,7 @@ from functools import partial
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
-from bristle_sim.scene.events import first_touch, locate
+from bristle_sim.scene.events import extrapolated_root, first_touch, locate
 from bristle_sim.scene.hold import MOST_GRIP, EngineHold, ledger_of_hold, locking, set_back
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
@@ -130,7 +130,7 @@ class _Runner:
         """Run to the end."""
         for obstacle in self.scene.effects.obstacles:
             if abs(self._gap(obstacle, self.state)) <= GAP_ROUNDING and not self.stopped:
-                self._touch(obstacle)
+                self._start_in_touch(obstacle)
         while not self.stopped:
             if self.state.time >= self.plan.end * (1.0 - 1e-15):
                 self._stop("end of the planned time")
@@ -139,6 +139,12 @@ class _Runner:
             else:
                 self._stretch()
         self._enter_hold(self.recording.stop_reason)
+
+    def _start_in_touch(self, obstacle: Obstacle) -> None:
+        if self._touch_of(obstacle, self.state).velocity[0] > 0.0:
+            self._depart(obstacle)
+        else:
+            self._touch(obstacle)
 
     def _stretch(self) -> None:
         """One accepted stretch, cut short at its first event."""
@@ -276,6 +282,8 @@ class _Runner:
             # Over a long stretch extrapolation amplifies rounding: come close first, and look again from there.
             self.signs[watch.name] = sign
             return self._advance(duration - 0.5 * CLOSE_BY), None
+        if watch.event is not None and length >= 2.0 * CLOSE_BY:
+            duration = extrapolated_root(lambda span: watch.value(self._advance(span)), 2.0 * CLOSE_BY, duration)
         return self._advance(max(duration, instant)), partial(self._notice, watch)
 
     def _watches(self) -> list[Watch]:
@@ -406,8 +414,9 @@ NOISE = 1e-10
 DIFFERENCE = 1e-13
 """Rounding of the difference of two rates that an acceleration is made of."""
 
-CLOSE_BY = 0.1
-"""Length of a stretch over which an extreme of the motion is located to full accuracy."""
+CLOSE_BY = 0.01
+"""Length of a stretch over which an extreme of the motion is located: short enough for the acceleration, which is
+extrapolated one order less than the motion, long enough for the rounding of its differences."""
 
 CAPTURE = 1e-8
 """An impact slower than this share of the fastest point's speed takes the rest of the approach away: repeated taps of

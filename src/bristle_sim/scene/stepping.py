@@ -21,6 +21,9 @@ __all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps"
 RUN_OVERHEAD = 6.0
 """Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
 
+INSTANT = 1e-6
+"""Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
+
 ROUNDING = 4e-16
 """Of an angle of some radians; extrapolation weights amplify it."""
 
@@ -102,12 +105,11 @@ class PlainSteps:
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """One engine step of the given length, from where the bodies are if they were left there.
 
-        A correction divides what is open by the step: in a step cut short it would blow rounding up, and joints that
-        have just been closed need none.
+        A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
+        that is next to nothing is not corrected.
         """
-        if self._left is state and duration >= self.step:
-            scene.correct_joints(completely=True)
-        else:
+        scene.correct_joints(completely=duration > INSTANT)
+        if self._left is not state or duration < self.step:
             scene.place(state)
         values = _steps(scene, duration, 1, load)
         scene.correct_joints(completely=False)

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from bristle_sim.parameters import Bristle, Contact, Tool
+from bristle_sim.quantity import quantity, validate
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
@@ -24,6 +26,22 @@ __all__ = ["build_tool", "contact_in_si", "contact_law", "simulate"]
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
+
+RETRACTION_LIMIT = math.pi / 2.0
+"""Angle of the bristle from the radial direction at which it lies on the hub, rad."""
+
+EVENTS = (
+    "bar touch",
+    "bar release",
+    "strike",
+    "workpart touch",
+    "workpart release",
+    "largest retraction",
+    "highest relative speed",
+    "retraction limit",
+    "jam",
+)
+"""What can happen in a run."""
 
 
 def tool_units(tool: Tool) -> Units:
@@ -99,15 +117,18 @@ def simulate(
         The trajectory, in SI units.
 
     Raises:
-        ValueError: if the start overlaps an obstacle, a fixed step is too long for this tool, or a contact resolved in
+        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, a fixed step is too long for this tool, or a contact resolved in
             time comes to no end.
     """
     settings = settings or Settings()
-    scene, units = build_tool(tool, hub_start=start_hub_angle)
+    begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
+    if stop_after is not None and stop_after not in EVENTS:
+        raise ValueError(f"stop_after = {stop_after!r}: None or one of {', '.join(EVENTS)} is allowed")
+    scene, units = build_tool(tool, hub_start=begin.hub_angle)
     start = State(
         0.0,
-        (start_hub_angle + start_relative_angle,),
-        (scene.mechanism.hub_speed + start_relative_rate * units.time,),
+        (begin.hub_angle + begin.relative_angle,),
+        (scene.mechanism.hub_speed + begin.relative_rate * units.time,),
     )
     speed = scene.mechanism.hub_speed
     plan = Plan(
@@ -116,13 +137,27 @@ def simulate(
         stop_after=stop_after,
         longest_stretch=2.0 * math.pi / settings.samples_per_period,
         maximum_steps=settings.maximum_steps,
-        retraction_limit=math.pi / 2.0,
+        retraction_limit=RETRACTION_LIMIT,
     )
-    swing = max(abs(start_relative_angle), abs(start_relative_rate) * units.time)
+    swing = max(abs(begin.relative_angle), abs(begin.relative_rate) * units.time)
     scale = swing if not scene.effects.obstacles and swing else 1.0
     recording = run(scene, start, _stepper(settings, units, scale), contact_law(tool.contact, settings, units), plan)
     _note_absences(recording, tool)
     return _trajectory(tool, settings, scene, units, recording)
+
+
+@dataclass(frozen=True, slots=True)
+class _Start:
+    """Where a run starts, checked."""
+
+    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="asked for")
+    relative_angle: float = quantity(
+        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="asked for"
+    )
+    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="asked for")
+
+    def __post_init__(self) -> None:
+        validate(self)
 
 
 REST_PERIODS = 3.0

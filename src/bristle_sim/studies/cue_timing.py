@@ -103,18 +103,11 @@ def cue_timing(
     at_print = parts == (default.hub, default.belt, default.bristle, default.workpart) and retraction == math.radians(
         44.5
     )
-    rows = [
-        Quantity(
-            name,
-            unit,
-            simulated[name],
-            theory[name],
-            reference.get(name),
-            PRINTED.get(name) if at_print else None,
-            tolerance,
-        )
-        for name, unit in UNITS.items()
-    ]
+    rows = []
+    for name, unit in UNITS.items():
+        judged, printed = reference.get(name), PRINTED.get(name) if at_print else None
+        allowed = None if tolerance is None or judged is None else tolerance * _conditioning(name, reference)
+        rows.append(Quantity(name, unit, simulated[name], theory[name], judged, printed, allowed))
     readings, verdicts = _readings(tool, retraction, settings, stands_at)
     return Report(
         outcome="no contact",
@@ -134,6 +127,14 @@ LEFT_OUT = (
     "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
     "and the bar's dynamics (first tap, swing beyond the last touch), which scenarios/cue_and_impact.py simulates.",
 )
+
+
+def _conditioning(name: str, values: dict[str, float | None]) -> float:
+    """By how much a coordinate of the bar magnifies a relative error: its distance from the hub over the coordinate."""
+    if name not in ("bar_horizontal", "bar_vertical"):
+        return 1.0
+    pair = (values["bar_horizontal"] or 0.0, values["bar_vertical"] or 0.0)
+    return math.hypot(*pair) / max(abs(values[name] or 0.0), 1e-300)
 
 
 def _bare(tool: Tool) -> Tool:

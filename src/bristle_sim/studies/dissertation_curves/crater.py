@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -82,8 +83,8 @@ def displacement_figure() -> Redrawn:
 
 def width_figure() -> Redrawn:
     """Figure 4.6: width of the cut."""
-    at = np.linspace(0.0, COMPRESSION_TIME, 11)
-    printed = 2.0 * np.sqrt(np.maximum(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * at)) ** 2, 0.0))
+    at = COMPRESSION_TIME * np.linspace(0.0, 1.0, 11)[1:]
+    printed = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * at)) ** 2)
     curve = curve_of(
         "b (4.16)", PRINTED_WIDTH, COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2, {"printed": (at, printed)}
     )
@@ -198,13 +199,15 @@ def _depth_curve(name: str, along: str, x: Array, **fixed: float) -> Curve:
     """Depth with 300 plies over a parameter; points by the printed sum."""
     key, factor = ("impact_angle_deg", math.degrees(1.0)) if along == "impact_angle" else (along, 1.0)
     base = dataclasses.replace(OWN, **fixed)
-    given = {"friction": base.friction, "shear_yield_stress": base.shear_yield_stress}
-    given["impact_angle"] = math.radians(base.impact_angle_deg)
     at = np.linspace(float(x[0]), float(x[-1]), 8)
-    course = [
-        float(merchant_depth_course(dataclasses.replace(base, **{key: factor * each}))[-1]) for each in at.tolist()
-    ]
-    return curve_of(name, lambda grid: merchant_crater_depth(**{**given, along: grid}), x, {"printed": (at, course)})
+    course = [merchant_depth_course(dataclasses.replace(base, **{key: factor * each}))[-1] for each in at.tolist()]
+
+    def formula(grid: Array) -> Array:
+        given: dict[str, Any] = {"friction": base.friction, "shear_yield_stress": base.shear_yield_stress}
+        given["impact_angle"] = math.radians(base.impact_angle_deg)
+        return np.asarray(merchant_crater_depth(**(given | {along: grid})))
+
+    return curve_of(name, formula, x, {"printed": (at, np.array(course))})
 
 
 def _depth_figure(number: str, title: str, x: Axis, curves: Sequence[Curve], family: str, own: float) -> Redrawn:

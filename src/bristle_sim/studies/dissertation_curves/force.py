@@ -6,7 +6,7 @@ import functools
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
@@ -124,8 +124,8 @@ def bristle_contact(*, impulse: bool) -> TimedContact:
     )
 
 
-def _within(points: tuple[Array, Array], curve: ForceCurve) -> tuple[Array, Array]:
+def _within(points: tuple[ArrayLike, ArrayLike], curve: ForceCurve) -> tuple[Array, Array]:
     """Points that the curve's duration covers, each instant once."""
-    time, first = np.unique(points[0], return_index=True)
+    time, first = np.unique(np.asarray(points[0]), return_index=True)
     kept = time <= curve.duration
-    return time[kept], points[1][first][kept]
+    return time[kept], np.asarray(points[1])[first][kept]

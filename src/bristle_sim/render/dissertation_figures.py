@@ -1,0 +1,184 @@
+"""The dissertation's figures in one style: closed forms as lines, what checks them as points, the operating point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from bristle_sim.render.style import BLACK, GREY, LIGHT, SERIES, axes_at, blank_figure, save_figure, styled
+from bristle_sim.studies.dissertation_curves.model import SOURCES, Curve, Level, Mark, Panel, Redrawn
+
+__all__ = ["draw", "draw_panel", "save_figures"]
+
+OPERATING_BLUE = "#1f4fff"
+"""The dissertation marks its operating point with a blue round dot."""
+
+PANEL = (9.0, 6.4)
+"""Width and height of a single panel, cm; the legend stands to its right."""
+
+SMALL = (5.6, 3.6)
+"""The same where a figure has several."""
+
+COLUMNS = 2
+NOTE_WIDTH = 105
+"""Letters of a note on one line of a single figure."""
+
+_LOOKS: dict[str, dict[str, Any]] = {
+    "energetic": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
+    "compliant": {"marker": "x", "markersize": 4.2},
+    "contact": {"marker": "x", "markersize": 3.4},
+    "printed": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
+    "motion": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
+    "table": {"marker": "s", "markersize": 3.6, "markerfacecolor": "white"},
+    "sampled": {"marker": ".", "markersize": 4.0, "color": GREY},
+}
+
+
+@styled()
+def draw(figure: Redrawn) -> Figure:
+    """Draw a figure or table."""
+    if figure.table:
+        return _draw_table(figure)
+    return _draw_one(figure) if len(figure.panels) == 1 else _draw_several(figure)
+
+
+def save_figures(figures: Iterable[Redrawn], folder: Path) -> list[Path]:
+    """Draw each into a file of its own, ``figure_2.7.png``, in a folder that is made if it is not there.
+
+    Raises:
+        OSError: if the folder cannot be made or written to.
+    """
+    folder.mkdir(exist_ok=True)
+    return [save_figure(draw(figure), folder / f"{figure.name}.png") for figure in figures]
+
+
+def draw_panel(axes: Axes, panel: Panel) -> None:
+    """Draw one panel without its legend."""
+    for curve, color in zip(panel.curves, SERIES, strict=False):
+        _draw_curve(axes, panel, curve, color)
+    for level in panel.levels:
+        _draw_level(axes, panel, level)
+    for mark in panel.marks:
+        _draw_mark(axes, panel, mark)
+    axes.set_xlabel(panel.x.label)
+    axes.set_ylabel(panel.y.label)
+    if panel.x.log:
+        axes.set_xscale("log")
+    if panel.y.log:
+        axes.set_yscale("log")
+    if panel.top is not None:
+        axes.set_ylim(0.0, panel.y.factor * panel.top)
+
+
+def _draw_curve(axes: Axes, panel: Panel, curve: Curve, color: str) -> None:
+    axes.plot(panel.x.factor * curve.x, panel.y.factor * curve.theory, color=color, gid=f"curve {curve.name}")
+    for law, (at, y) in curve.points.items():
+        look = {"color": color, "linestyle": "none", "markeredgewidth": 0.9, **_LOOKS[law]}
+        axes.plot(panel.x.factor * at, panel.y.factor * y, **look, zorder=3, gid=f"{law} {curve.name}")
+
+
+def _draw_level(axes: Axes, panel: Panel, level: Level) -> None:
+    if level.upright:
+        axes.axvline(panel.x.factor * level.value, color=GREY, linewidth=0.8, dashes=(3, 2), zorder=1)
+        return
+    value = panel.y.factor * level.value
+    axes.axhline(value, color=GREY, linewidth=0.9, dashes=(4, 2), zorder=1)
+    axes.annotate(level.label, (1.0, value), (-2, 2), ("axes fraction", "data"), "offset points", ha="right",
+                  fontsize=7.0, color=GREY)  # fmt: skip
+
+
+def _draw_mark(axes: Axes, panel: Panel, mark: Mark) -> None:
+    place = (panel.x.factor * mark.x, panel.y.factor * mark.y)
+    axes.plot(*place, "o", color=OPERATING_BLUE, markersize=6.5, markeredgecolor="white", markeredgewidth=0.7, zorder=5)
+    axes.annotate(mark.label, place, (6, -9), textcoords="offset points", fontsize=7.0, color=BLACK, zorder=5)
+
+
+def _draw_one(figure: Redrawn) -> Figure:
+    page = blank_figure(PANEL[0] + 5.6, PANEL[1] + 2.9)
+    axes = axes_at(page, 1.5, 1.2, *PANEL)
+    panel = figure.panels[0]
+    draw_panel(axes, panel)
+    _head(page, figure, 1.5)
+    handles = _handles(panel)
+    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.02, 1.02), labelspacing=0.45, handlelength=1.8)
+    return page
+
+
+def _draw_several(figure: Redrawn) -> Figure:
+    rows = -(-len(figure.panels) // COLUMNS)
+    height = rows * (SMALL[1] + 1.3)
+    page = blank_figure(1.8 + COLUMNS * (SMALL[0] + 1.8), height + 2.5)
+    for number, panel in enumerate(figure.panels):
+        row, column = divmod(number, COLUMNS)
+        place = (1.5 + column * (SMALL[0] + 2.0), 2.0 + (rows - 1 - row) * (SMALL[1] + 1.3))
+        axes = axes_at(page, *place, *SMALL)
+        draw_panel(axes, panel)
+        axes.legend(handles=_handles(panel)[:1], loc="best")
+    _head(page, figure, 1.5)
+    laws = dict.fromkeys(law for panel in figure.panels for curve in panel.curves for law in curve.points)
+    page.legend(handles=[_source(law) for law in laws], loc="lower center", ncols=len(laws))
+    return page
+
+
+def _draw_table(figure: Redrawn) -> Figure:
+    head, *rows = figure.table
+    widths = np.array([1.6, 2.0, *(2.1 for _ in head[2:])])
+    page = blank_figure(float(widths.sum()) + 1.6, 0.5 * len(figure.table) + 2.6)
+    axes = axes_at(page, 0.8, 0.7, float(widths.sum()), 0.5 * len(figure.table))
+    axes.set_axis_off()
+    axes.set(xlim=(0.0, float(widths.sum())), ylim=(len(figure.table), 0.0))
+    rights = np.cumsum(widths)
+    for line, row in enumerate((head, *rows)):
+        if line % 2:
+            axes.axhspan(line, line + 1, color=LIGHT, alpha=0.45, linewidth=0.0)
+        weight = "bold" if line in (0, len(rows)) else "normal"
+        for right, cell in zip(rights, row, strict=True):
+            axes.text(right - 0.2, line + 0.5, cell, ha="right", va="center", fontweight=weight)
+    for line in (1, len(rows)):
+        axes.axhline(line, color=BLACK, linewidth=0.8)
+    _head(page, figure, 0.8)
+    return page
+
+
+def _head(page: Figure, figure: Redrawn, left: float) -> None:
+    """Number and title, and the note below them."""
+    width, height = page.get_size_inches() * 2.54
+    number, _, title = figure.heading.partition(": ")
+    shown = number.replace(" ", "\\ ")
+    page.text(left / width, 1.0 - 0.75 / height, f"$\\bf{{{shown}}}$   {title}", fontsize=9.0, va="baseline")
+    page.text(left / width, 1.0 - 1.2 / height, figure.note, fontsize=7.0, color=GREY, va="baseline")
+
+
+def _handles(panel: Panel) -> list[Line2D]:
+    """Curves, led by the family's symbol, then what the points and the dot are."""
+    several = len(panel.curves) > 1
+    found = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
+    found += [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
+    laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
+    found += [Line2D([], [], linestyle="none", label=" ")] if several and laws else []
+    found += [_source(law) for law in laws]
+    if any(not mark.label for mark in panel.marks):
+        found.append(_dot("operating point"))
+    return found
+
+
+def _source(law: str) -> Line2D:
+    look = {"color": BLACK, "markeredgewidth": 0.9, **_LOOKS[law]}
+    return Line2D([], [], linestyle="none", label=_folded(SOURCES[law].words), **look)
+
+
+def _folded(words: str) -> str:
+    """On two lines at its comma, where it has one."""
+    return words.replace(", ", ",\n", 1)
+
+
+def _dot(label: str) -> Line2D:
+    return Line2D(
+        [], [], linestyle="none", marker="o", color=OPERATING_BLUE, markersize=6.0, markeredgecolor="white", label=label
+    )
