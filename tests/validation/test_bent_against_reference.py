@@ -46,7 +46,10 @@ def strike_of(run: Trajectory) -> ContactRecord:
 
 
 def compare_strikes(scene: Trajectory, reference: Trajectory, accuracy: float) -> None:
-    """Instant, angle, rate and impulse of the strike; 20 is what the strike's conditioning may make of an error."""
+    """Instant, angle, rate and impulse of the strike.
+
+    The outcome of an oblique blow with friction magnifies errors of its angle, here by less than 20.
+    """
     found, expected = strike_of(scene), strike_of(reference)
     assert found.time == pytest.approx(expected.time, rel=accuracy)
     assert found.angles == pytest.approx(expected.angles, abs=accuracy)
@@ -73,9 +76,17 @@ def held(run: Trajectory) -> ContactRecord:
     return max(holds, key=lambda each: each.duration)
 
 
+def compare_holds(found: ContactRecord, expected: ContactRecord, tolerance: float) -> None:
+    """Impulse and work of friction; shares of a force that is no better known than the rates' changes."""
+    assert found.compressive_work is not None
+    assert expected.compressive_work is not None
+    assert found.impulse == pytest.approx(expected.impulse, rel=tolerance)
+    assert found.compressive_work[1] == pytest.approx(expected.compressive_work[1], rel=tolerance)
+
+
 HELD = [
-    tool(-59.0, 0.69, 0.984, damping=0.05),
-    tool(-39.0, 0.70, 0.895, friction=0.3, damping=0.05),
+    tool(-56.0, 0.81, 0.942, damping=0.05, speed=200.0),
+    tool(-27.0, 0.45, 0.926, friction=0.3, damping=0.05),
     tool(-16.0, 0.41, 0.909, friction=0.3),
     tool(15.0, 0.68, 0.930, friction=0.3),
     tool(20.0, 0.68, 0.990, friction=0.3, damping=0.05),
@@ -96,19 +107,17 @@ TAPPED = [
 
 @pytest.mark.parametrize("bent", HELD)
 def test_held_by_the_bar(bent: Tool) -> None:
-    scene, reference = simulate(bent, Settings(accuracy=ACCURACY), stop_after="strike"), simulate_reference(bent)
+    scene = simulate(bent, Settings(accuracy=ACCURACY), stop_after="strike")
+    reference = simulate_reference(bent, stop_after="strike")
     compare_strikes(scene, reference, ACCURACY)
     compare_events(scene, reference, ACCURACY)
-    found, expected = held(scene), held(reference)
-    assert found.impulse[0] == pytest.approx(expected.impulse[0], rel=20.0 * ACCURACY)
-    assert found.compressive_work is not None
-    assert expected.compressive_work is not None
-    assert found.compressive_work[1] == pytest.approx(expected.compressive_work[1], rel=20.0 * ACCURACY)
+    compare_holds(held(scene), held(reference), 20.0 * ACCURACY)
 
 
 @pytest.mark.parametrize("bent", TAPPED)
 def test_thrown_back_by_the_bar(bent: Tool) -> None:
-    scene, reference = simulate(bent, Settings(accuracy=ACCURACY), stop_after="strike"), simulate_reference(bent)
+    scene = simulate(bent, Settings(accuracy=ACCURACY), stop_after="strike")
+    reference = simulate_reference(bent, stop_after="strike")
     compare_strikes(scene, reference, ACCURACY)
     taps = [[each for each in run.contacts if each.obstacle == "bar"][:3] for run in (scene, reference)]
     assert [each.outcome for each in taps[0]] == [each.outcome for each in taps[1]]
@@ -128,7 +137,7 @@ def test_whole_pass_without_a_bar(knee: float) -> None:
 
 
 def test_finer_accuracy_comes_nearer() -> None:
-    """A thousandth of the error is asked for, and no more than that is left."""
+    """A thousandth of the error is asked for, and no more is left."""
     bent = HELD[1]
     scene = simulate(bent, Settings(accuracy=1e-9), stop_after="strike")
     reference = simulate_reference(bent, accuracy=1e-12, stop_after="strike")
@@ -136,13 +145,13 @@ def test_finer_accuracy_comes_nearer() -> None:
     compare_events(scene, reference, 1e-9)
 
 
-CAPPED = Settings(accuracy=ACCURACY, maximum_steps=60_000)
+CAPPED = Settings(accuracy=ACCURACY, maximum_steps=20_000)
 
 
-@pytest.mark.xfail(strict=True, reason="within its margin of the other piece, the engine holds both pieces of the wire")
 @pytest.mark.parametrize(
     "bent",
     [
+        tool(-39.0, 0.70, 0.895, friction=0.3, damping=0.05),
         tool(17.0, 0.745, 0.866, friction=0.3, damping=0.05, speed=200.0),
         tool(-40.7, 0.882, 0.825, speed=200.0),
         tool(43.6, 0.7086, 0.7704, friction=0.3),
@@ -151,10 +160,9 @@ CAPPED = Settings(accuracy=ACCURACY, maximum_steps=60_000)
 def test_touch_near_the_knee(bent: Tool) -> None:
     scene, reference = simulate(bent, CAPPED, stop_after="strike"), simulate_reference(bent, stop_after="strike")
     assert scene.stop_reason == reference.stop_reason
-    assert held(scene).impulse[0] == pytest.approx(held(reference).impulse[0], rel=1e-3)
+    compare_holds(held(scene), held(reference), 20.0 * ACCURACY)
 
 
-@pytest.mark.xfail(strict=True, reason="while one piece of the wire is held, the other piece's blow is not looked for")
 @pytest.mark.parametrize("restitution", [0.0, 0.42])
 def test_blow_in_the_elbow(restitution: float) -> None:
     """A bar that the shank holds meets the rest; the blow is an impact of its own."""

@@ -16,23 +16,32 @@ from bristle_sim.studies.dissertation_curves.model import SOURCES, Curve, Level,
 
 __all__ = ["draw", "draw_panel", "save_figures"]
 
-OPERATING_BLUE = "#1f4fff"
+_OPERATING: dict[str, Any] = {
+    "marker": "o",
+    "color": "#1f4fff",
+    "markersize": 6.5,
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.7,
+}
 """The dissertation marks its operating point with a blue round dot."""
 
 PANEL = (9.0, 6.4)
 """Width and height of a single panel, cm; the legend stands to its right."""
 
-SMALL = (5.6, 3.6)
+SMALL = (4.3, 3.4)
 """The same where a figure has several."""
 
-COLUMNS = 2
-NOTE_WIDTH = 105
-"""Letters of a note on one line of a single figure."""
+COLUMNS = 3
+_DASHES = ((4.0, 2.0), (1.0, 1.5))
+"""Of level lines, in their order."""
+
+_SIDES = {"right": (6, -9, "left"), "left": (-5, -11, "right"), "above": (0, 5, "center")}
+"""Where a mark's label goes: offsets in points, and alignment."""
 
 _LOOKS: dict[str, dict[str, Any]] = {
     "energetic": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
     "compliant": {"marker": "x", "markersize": 4.2},
-    "contact": {"marker": "x", "markersize": 3.4},
+    "contact": {"marker": "x", "markersize": 3.4, "color": BLACK, "linestyle": "-", "linewidth": 0.7},
     "printed": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
     "motion": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
     "table": {"marker": "s", "markersize": 3.6, "markerfacecolor": "white"},
@@ -62,8 +71,7 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     """Draw one panel without its legend."""
     for curve, color in zip(panel.curves, SERIES, strict=False):
         _draw_curve(axes, panel, curve, color)
-    for level in panel.levels:
-        _draw_level(axes, panel, level)
+    _draw_levels(axes, panel)
     for mark in panel.marks:
         _draw_mark(axes, panel, mark)
     axes.set_xlabel(panel.x.label)
@@ -72,8 +80,19 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
         axes.set_xscale("log")
     if panel.y.log:
         axes.set_yscale("log")
+    _limit(axes, panel)
+
+
+def _limit(axes: Axes, panel: Panel) -> None:
+    """Values that differ by rounding alone are drawn as equal, down to zero; room for labels above."""
+    values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
+    low, high = float(values.min()), float(values.max())
+    if high - low < 1e-3 * max(abs(low), abs(high)):
+        axes.set_ylim(min(1.3 * low, 0.0), max(1.3 * high, 0.0))
     if panel.top is not None:
         axes.set_ylim(0.0, panel.y.factor * panel.top)
+    if any(mark.side == "above" for mark in panel.marks):
+        axes.set_ylim(top=high + 0.1 * (high - low))
 
 
 def _draw_curve(axes: Axes, panel: Panel, curve: Curve, color: str) -> None:
@@ -83,24 +102,29 @@ def _draw_curve(axes: Axes, panel: Panel, curve: Curve, color: str) -> None:
         axes.plot(panel.x.factor * at, panel.y.factor * y, **look, zorder=3, gid=f"{law} {curve.name}")
 
 
-def _draw_level(axes: Axes, panel: Panel, level: Level) -> None:
-    if level.upright:
+def _draw_levels(axes: Axes, panel: Panel) -> None:
+    for level in (level for level in panel.levels if level.upright):
         axes.axvline(panel.x.factor * level.value, color=GREY, linewidth=0.8, dashes=(3, 2), zorder=1)
-        return
-    value = panel.y.factor * level.value
-    axes.axhline(value, color=GREY, linewidth=0.9, dashes=(4, 2), zorder=1)
-    axes.annotate(level.label, (1.0, value), (-2, 2), ("axes fraction", "data"), "offset points", ha="right",
-                  fontsize=7.0, color=GREY)  # fmt: skip
+    for level, dashes in zip(_flat(panel), _DASHES, strict=False):
+        axes.axhline(panel.y.factor * level.value, color=GREY, linewidth=1.0, dashes=dashes, zorder=1)
+
+
+def _flat(panel: Panel) -> list[Level]:
+    return [level for level in panel.levels if not level.upright]
 
 
 def _draw_mark(axes: Axes, panel: Panel, mark: Mark) -> None:
     place = (panel.x.factor * mark.x, panel.y.factor * mark.y)
-    axes.plot(*place, "o", color=OPERATING_BLUE, markersize=6.5, markeredgecolor="white", markeredgewidth=0.7, zorder=5)
-    axes.annotate(mark.label, place, (6, -9), textcoords="offset points", fontsize=7.0, color=BLACK, zorder=5)
+    if not mark.label:
+        axes.plot(*place, zorder=5, **_OPERATING)
+        return
+    axes.plot(*place, "o", color=BLACK, markersize=4.5, zorder=5)
+    right, up, aligned = _SIDES[mark.side]
+    axes.annotate(mark.label, place, (right, up), textcoords="offset points", ha=aligned, fontsize=7.0, zorder=5)
 
 
 def _draw_one(figure: Redrawn) -> Figure:
-    page = blank_figure(PANEL[0] + 5.6, PANEL[1] + 2.9)
+    page = blank_figure(PANEL[0] + 5.6, PANEL[1] + 2.7)
     axes = axes_at(page, 1.5, 1.2, *PANEL)
     panel = figure.panels[0]
     draw_panel(axes, panel)
@@ -113,10 +137,10 @@ def _draw_one(figure: Redrawn) -> Figure:
 def _draw_several(figure: Redrawn) -> Figure:
     rows = -(-len(figure.panels) // COLUMNS)
     height = rows * (SMALL[1] + 1.3)
-    page = blank_figure(1.8 + COLUMNS * (SMALL[0] + 1.8), height + 2.5)
+    page = blank_figure(0.5 + COLUMNS * (SMALL[0] + 1.8), height + 2.1)
     for number, panel in enumerate(figure.panels):
         row, column = divmod(number, COLUMNS)
-        place = (1.5 + column * (SMALL[0] + 2.0), 2.0 + (rows - 1 - row) * (SMALL[1] + 1.3))
+        place = (1.5 + column * (SMALL[0] + 1.8), 1.9 + (rows - 1 - row) * (SMALL[1] + 1.3))
         axes = axes_at(page, *place, *SMALL)
         draw_panel(axes, panel)
         axes.legend(handles=_handles(panel)[:1], loc="best")
@@ -151,8 +175,8 @@ def _head(page: Figure, figure: Redrawn, left: float) -> None:
     width, height = page.get_size_inches() * 2.54
     number, _, title = figure.heading.partition(": ")
     shown = number.replace(" ", "\\ ")
-    page.text(left / width, 1.0 - 0.75 / height, f"$\\bf{{{shown}}}$   {title}", fontsize=9.0, va="baseline")
-    page.text(left / width, 1.0 - 1.2 / height, figure.note, fontsize=7.0, color=GREY, va="baseline")
+    page.text(left / width, 1.0 - 0.6 / height, f"$\\bf{{{shown}}}$   {title}", fontsize=9.0, va="baseline")
+    page.text(left / width, 1.0 - 1.02 / height, figure.note, fontsize=7.0, color=GREY, va="baseline")
 
 
 def _handles(panel: Panel) -> list[Line2D]:
@@ -163,22 +187,20 @@ def _handles(panel: Panel) -> list[Line2D]:
     laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
     found += [Line2D([], [], linestyle="none", label=" ")] if several and laws else []
     found += [_source(law) for law in laws]
+    found += [
+        Line2D([], [], color=GREY, linewidth=1.0, dashes=dashes, label=level.label)
+        for level, dashes in zip(_flat(panel), _DASHES, strict=False)
+    ]
     if any(not mark.label for mark in panel.marks):
-        found.append(_dot("operating point"))
+        found.append(Line2D([], [], linestyle="none", label="operating point", **_OPERATING))
     return found
 
 
 def _source(law: str) -> Line2D:
-    look = {"color": BLACK, "markeredgewidth": 0.9, **_LOOKS[law]}
-    return Line2D([], [], linestyle="none", label=_folded(SOURCES[law].words), **look)
+    look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[law]}
+    return Line2D([], [], label=_folded(SOURCES[law].words), **look)
 
 
 def _folded(words: str) -> str:
     """On two lines at its comma, where it has one."""
     return words.replace(", ", ",\n", 1)
-
-
-def _dot(label: str) -> Line2D:
-    return Line2D(
-        [], [], linestyle="none", marker="o", color=OPERATING_BLUE, markersize=6.0, markeredgecolor="white", label=label
-    )

@@ -8,10 +8,10 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.style import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.render.sweep_panels import panel_title
-from bristle_sim.studies.audit_force import TABLE_3_1
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segment_table
 from bristle_sim.studies.force_trials import FitTrial
+from bristle_sim.studies.table_3_1 import TABLE_3_1
 from bristle_sim.theory.force_history import BRISTLE, segment_impulses
 
 __all__ = ["draw_forces", "draw_segments", "force_figure"]

@@ -30,6 +30,10 @@ SOLVED = math.log(1e-17)
 MOST_ITERATIONS = 40_000
 """Of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
 
+WARM = 1e3
+"""Steps up to so many times as long as the one before start from its impulses; the rounding of impulses that are scaled
+further would show."""
+
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 _EVERYWHERE = pymunk.ShapeFilter()
 
@@ -63,6 +67,7 @@ class Scene:
         self.mechanism = mechanism
         self.effects = effects
         self.steps = 0
+        self._last_length = math.inf
         # Runs over one stretch all start from one state.
         self._placed: tuple[State | None, list[Pose]] = (None, [])
         self.space = pymunk.Space()
@@ -118,11 +123,14 @@ class Scene:
         self.space.add(*shapes)
         self._shapes[obstacle.name] = shapes
 
-    def engage(self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int) -> None:
-        """Let the engine's own contact act between the last link and an obstacle from the next step on."""
+    def engage(
+        self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
+    ) -> None:
+        """Let the engine's own contact act between a straight piece of the last link and an obstacle from now on."""
         shapes = self._shapes[obstacle.name]
-        for shape in shapes:
-            shape.filter = _EVERYWHERE
+        for index, shape in enumerate(shapes):
+            # The obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
+            shape.filter = _EVERYWHERE if index in (0, 1 + piece) else _NOWHERE
         shapes[0].friction, shapes[0].elasticity = friction, elasticity
         self.space.iterations = iterations
 
@@ -154,12 +162,29 @@ class Scene:
 
     def step(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
         """Take ``count`` engine steps of one length; ``act`` is called before each of them with the length."""
+        if length > WARM * self._last_length:
+            self._start_cold(length)
+        self._last_length = length
         advance = self.space.step
         for _ in range(count):
             if act is not None:
                 act(length)
             advance(length)
         self.steps += count
+
+    def _start_cold(self, length: float) -> None:
+        """Have the engine forget the impulses of its last step, which it would scale to the length of the next one."""
+        bodies = self.links if self.hub is None else [self.hub, *self.links]
+        kept = [(body.position, body.angle, body.velocity, body.angular_velocity) for body in bodies]
+        for joint in self.joints:
+            joint.max_force = 0.0
+        # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
+        for _ in range(2):
+            self.space.step(length)
+            for body, (position, angle, velocity, rate) in zip(bodies, kept, strict=True):
+                body.position, body.angle, body.velocity, body.angular_velocity = position, angle, velocity, rate
+        for joint in self.joints:
+            joint.max_force = math.inf
 
     def drift(self, duration: float) -> None:
         """Move all bodies on (or back) at their velocities, without forces."""

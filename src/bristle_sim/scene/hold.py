@@ -10,10 +10,14 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import contact_at
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.watches import Watch
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["MOST_GRIP", "EngineHold", "ledger_of_hold", "locking", "set_back"]
+__all__ = ["ELBOW", "MOST_GRIP", "EngineHold", "elbow", "ledger_of_hold", "locking", "set_back"]
+
+MOMENT = 1e-6
+"""In the scene's time unit."""
 
 LEAST_LEVER = 1e-6
 """With a lever of the contact normal shorter than this share of the link, turning the link cannot set it back."""
@@ -26,6 +30,7 @@ class EngineHold:
         """For an obstacle that is to hold the scene's last link."""
         self.scene = scene
         self.obstacle = obstacle
+        self.piece = 0
         self._in_flight = scene.space.iterations
         self._sums = [0.0, 0.0, 0.0]
         self._last = self._step = 0.0
@@ -53,8 +58,17 @@ class EngineHold:
         grip = self.grip(state)
         left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
         rounds = max(self._in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
-        self.scene.engage(self.obstacle, friction=self.obstacle.friction, elasticity=0.0, iterations=rounds)
+        self.piece = self._next_piece(state)
+        self.scene.engage(
+            self.obstacle, friction=self.obstacle.friction, elasticity=0.0, iterations=rounds, piece=self.piece
+        )
         return grip
+
+    def _next_piece(self, state: State) -> int:
+        """The piece that touches from now on: at a corner two do, a moment later one."""
+        angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
+        later = State(state.time + MOMENT, angles, state.rates)
+        return self.obstacle.touch(self.scene.mechanism.poses(later)[-1], later.rates[-1]).piece
 
     def begin(self) -> None:
         """Forget what was added up."""
@@ -127,6 +141,18 @@ LEAST_GRIP, MOST_GRIP = 1e-3, 1.99
 """With less, the force that holds grows beyond bounds: a jam. With more, each iteration overshoots twofold."""
 
 
+ELBOW = "other piece of the wire"
+
+
+def elbow(hold: EngineHold) -> Watch:
+    """Another piece of a bent wire meets the obstacle that holds this one."""
+
+    def beside(at: Advance) -> float:
+        return hold.obstacle.gap_beside(hold.scene.mechanism.poses(at.state)[-1], hold.piece)
+
+    return Watch(ELBOW, beside, falling=True)
+
+
 def locking(hold: EngineHold) -> Watch:
     """The grip gets too small: friction locks the link, or without friction the link meets the obstacle end-on."""
     jams = hold.obstacle.friction > 0.0
@@ -134,12 +160,12 @@ def locking(hold: EngineHold) -> Watch:
     return Watch(name, lambda at: hold.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=True)
 
 
-def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State) -> State:
+def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State, piece: int | None = None) -> State:
     """Turn the last link by Newton's method so that it touches the obstacle and keeps touching it."""
     angles, rates = list(state.angles), list(state.rates)
     for _ in range(3):
         placed = State(state.time, tuple(angles), tuple(rates))
-        touch = obstacle.touch(mechanism.poses(placed)[-1], rates[-1])
+        touch = obstacle.touch(mechanism.poses(placed)[-1], rates[-1], piece)
         lever = touch.arm[0] * touch.normal[1] - touch.arm[1] * touch.normal[0]
         if abs(lever) < LEAST_LEVER:
             return state

@@ -23,6 +23,9 @@ __all__ = ["MARGIN", "BarObstacle", "Obstacle", "Touch", "WorkpartObstacle"]
 MARGIN = 0.02
 """Share of the link's length by which obstacle shapes are enlarged in the engine."""
 
+SAME_GAP = 1e-9
+"""Two pieces of a bent wire whose gaps differ by less than this share of its length both touch."""
+
 HALF_PLANE = 1e3
 """Half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach."""
 
@@ -37,6 +40,7 @@ class Touch(NamedTuple):
         velocity: (normal, tangential) velocity of the link's contact point.
         kinks: the motion of a held contact has a kink where one of these passes through 0: the contact leaves a straight
             piece of the centre line for a corner or the end, or comes back.
+        piece: which straight piece of the centre line touches, counted from the joint.
     """
 
     gap: float
@@ -44,6 +48,7 @@ class Touch(NamedTuple):
     normal: Vector
     velocity: Vector
     kinks: tuple[float, ...]
+    piece: int = 0
 
     @property
     def tangent(self) -> Vector:
@@ -70,8 +75,11 @@ class Obstacle(Protocol):
     def restitution(self) -> float:
         """Coefficient of restitution."""
 
-    def touch(self, pose: Pose, rate: float) -> Touch:
-        """The closest approach of a link in the given pose."""
+    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
+        """The closest approach of a link in the given pose, or of one straight piece of its centre line."""
+
+    def gap_beside(self, pose: Pose, piece: int) -> float:
+        """Gap of the other straight pieces of the centre line, but for the corners they share with this one."""
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Engine shapes: first the obstacle's on the static body, then the link's on its body.
@@ -80,7 +88,10 @@ class Obstacle(Protocol):
         """
 
 
-def _closest(centre: Vector, joint: Vector, start: Vector, end: Vector) -> tuple[float, Vector, tuple[float, float]]:
+_Closest = tuple[float, Vector, tuple[float, float]]
+
+
+def _closest(centre: Vector, joint: Vector, start: Vector, end: Vector) -> _Closest:
     """Squared distance of a straight piece from a point, its closest point seen from the joint, how far past its ends."""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
     to_x, to_y = centre[0] - start[0], centre[1] - start[1]
@@ -113,22 +124,42 @@ class BarObstacle:
         """The same friction in both phases."""
         return self.friction
 
-    def touch(self, pose: Pose, rate: float) -> Touch:
-        """The closest approach of the centre line (with a round end); the contact is on the wire's surface."""
+    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
+        """The closest approach of the centre line (with a round end); the contact is on the wire's surface.
+
+        Of two pieces that touch, the one that approaches faster counts, unless one is named.
+        """
         if not pose.knees:
-            square, arm, ends = _closest(self.centre, pose.joint, pose.joint, pose.tip)
-            kinks: tuple[float, ...] = ends[1:]
-        else:
-            corners = (pose.joint, *pose.knees, pose.tip)
-            pieces = [_closest(self.centre, pose.joint, a, b) for a, b in itertools.pairwise(corners)]
-            square, arm, _ = min(pieces)
-            kinks = tuple(kink for piece in pieces for kink in piece[2])[1:]
+            found = _closest(self.centre, pose.joint, pose.joint, pose.tip)
+            return self._touch(pose, rate, 0, found, found[2][1:])
+        corners = (pose.joint, *pose.knees, pose.tip)
+        pieces = [_closest(self.centre, pose.joint, a, b) for a, b in itertools.pairwise(corners)]
+        kinks = tuple(kink for found in pieces for kink in found[2])[1:]
+        touches = [self._touch(pose, rate, index, found, kinks) for index, found in enumerate(pieces)]
+        if piece is not None:
+            return touches[piece]
+        least = min(touch.gap for touch in touches)
+        return min((touch for touch in touches if touch.gap <= least + SAME_GAP), key=lambda touch: touch.velocity[0])
+
+    def _touch(self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]) -> Touch:
+        square, arm, _ = found
         distance = math.sqrt(square) or 1.0
         x, y = pose.joint[0] + arm[0] - self.centre[0], pose.joint[1] + arm[1] - self.centre[1]
         normal = (x / distance, y / distance)
         arm = (arm[0] - self.wire_radius * normal[0], arm[1] - self.wire_radius * normal[1])
         gap = distance - self.radius - self.wire_radius
-        return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), kinks)
+        return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
+
+    def gap_beside(self, pose: Pose, piece: int) -> float:
+        """Gap of a piece in whose elbow the bar lies; infinite where there is none."""
+        corners = (pose.joint, *pose.knees, pose.tip)
+        gaps = [math.inf]
+        for index, (start, end) in enumerate(itertools.pairwise(corners)):
+            square, _, (past_start, past_end) = _closest(self.centre, pose.joint, start, end)
+            at_shared_corner = past_end >= 0.0 if index < piece else past_start <= 0.0
+            if index != piece and not at_shared_corner:
+                gaps.append(math.sqrt(square) - self.radius - self.wire_radius)
+        return min(gaps)
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """A circle, and the wire as segments with round ends."""
@@ -147,11 +178,17 @@ class WorkpartObstacle:
     restitution: float
     name: str = "workpart"
 
-    def touch(self, pose: Pose, rate: float) -> Touch:
+    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
         """The tip above the surface; normal +y, tangent +x."""
+        del piece
         arm = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
         normal = (0.0, 1.0)
         return Touch(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), ())
+
+    def gap_beside(self, pose: Pose, piece: int) -> float:
+        """Only the tip touches."""
+        del pose, piece
+        return math.inf
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """A thick segment whose upper face is the surface, and the tip as a point."""

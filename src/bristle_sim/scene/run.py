@@ -18,7 +18,7 @@ from functools import partial
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.events import extrapolated_root, first_touch, locate
-from bristle_sim.scene.hold import MOST_GRIP, EngineHold, ledger_of_hold, locking, set_back
+from bristle_sim.scene.hold import ELBOW, MOST_GRIP, EngineHold, elbow, ledger_of_hold, locking, set_back
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -179,7 +179,7 @@ class _Runner:
         length = result.state.time - self.state.time
         state = result.state
         if self.held is not None:
-            state = set_back(self.mechanism, self.held, state)
+            state = set_back(self.mechanism, self.held, state, self.hold.piece if self.hold else None)
             self.hold_sums = tuple(a + b for a, b in zip(self.hold_sums, result.totals[1:], strict=True))
             if self.before is not None and length > 0.0:
                 self.force_slope = (result.totals[0] - self.before.totals[0]) / length
@@ -188,7 +188,8 @@ class _Runner:
         self.recording.error += result.error
         self._sample(state, result.totals[0] if result.totals else 0.0)
         if self.growth != math.inf:
-            self.growth = length if self.releasing else max(2.0 * length, self.shortest)
+            near = self.releasing and 0.0 < -self.force_slope * 4.0 * length > result.totals[0]
+            self.growth = length if near else max(2.0 * length, 0.0 if self.releasing else self.shortest)
 
     def _sample(self, state: State, force: float) -> None:
         self.recording.states.append(state)
@@ -216,8 +217,8 @@ class _Runner:
             if gap > GAP_ROUNDING:
                 self.departing = None
             elif gap < -GAP_ROUNDING and self._touch_of(obstacle, result.state).velocity[0] < 0.0:
-                # It never left: what the law left of the approach is taken up by holding it.
-                return result, lambda _: self._hold(obstacle)
+                # It is back within the shortest stretch: too low a rebound to follow.
+                return result, lambda _: self._touch(obstacle, rests=True)
             return result, act
         share = first_touch(
             self.mechanism,
@@ -290,7 +291,7 @@ class _Runner:
         """Events other than touches, for what the link is doing now."""
         found = in_flight(self.mechanism) if self.held is None else in_touch(self.mechanism, self.held, self.state)
         if self.hold is not None:
-            found.append(locking(self.hold))
+            found += [locking(self.hold), elbow(self.hold)]
         if math.isfinite(self.plan.retraction_limit):
             found.append(freedom(self.mechanism, self.plan.retraction_limit))
         return found
@@ -310,6 +311,10 @@ class _Runner:
             self._event(watch.event, at.state.time)
         if watch.final:
             self._stop(watch.name)
+        if watch.name == ELBOW and self.held is not None:
+            obstacle = self.held
+            self._enter_hold(obstacle.name)
+            self._touch(obstacle)
 
     def _event(self, name: str, at: float) -> None:
         self.recording.events.append(Event(name, at))
@@ -320,15 +325,14 @@ class _Runner:
         self.stopped = True
         self.recording.stop_reason = self.recording.stop_reason or reason
 
-    def _touch(self, obstacle: Obstacle) -> None:
-        """An impact, and what follows it: flight, or being held."""
+    def _touch(self, obstacle: Obstacle, *, rests: bool = False) -> None:
+        """An impact, and what follows it: flight, or being held; ``rests`` takes what is left of the approach."""
         if self.held is not None:
             self._let_go(self.state)
         law = self.law if obstacle.name == "workpart" else EnergeticLaw()
         coefficients = Coefficients.of(obstacle)
         touch = self._touch_of(obstacle, self.state)
-        slow = -touch.velocity[0] <= CAPTURE * self.mechanism.speed_bound(self.state)
-        if slow:
+        if rests or -touch.velocity[0] <= CAPTURE * self.mechanism.speed_bound(self.state):
             law, coefficients = EnergeticLaw(), Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
         first = not any(each.obstacle == obstacle.name for each in self.recording.contacts)
         after, record = law.resolve(self.scene, self.state, obstacle, coefficients)

@@ -86,7 +86,11 @@ class Stepper(Protocol):
 
 
 class PlainSteps:
-    """One engine step after the other, of a fixed length, with joints that the engine corrects: first order."""
+    """One engine step after the other, of a fixed length: first order.
+
+    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
+    such as a held contact would take for a force; under a load each step starts from closed joints instead.
+    """
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
@@ -103,18 +107,19 @@ class PlainSteps:
         return min(self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """One engine step of the given length, from where the bodies are if they were left there.
+        """One engine step of the given length, in flight from where the bodies are if they were left there.
 
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
         that is next to nothing is not corrected.
         """
-        scene.correct_joints(completely=duration > INSTANT)
-        if self._left is not state or duration < self.step:
+        if load is not None or self._left is not state or duration < self.step:
             scene.place(state)
+        scene.correct_joints(completely=load is None and duration > INSTANT)
         values = _steps(scene, duration, 1, load)
         scene.correct_joints(completely=False)
-        failed = load is not None and load.fails(values[3 * len(scene.links) :])
-        result = _unpack(state, duration, len(scene.links), values, 0.0, failed)
+        size = len(scene.links)
+        failed = load is not None and load.fails(values[3 * size :])
+        result = _unpack(state, duration, size, values, 0.0, failed)
         self._left = result.state
         return result
 

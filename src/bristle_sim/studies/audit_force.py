@@ -8,6 +8,7 @@ import numpy as np
 
 from bristle_sim.studies.audit_impact import resultant_impulse
 from bristle_sim.studies.audit_row import AuditRow, claim, half_unit, missing, number
+from bristle_sim.studies.table_3_1 import TABLE_3_1
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, IMPACT_ANGLE
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history
 from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, ForceCurve, segment_impulses
@@ -16,9 +17,6 @@ __all__ = ["force_rows"]
 
 BALL_TIME = 2.328e-3
 """t'_c as the dissertation rounds it, s (Zhang 2020, eq. 3.6)."""
-
-TABLE_3_1 = ("0.13", "0.43", "0.79", "1.18", "1.56", "1.93", "2.24", "2.49", "2.67", "2.76")
-"""Ten-segment impulses of the bristle, 1e-4 N s (Zhang 2020, table 3.1)."""
 
 IMPULSE_ROUNDING = half_unit("1.619e-3") / PRINTED_BRISTLE_IMPULSE
 """Relative rounding of the printed p_c."""

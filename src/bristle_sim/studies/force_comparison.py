@@ -20,7 +20,6 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.audit_force import TABLE_3_1
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_trials import (
     FitTrial,
@@ -32,6 +31,7 @@ from bristle_sim.studies.force_trials import (
     trial_in_words,
     trial_row,
 )
+from bristle_sim.studies.table_3_1 import TABLE_3_1
 from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history, read_force_csv
 from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, ForceCurve, segment_impulses

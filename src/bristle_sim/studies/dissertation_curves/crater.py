@@ -31,8 +31,8 @@ __all__ = ["FIGURES"]
 Array = NDArray[np.float64]
 
 DEPTH = Axis("crater depth", "µm", 1e6)
-PLIES = Axis("number of plies n", log=True)
-FRICTION = Axis("friction coefficient while cutting μ")
+PLIES = Axis("number of plies $n$", log=True)
+FRICTION = Axis("friction coefficient while cutting $\\mu$")
 ANGLE = Axis("impact angle $\\gamma$", "°", math.degrees(1.0))
 STRESS = Axis("shear yield stress", "MPa", 1e-6)
 
@@ -52,11 +52,11 @@ def map_figure() -> Redrawn:
     depth = contact.history.penetration
     speed = np.hypot(contact.history.normal_velocity, contact.history.tangential_velocity)
     panels = (
-        _over_time(FORCE, "F (3.19)", BRISTLE, contact, contact.resultant.values),
-        _over_time(Axis("tip's path", "µm", 1e6), "S (4.4a)", k.tip_displacement, contact, contact.path),
-        _over_time(Axis("tip's speed", "m/s"), "v_C (4.4b)", k.tip_velocity, contact, speed),
-        _over_time(Axis("bristle's rate", "rad/s"), "(4.6)", k.bristle_rate, contact, contact.rate),
-        _over_time(Axis("centre's speed", "m/s"), "v_G (4.7)", k.centre_velocity, contact, contact.centre_speed),
+        _over_time(FORCE, "$F$ (3.19)", BRISTLE, contact, contact.resultant.values),
+        _over_time(Axis("tip's path", "µm", 1e6), "$S$ (4.4a)", k.tip_displacement, contact, contact.path),
+        _over_time(Axis("tip's speed", "m/s"), "$v_C$ (4.4b)", k.tip_velocity, contact, speed),
+        _over_time(Axis("bristle's rate", "rad/s"), "$\\dot\\varphi$ (4.6)", k.bristle_rate, contact, contact.rate),
+        _over_time(Axis("centre's speed", "m/s"), "$v_G$ (4.7)", k.centre_velocity, contact, contact.centre_speed),
         _over_time(Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, contact, depth),
     )
     return Redrawn(
@@ -71,10 +71,10 @@ def displacement_figure() -> Redrawn:
     """Figure 4.3: the tip's path."""
     contact = bristle_contact(impulse=False)
     axis = Axis("tip's path", "µm", 1e6)
-    panel = _over_time(axis, "S (4.4a)", PRINTED_KINEMATICS.tip_displacement, contact, contact.path)
+    panel = _over_time(axis, "$S$ (4.4a)", PRINTED_KINEMATICS.tip_displacement, contact, contact.path)
     level = Level(3.25e-4, "measured, 325 µm")
     end = float(PRINTED_KINEMATICS.tip_displacement(COMPRESSION_TIME))
-    mark = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm")
+    mark = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm", "left")
     note = "printed end: 320 µm"
     return Redrawn(
         "4.3", "penetration displacement", (dataclasses.replace(panel, levels=(level,), marks=(mark,)),), note
@@ -86,10 +86,10 @@ def width_figure() -> Redrawn:
     at = COMPRESSION_TIME * np.linspace(0.0, 1.0, 11)[1:]
     printed = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * at)) ** 2)
     curve = curve_of(
-        "b (4.16)", PRINTED_WIDTH, COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2, {"printed": (at, printed)}
+        "$b$ (4.16)", PRINTED_WIDTH, COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2, {"printed": (at, printed)}
     )
     end = float(PRINTED_WIDTH(COMPRESSION_TIME))
-    mark, level = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm"), Level(6.51e-4, "measured, 651 µm")
+    mark, level = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm", "left"), Level(6.51e-4, "measured, 651 µm")
     panel = Panel(MICROSECONDS, Axis("cutting width", "µm", 1e6), (curve,), marks=(mark,), levels=(level,))
     return Redrawn("4.6", "cutting width", (panel,), "printed end: 652 µm")
 
@@ -105,7 +105,7 @@ def plies_figure() -> Redrawn:
         curve_of(
             "exact angles", lambda n: merchant_crater_depth(plies=n), WHOLE_PLIES, {"printed": (FEW_PLIES, course)}
         ),
-        curve_of("angles rounded as in (4.52)", rounded, WHOLE_PLIES),
+        curve_of("rounded angles (4.52)", rounded, WHOLE_PLIES),
     )
     limit = float(merchant_crater_depth_limit())
     mark = Mark(300.0, float(rounded(300)), f"{1e6 * float(rounded(300)):.2f} µm, printed 140")
@@ -132,7 +132,7 @@ def angle_figure() -> Redrawn:
     angles = np.radians(np.linspace(0.5, 23.4, 101))
     curves = [_depth_curve(f"{mu:g}", "impact_angle", angles, friction=mu) for mu in (0.5, 1.0, 2.0, 4.0)]
     own = math.radians(OWN.impact_angle_deg)
-    return _depth_figure("4.15", "crater depth over the impact angle", ANGLE, curves, "μ", own)
+    return _depth_figure("4.15", "crater depth over the impact angle", ANGLE, curves, "$\\mu$", own)
 
 
 def constant_depth_figure() -> Redrawn:
@@ -145,7 +145,7 @@ def constant_depth_figure() -> Redrawn:
         found = [_friction_by_halving(depth, float(angle)) for angle in at]
         formula = _friction_at(depth)
         curves.append(curve_of(f"{1e6 * depth:.0f} µm", formula, angles, {"printed": (at, found)}))
-    mark = Mark(math.radians(OWN.impact_angle_deg), OWN.friction, "(0.5, 23.4°): 139.4 µm")
+    mark = Mark(math.radians(OWN.impact_angle_deg), OWN.friction)
     panel = Panel(ANGLE, FRICTION, tuple(curves), family="depth", marks=(mark,))
     return Redrawn("4.16", "friction over the impact angle at constant crater depth", (panel,))
 
@@ -165,11 +165,13 @@ def energy_figure() -> Redrawn:
         curve_of("sum of quotients (4.62)", _each(energy_crater_depth), WHOLE_PLIES, {"motion": (FEW_PLIES, course)}),
         curve_of("ratio of two sums (4.66)", _each(energy_crater_depth_ratio), WHOLE_PLIES),
     )
-    mark = Mark(5.0, float(energy_crater_depth_ratio(5)), "5 plies: 75.78 µm")
+    mark = Mark(5.0, float(energy_crater_depth_ratio(5)), "5 plies", "left")
     levels = (MEASURED_LEVEL, Level(7.58e-5, "printed, 75.8 µm"))
     axis = dataclasses.replace(DEPTH, log=True)
     panel = Panel(PLIES, axis, curves, marks=(mark,), levels=levels)
-    note = "no reading converges: the sum grows like ln n, since the force begins near zero, the ratio falls like 1/n"
+    note = (
+        "the sum grows like ln $n$ until the rounding of $F$(0), 0.02 N, stops it at 14 mm; the ratio falls like 1/$n$"
+    )
     return Redrawn("4.19", "crater depth by work and energy over the number of plies", (panel,), note)
 
 

@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.audit_force import TABLE_3_1
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.dissertation_curves.model import Axis, Mark, Panel, Redrawn, curve_of
 from bristle_sim.studies.force_trials import noisy_points
+from bristle_sim.studies.table_3_1 import TABLE_3_1
 from bristle_sim.studies.timed_contact import timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.force_fit import fit_force_history
@@ -54,7 +54,7 @@ def fit_figure() -> Redrawn:
     bend, peak = BALL.inflection_time(), BALL.peak_time()
     marks = (
         Mark(bend, float(BALL(bend)), f"rises fastest at {1e3 * bend:.3f} ms"),
-        Mark(peak, BALL.peak_force(), f"{BALL.peak_force():.1f} N at {1e3 * peak:.3f} ms"),
+        Mark(peak, BALL.peak_force(), f"{BALL.peak_force():.1f} N at {1e3 * peak:.3f} ms", "above"),
     )
     note = f"impulse up to the largest force {float(BALL.impulse(peak)):.4f} N·s; printed as 0.4269 N·m"
     return Redrawn(
@@ -76,7 +76,7 @@ def bristle_figure() -> Redrawn:
         curve_of("ball's curve rescaled", scaled, np.linspace(0.0, scaled.duration, 201)),
     )
     peak = BRISTLE.peak_time()
-    marks = (Mark(peak, BRISTLE.peak_force(), f"{BRISTLE.peak_force():.1f} N"),)
+    marks = (Mark(peak, BRISTLE.peak_force(), f"{BRISTLE.peak_force():.1f} N", "above"),)
     note = f"simulated: resultant of a contact with the curve's impulse, largest {contact.peak_force:.1f} N"
     return Redrawn(
         "3.3", "force on the bristle's tip, by (3.19)", (Panel(MICROSECONDS, FORCE, curves, marks=marks),), note
@@ -102,8 +102,8 @@ def table() -> Redrawn:
     head = ("segment", "time (µs)", "printed", "by (3.15)", "by (3.19)", "simulated")
     return Redrawn(
         "table_3.1",
-        "ten-segment impulse of the bristle, 0.1 mN·s",
-        note="(3.15) shares the printed 1.619 mN·s out as the ball's curve does; (3.19) carries 0.46 % less",
+        "ten-segment impulse of the bristle",
+        note="0.1 mN·s; (3.15) shares the printed 1.619 mN·s out as the ball's curve does, (3.19) carries 0.46 % less",
         table=(head, *rows, ("sum", "", *totals)),
     )
 

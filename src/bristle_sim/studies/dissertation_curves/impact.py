@@ -23,14 +23,14 @@ __all__ = ["OPERATING_POINT", "Case", "Sweep", "impact_figure", "struck", "sweep
 
 Array = NDArray[np.float64]
 
-GRID = 161
+GRID = 401
 """Places on a curve."""
 
-ENERGETIC, COMPLIANT = 9, 4
-"""Simulated impacts on a curve by law: one takes a millisecond, the other fifty."""
+ENERGETIC, COMPLIANT = 6, 5
+"""Simulated impacts on a curve by law: at ends and steps, and between them."""
 
 NEAREST = 0.9
-"""Share of the stiction friction up to which impacts are simulated where p_fy grows without bound; curves go to 0.995."""
+"""Share of the stiction friction up to which impacts are simulated where p_fy grows without bound; curves end at 0.9999 of it."""
 
 TOTAL = "total_compressive_work"
 
@@ -84,7 +84,7 @@ class Sweep:
         if not self.until_stiction:
             return self.low, self.high, self.high
         stiction = math.tan(case.impact_angle)
-        return self.low, min(self.high, NEAREST * stiction), min(self.high, 0.995 * stiction)
+        return self.low, min(self.high, NEAREST * stiction), min(self.high, 0.9999 * stiction)
 
 
 FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (10.0, 15.0, 23.4, 30.0)))
@@ -99,14 +99,14 @@ RESTITUTION = Sweep("friction", 0.0, 1.0, "restitution", (0.2, 0.42, 0.6, 0.8), 
 REBOUND = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0))
 
 AXES = {
-    "friction": Axis("friction coefficient μ"),
-    "restitution_friction": Axis("friction coefficient in restitution μ₂"),
-    "length": Axis("bristle length L", "mm", 1e3),
+    "friction": Axis("friction coefficient $\\mu$"),
+    "restitution_friction": Axis("friction coefficient in restitution $\\mu_2$"),
+    "length": Axis("bristle length $L$", "mm", 1e3),
     "hub_radius": Axis("hub radius", "mm", 1e3),
     "hub_speed": Axis("hub speed", "rad/s"),
-    "speed_ratio": Axis("speed ratio R"),
+    "speed_ratio": Axis("speed ratio $R$"),
     "impact_angle": Axis("impact angle $\\gamma$", "°", math.degrees(1.0)),
-    "restitution": Axis("restitution e*"),
+    "restitution": Axis("restitution $e^*$"),
     "normal_compressive_impulse": Axis("normal compressive impulse", "mN·s", 1e3),
     "tangential_compressive_impulse": Axis("tangential compressive impulse", "mN·s", 1e3),
     "normal_final_impulse": Axis("normal final impulse", "mN·s", 1e3),
@@ -117,12 +117,12 @@ AXES = {
 }
 
 SYMBOLS = {
-    "friction": "μ",
-    "restitution_friction": "μ₂",
-    "hub_radius": "r_h",
-    "hub_speed": "ω",
+    "friction": "$\\mu$",
+    "restitution_friction": "$\\mu_2$",
+    "hub_radius": "$r_h$",
+    "hub_speed": "$\\omega$",
     "impact_angle": "$\\gamma$",
-    "restitution": "e*",
+    "restitution": "$e^*$",
 }
 
 FIGURES: dict[str, tuple[str, Sweep, str]] = {
@@ -151,7 +151,7 @@ NOTES = {
     "2.19": "the same whatever friction and impact angle: the energy of the effective mass m/3",
     "2.22": "each curve grows without bound towards tan $\\gamma$ (dashed)",
     "2.23": "grows without bound towards tan $\\gamma$ (dashed)",
-    "2.24": "flat where the tip stays at rest: μ ≥ tan $\\gamma$",
+    "2.24": "flat where the tip stays at rest: $\\mu$ ≥ tan $\\gamma$",
 }
 
 
@@ -218,7 +218,7 @@ def _places(low: float, high: float, number: int, *, between: bool) -> Sequence[
 def _grid(low: float, high: float, sweep: Sweep) -> Array:
     """Closer together at the end where a curve grows without bound."""
     if sweep.until_stiction:
-        return np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 2)
+        return np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
     return np.linspace(low, high, GRID)
 
 

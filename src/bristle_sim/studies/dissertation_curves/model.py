@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where points come from, and how far they may be off the curve as a share of its largest value."""
+    """Where points come from, and how far they may be off the curve, see largest_differences."""
 
     words: str
     tolerance: float | None
@@ -32,9 +32,9 @@ SOURCES = {
     # The equation as it stands in print, number by number; what nearly cancels in it leaves 1e-12.
     "printed": Source("printed equation, term by term", 1e-9),
     # The coefficients of (4.59) are rounded, 0.00303 stands for 0.00302.
-    "motion": Source("from the printed motion (4.6, 4.7)", 5e-3),
-    "table": Source("table 3.1 over the segment's time", None),
-    "sampled": Source("points drawn from (3.5), noise 5 N", None),
+    "motion": Source("printed motion, summed", 5e-3),
+    "table": Source("table 3.1, mean forces", None),
+    "sampled": Source("drawn from (3.5), noise 5 N", None),
 }
 """Sources of points; None where a difference is a finding or meant to be."""
 
@@ -56,11 +56,12 @@ class Axis:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """A labelled point, SI; without a label it is the dissertation's operating point."""
+    """A labelled point, SI, its label to the ``right``, ``left`` or ``above``; without one it is the operating point."""
 
     x: float
     y: float
     label: str = ""
+    side: str = "right"
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,12 +136,12 @@ def curve_of(
 
 
 def largest_differences(figure: Redrawn) -> dict[str, float]:
-    """By source of points, their largest distance from the curve as a share of the curve's largest value."""
+    """By source of points, their largest distance from the curve, as a share of its largest value beside a point."""
     found: dict[str, float] = {}
     for curve in (curve for panel in figure.panels for curve in panel.curves):
-        size = float(np.max(np.abs(curve.theory)))
         for law, (at, y) in curve.points.items():
             beside = curve.theory[np.searchsorted(curve.x, at)]
-            share = float(np.max(np.abs(y - beside), initial=0.0)) / (size or 1.0)
+            size = float(np.max(np.abs(beside), initial=0.0)) or 1.0
+            share = float(np.max(np.abs(y - beside), initial=0.0)) / size
             found[law] = max(found.get(law, 0.0), share)
     return found

@@ -22,17 +22,19 @@ __all__ = ["double_pendulum_figure", "heavy_rod_figure", "single_pendulum_figure
 
 Array = NDArray[np.float64]
 
-RATIO = Axis("mass ratio n", log=True)
+RATIO = Axis("mass ratio $n$", log=True)
 FRICTIONS = (0.3, 0.5, 0.7)
 LIGHT_RATIOS, HEAVY_RATIO = (1.0, 10.0), 700.0
-RATES = {"2.28": (1, "rod BC, second"), "2.29": (0, "rod OB, first")}
+RATES = {"2.28": (1, "rod BC"), "2.29": (0, "rod OB")}
 
 
 def single_pendulum_figure() -> Redrawn:
     """Figure 2.26: the bristle's rebound ratio with a hub of no radius."""
     base = dataclasses.replace(OPERATING_POINT, hub_radius=0.0)
     panel = sweep_panel("rebound_ratio", dataclasses.replace(REBOUND, base=base))
-    return Redrawn("2.26", "rebound ratio of the degenerated model, Stronge's single pendulum", (panel,))
+    return Redrawn(
+        "2.26", "rebound ratio of Stronge's single pendulum", (panel,), "the bristle on a hub of no radius, $r_h$ = 0"
+    )
 
 
 def double_pendulum_figure(number: str) -> Redrawn:
@@ -52,22 +54,22 @@ def double_pendulum_figure(number: str) -> Redrawn:
         for mu in FRICTIONS
     )
     levels = (Level(pendulum.rate_1, "before the impact"),) if rod == 0 else ()
-    axis = Axis(f"rate after impact, {name.partition(',')[0]}", "rad/s")
+    axis = Axis(f"rate after impact, {name}", "rad/s")
     return Redrawn(
         number,
-        f"rate of {name} of the double pendulum, over the mass ratio",
-        (Panel(RATIO, axis, curves, family="μ", levels=levels),),
-        "slip stops and reverses for μ = 0.3 and 0.5; for 0.7 the tip sticks",
+        f"double pendulum: rate of {name}, over the mass ratio",
+        (Panel(RATIO, axis, curves, family="$\\mu$", levels=levels),),
+        "slip stops and reverses for $\\mu$ = 0.3 and 0.5; with 0.7 the tip sticks",
     )
 
 
 def heavy_rod_figure() -> Redrawn:
     """Figure 2.30: final impulse of the bristle as the second rod of a double pendulum, beside the monofilament's."""
     stiction = math.tan(-HEAVY_ROD.angles[1])
-    frictions = 0.995 * stiction * (1.0 - np.linspace(1.0, 0.0, 121) ** 2)
-    simulated = {"energetic": np.linspace(0.0, 0.9 * stiction, 9), "compliant": np.linspace(0.05, 0.9, 4) * stiction}
+    frictions = 0.9999 * stiction * (1.0 - np.linspace(1.0, 0.0, 121) ** 2)
+    simulated = {"energetic": np.linspace(0.0, 0.9, 6) * stiction, "compliant": np.linspace(0.09, 0.81, 5) * stiction}
     curves = [
-        _curve(f"n = {n:g}", IMPULSE, _over_friction(n), frictions, simulated) for n in (*LIGHT_RATIOS, HEAVY_RATIO)
+        _curve(f"$n$ = {n:g}", IMPULSE, _over_friction(n), frictions, simulated) for n in (*LIGHT_RATIOS, HEAVY_RATIO)
     ]
     curves.append(curve_of("bristle on its hub", _monofilament, frictions))
     at = HEAVY_ROD_SURFACE.friction
@@ -90,7 +92,7 @@ def heavy_rod_figure() -> Redrawn:
 
 
 _RATIOS = np.geomspace(1.0, 1e4, 121)
-_SIMULATED = {"energetic": np.geomspace(1.0, 1e4, 9), "compliant": np.geomspace(2.0, 5e3, 4)}
+_SIMULATED = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(10**0.5, 10**3.5, 4)}
 
 Case = Callable[[float], tuple[Chain, Surface]]
 

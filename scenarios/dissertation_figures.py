@@ -1,0 +1,41 @@
+"""Every computed figure of the dissertation, and table 3.1, redrawn from the equations, with simulated points on top.
+
+Where a figure's quantity can be simulated, impacts through the scene stand on the formula's curve, by the energetic law and
+resolved in time; elsewhere the printed equation is evaluated number by number. The table says how far they lie apart.
+``--plot FOLDER`` writes one picture a figure, ``--only 2.24`` keeps to one.
+"""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.comparison import Report
+from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.studies.dissertation_report import Selection, figures_report
+
+
+def run(values: Mapping[str, Any]) -> Report:
+    """Compute the figures asked for."""
+    return figures_report(build(Selection, values))
+
+
+def plot(report: Report, folder: Path) -> None:
+    """One picture a figure, named after its number."""
+    from bristle_sim.render.dissertation_figures import save_figures
+
+    save_figures(report.subject, folder)
+
+
+SCENARIO = Scenario(
+    name="dissertation_figures",
+    question="Do simulated impacts and printed equations lie on the dissertation's curves?",
+    parts=(Selection,),
+    run=run,
+    plot=plot,
+    plot_is_folder=True,
+    options=("only",),
+)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))

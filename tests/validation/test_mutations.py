@@ -1,0 +1,155 @@
+"""Seeded physical errors must be noticed: with each of them, a check that the validation tests rely on fails."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pymunk
+import pytest
+
+from bristle_sim.parameters import Belt, Tool
+from bristle_sim.scene import contact_laws, tool
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import Link
+from bristle_sim.scene.tool import simulate
+from bristle_sim.trajectory import Trajectory
+from validation.test_operating_point import check_bar, check_retraction, check_strike, check_strike_ledger
+
+Check = Callable[[Trajectory], None]
+
+CHECKS: tuple[Check, ...] = (check_strike, check_retraction, check_bar, check_strike_ledger)
+
+
+def failing(subject: Tool | None = None) -> set[Check]:
+    """The checks that a simulated pass does not stand."""
+    run = simulate(subject or Tool(), stop_after="strike")
+    return {check for check in CHECKS if fails(check, run)}
+
+
+def fails(check: Check, run: Trajectory) -> bool:
+    try:
+        check(run)
+    except AssertionError:
+        return True
+    return False
+
+
+def test_unharmed_the_pass_stands_every_check() -> None:
+    assert failing() == set()
+
+
+class TestBelt:
+    def test_torque_of_the_wrong_sign(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        true = pymunk.DampedRotarySpring
+
+        def reversed_spring(a, b, rest_angle, stiffness, damping):  # type: ignore[no-untyped-def]
+            return true(a, b, rest_angle, -stiffness, damping)
+
+        monkeypatch.setattr("bristle_sim.scene.build.pymunk.DampedRotarySpring", reversed_spring)
+        assert failing() == set(CHECKS)
+
+    @pytest.mark.parametrize("share", [0.99, 1.01])
+    def test_stiffness_off_by_a_hundredth(self, share: float) -> None:
+        """The speed goes with the root of the stiffness: 0.5 % of it."""
+        assert check_strike in failing(replace(Tool(), belt=Belt(stiffness=math.degrees(0.00041) * share)))
+
+    def test_damping_that_was_not_asked_for(self) -> None:
+        assert check_strike in failing(replace(Tool(), belt=Belt(damping_ratio=0.002)))
+
+
+class TestInertia:
+    def test_no_centrifugal_term(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A torque on the link that takes away what the rotating root exerts, m r_h (L/2) w^2 sin a."""
+        true = Scene.step
+
+        def without(scene: Scene, length: float, count: int, act=None) -> None:  # type: ignore[no-untyped-def]
+            hub, link, mechanism = scene.hub, scene.links[0], scene.mechanism
+            for _ in range(count):
+                if act is not None:
+                    act(length)
+                relative = link.angle - hub.angle
+                link.torque += 0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
+                true(scene, length, 1)
+
+        monkeypatch.setattr(Scene, "step", without)
+        assert {check_strike, check_retraction} <= failing()
+
+    @pytest.mark.parametrize("share", [0.98, 1.02])
+    def test_moment_of_inertia_off(self, monkeypatch: pytest.MonkeyPatch, share: float) -> None:
+        """About the centre, where it is a quarter of that about the root: 0.5 % of the latter."""
+        true = tool._link
+
+        def off(*arguments) -> Link:  # type: ignore[no-untyped-def]
+            link = true(*arguments)
+            return replace(link, inertia=link.inertia * share)
+
+        monkeypatch.setattr(tool, "_link", off)
+        assert check_strike in failing()
+
+    def test_hub_off_its_speed(self) -> None:
+        assert check_strike in failing(replace(Tool(), hub=replace(Tool().hub, speed=261.8 * 1.001)))
+
+    def test_root_circle_off(self) -> None:
+        assert check_strike in failing(replace(Tool(), hub=replace(Tool().hub, radius=0.0275 - 1e-4)))
+
+
+class TestBar:
+    @pytest.mark.parametrize("side", ["horizontal", "vertical"])
+    @pytest.mark.parametrize("off", [-1e-3, 1e-3])
+    def test_a_millimetre_off(self, side: str, off: float) -> None:
+        bar = Tool().bar
+        assert bar is not None
+        moved = replace(bar, **{side: getattr(bar, side) + off})
+        assert {check_strike, check_retraction, check_bar} <= failing(replace(Tool(), bar=moved))
+
+    def test_wire_without_thickness(self) -> None:
+        thin = replace(Tool().bristle, wire_diameter=0.0)
+        assert {check_strike, check_retraction, check_bar} <= failing(replace(Tool(), bristle=thin))
+
+    def test_bar_that_throws_back(self) -> None:
+        bar = Tool().bar
+        assert bar is not None
+        assert {check_strike, check_bar} <= failing(replace(Tool(), bar=replace(bar, restitution=0.42)))
+
+    def test_no_bar(self) -> None:
+        run = simulate(replace(Tool(), bar=None), stop_after="strike")
+        assert fails(check_strike, run)
+        assert fails(check_retraction, run)
+        assert fails(check_bar, run)
+
+
+class TestImpact:
+    def test_workpart_off_by_a_hundredth_of_a_millimetre(self) -> None:
+        part = Tool().workpart
+        assert part is not None
+        assert check_strike in failing(replace(Tool(), workpart=replace(part, penetration=0.00451)))
+
+    def test_another_coefficient_of_restitution(self) -> None:
+        part = Tool().workpart
+        assert part is not None
+        assert failing(replace(Tool(), workpart=replace(part, restitution=0.42 + 1e-6))) == {check_strike_ledger}
+
+    def test_friction_of_the_wrong_sign(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """The tangential impulse turned round on its way to the bodies."""
+        monkeypatch.setattr(contact_laws, "contact_at", with_turned_friction(contact_laws.contact_at))
+        assert failing() == {check_strike_ledger}
+
+    def test_impulse_that_misses_the_tip(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A contact-space mass of a rod a thousandth shorter."""
+        true = contact_laws.contact_space
+
+        def off(body, point, normal, other=None):  # type: ignore[no-untyped-def]
+            nearer = (0.999 * point[0] + 0.001 * body.position.x, 0.999 * point[1] + 0.001 * body.position.y)
+            return true(body, nearer, normal, other)
+
+        monkeypatch.setattr(contact_laws, "contact_space", off)
+        assert check_strike_ledger in failing()
+
+
+def with_turned_friction(true: Callable[..., tuple]) -> Callable[..., tuple]:  # type: ignore[type-arg]
+    def turned(*arguments):  # type: ignore[no-untyped-def]
+        touch, space = true(*arguments)
+        response = space.response * [1.0, -1.0]
+        return touch, replace(space, response=response)
+
+    return turned

@@ -1,0 +1,188 @@
+"""The pymunk scene against closed forms: harmonic and damped flight, Jacobi's integral, pendulums, the radial strike."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import ellipj
+
+from bristle_sim.parameters import Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.theory.monofilament import monofilament_impact
+from bristle_sim.trajectory import Trajectory
+
+FREE = Tool(bar=None, workpart=None)
+ON_AXIS = replace(FREE, hub=Hub(radius=0.0))
+ACCURACIES = [1e-4, 1e-7, 1e-10]
+
+
+def natural_rate(tool: Tool) -> float:
+    return math.sqrt(3.0 * tool.belt.stiffness / (tool.bristle.mass * tool.bristle.length**2))
+
+
+class TestFlight:
+    """A run asks each stretch for a tenth of the accuracy; some twenty stretches of a pass add up to less than ten of it."""
+
+    @pytest.mark.parametrize("accuracy", ACCURACIES)
+    @pytest.mark.parametrize("damping", [0.0, 0.018, 0.7])
+    @pytest.mark.parametrize("hub_speed", [0.0, 261.8])
+    def test_belt_oscillation(self, accuracy: float, damping: float, hub_speed: float) -> None:
+        """Root on the hub's axis: a complex exponential, however fast the hub turns."""
+        tool = replace(ON_AXIS, hub=Hub(speed=hub_speed, radius=0.0), belt=Belt(damping_ratio=damping))
+        run = simulate(tool, Settings(accuracy=accuracy), start_relative_angle=-0.6, start_relative_rate=300.0)
+        natural = natural_rate(tool)
+        exponent = natural * complex(-damping, math.sqrt(1.0 - damping**2))
+        amplitude = complex(-0.6, (exponent.real * -0.6 - 300.0) / exponent.imag)
+        motion = amplitude * np.exp(exponent * run.time)
+        np.testing.assert_allclose(run.relative_angle, motion.real, rtol=0.0, atol=accuracy)
+        np.testing.assert_allclose(run.relative_rate, (exponent * motion).real, rtol=0.0, atol=accuracy * natural)
+
+    @pytest.mark.parametrize("ratio", [1.0, 4.0])
+    def test_overdamped_decay(self, ratio: float) -> None:
+        """Two real exponents, equal at a damping ratio of 1: released from rest it creeps back without overshoot."""
+        tool = replace(ON_AXIS, belt=Belt(damping_ratio=ratio))
+        run = simulate(tool, start_relative_angle=-0.6)
+        natural = natural_rate(tool)
+        if ratio == 1.0:
+            expected = -0.6 * (1.0 + natural * run.time) * np.exp(-natural * run.time)
+        else:
+            slow, fast = (natural * (-ratio + sign * math.sqrt(ratio**2 - 1.0)) for sign in (1.0, -1.0))
+            expected = -0.6 * (fast * np.exp(slow * run.time) - slow * np.exp(fast * run.time)) / (fast - slow)
+        # The accuracy of 1e-6, asked for over as many fast decay times as there are in the run.
+        np.testing.assert_allclose(run.relative_angle, expected, rtol=0.0, atol=1e-5)
+
+    @pytest.mark.parametrize("speed", [0.0, 261.8])
+    def test_pendulum(self, speed: float) -> None:
+        """No belt: sin(a/2) = sin(a_0/2) cd(t sqrt(3 g/2L)), in gravity or in the rotating root's field r_h w^2."""
+        tool = replace(FREE, hub=Hub(speed=speed), belt=Belt(stiffness=0.0), gravity=0.0 if speed else 9.81)
+        rate = math.sqrt(1.5 * (0.0275 * speed**2 or 9.81) / 0.027)
+        run = simulate(tool, Settings(accuracy=1e-9), start_hub_angle=0.3, start_relative_angle=-1.3)
+        swing, start = (run.relative_angle, -1.3) if speed else (run.angles[:, 0], -1.0)
+        _, cosine, delta, _ = ellipj(rate * run.time, math.sin(0.5 * start) ** 2)
+        np.testing.assert_allclose(swing, 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta), rtol=0.0, atol=1e-8)
+
+    @pytest.mark.parametrize("accuracy", ACCURACIES)
+    def test_jacobi_integral(self, accuracy: float) -> None:
+        """I u^2/2 + k a^2/2 - m r_h (L/2) w^2 cos a stays; its parts vary by as much as the kinetic one's swing."""
+        run = simulate(FREE, Settings(accuracy=accuracy), start_relative_angle=-math.radians(44.5))
+        integral, swing = jacobi(FREE, run)
+        # Relative errors of angle and rate count twice in their squares.
+        assert np.ptp(integral) < 4.0 * accuracy * swing
+
+    def test_total_energy_in_gravity(self) -> None:
+        """On a hub at rest nothing drives: kinetic plus potential energy stays."""
+        tool = replace(FREE, hub=Hub(speed=0.0), gravity=1e4)
+        run = simulate(tool, start_hub_angle=0.4, start_relative_angle=-0.9)
+        assert np.ptp(run.total_energy) < 4e-6 * np.ptp(run.kinetic_energy)
+
+    @pytest.mark.parametrize("damping", [0.02, 0.3])
+    def test_power_of_damping(self, damping: float) -> None:
+        """Jacobi's integral falls by c u^2: integrated over the samples by parts of a parabola."""
+        tool = replace(FREE, belt=Belt(damping_ratio=damping))
+        run = simulate(tool, Settings(samples_per_period=400), start_relative_angle=-0.7)
+        integral, swing = jacobi(tool, run)
+        power = tool.belt_damping * run.relative_rate**2
+        lost = float(np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(run.time)))
+        # Trapezoids of 1/400 of a period: (2 pi/400)^2/12 = 2e-5 of what is lost.
+        assert integral[0] - integral[-1] == pytest.approx(lost, rel=1e-4)
+        assert lost > 0.1 * swing
+
+
+def jacobi(tool: Tool, run: Trajectory) -> tuple[np.ndarray, float]:
+    """Energy in the frame of the hub, and how much of it swings to and fro."""
+    kinetic = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
+    moment = 0.5 * tool.bristle.mass * tool.bristle.length * tool.hub.radius * tool.hub.speed**2
+    potential = 0.5 * tool.belt.stiffness * run.relative_angle**2 - moment * np.cos(run.relative_angle)
+    return kinetic + potential, float(np.ptp(kinetic))
+
+
+class TestRadialStrike:
+    """A radial bristle through the whole scene: engine bodies, contact-space inverse mass, the law, and back."""
+
+    @pytest.mark.parametrize("friction", [0.0, 0.1, 0.31, 0.4])
+    @pytest.mark.parametrize("speed_ratio", [1.0, 3.23])
+    def test_equals_the_closed_form(self, friction: float, speed_ratio: float) -> None:
+        """It starts in touch; 1e-9, and for each the four digits of the dissertation's own table would be met."""
+        part = Workpart(friction=friction)
+        gamma = math.acos(50.0 / 54.5)
+        run = simulate(
+            Tool(bar=None, workpart=part),
+            start_hub_angle=-gamma,
+            start_relative_rate=(speed_ratio - 1.0) * 261.8,
+            stop_after="strike",
+        )
+        assert_monofilament(run, Tool(), part, speed_ratio)
+
+    @pytest.mark.parametrize("penetration", [0.001, 0.0045, 0.02])
+    def test_flown_there(self, penetration: float) -> None:
+        """Radial all the way from 90 degrees before: the bristle stays radial, and the strike comes when geometry says."""
+        tool = Tool(bar=None, workpart=Workpart(friction=0.1, penetration=penetration, restitution=0.8))
+        run = simulate(tool, Settings(accuracy=1e-11), stop_after="strike")
+        assert tool.workpart is not None
+        gamma = math.acos(1.0 - penetration / 0.0545)
+        assert run.event_time("strike") == pytest.approx((math.pi / 2.0 - gamma) / 261.8, rel=1e-11)
+        assert_monofilament(run, tool, tool.workpart, 1.0)
+
+    @pytest.mark.parametrize("seed", range(10))
+    def test_random_tools(self, seed: int) -> None:
+        """Sizes over decades; friction below 0.9 tan gamma, beyond which a rebound is no longer well conditioned."""
+        rng = np.random.default_rng(seed)
+        length, mass = 10.0 ** rng.uniform(-3, 1), 10.0 ** rng.uniform(-6, 1)
+        radius, share = float(rng.uniform(0.0, 3.0)) * length, float(rng.uniform(0.02, 0.6))
+        depth = radius + (1.0 - share) * length
+        gamma = math.acos(depth / (radius + length))
+        friction, later = (rng.uniform(0.0, 0.9, 2) * math.tan(gamma)).tolist()
+        part = Workpart(
+            penetration=share * length, friction=friction, restitution_friction=later, restitution=float(rng.uniform(0, 1))
+        )
+        tool = Tool(Hub(261.8, radius), Belt(), Bristle(length=length, mass=mass), None, part)
+        speed_ratio = float(rng.uniform(0.2, 10.0))
+        run = simulate(
+            tool, start_hub_angle=-gamma, start_relative_rate=(speed_ratio - 1.0) * 261.8, stop_after="strike"
+        )
+        assert_monofilament(run, tool, part, speed_ratio)
+
+    def test_compliant_and_rigid_agree(self) -> None:
+        """A contact resolved in time tends to the law's outcome to the accuracy asked for, ten times it at most."""
+        runs = []
+        for law in ("energetic", "compliant"):
+            tool = Tool(bar=None)
+            run = simulate(replace(tool, contact=replace(tool.contact, law=law)), stop_after="strike")
+            runs.append(run.contacts[0])
+        rigid, compliant = runs
+        assert compliant.rates_after[0] == pytest.approx(rigid.rates_after[0], rel=1e-5)
+        assert compliant.impulse == pytest.approx(rigid.impulse, rel=0.0, abs=1e-5 * rigid.impulse[0])
+
+
+def assert_monofilament(run: Trajectory, tool: Tool, part: Workpart, speed_ratio: float) -> None:
+    """Every number of the closed form, to 1e-9: rounding times the conditioning of gamma near 0."""
+    strike = run.first_contact("workpart")
+    assert strike is not None
+    expected = monofilament_impact(
+        tool.bristle.mass,
+        tool.bristle.length,
+        tool.hub.radius,
+        261.8,
+        speed_ratio,
+        math.acos((tool.hub.radius + tool.bristle.length - part.penetration) / (tool.hub.radius + tool.bristle.length)),
+        part.friction,
+        part.restitution,
+        part.friction_in_restitution,
+    )
+    assert strike.outcome == expected.outcome_name
+    assert strike.compressive_impulse is not None
+    assert strike.compressive_work is not None
+    pairs = {
+        "normal compressive impulse": (strike.compressive_impulse[0], expected.normal_compressive_impulse),
+        "tangential compressive impulse": (strike.compressive_impulse[1], expected.tangential_compressive_impulse),
+        "normal final impulse": (strike.impulse[0], expected.normal_final_impulse),
+        "normal work": (strike.compressive_work[0], expected.normal_compressive_work),
+        "tangential work": (strike.compressive_work[1], expected.tangential_compressive_work),
+        "rate before": (strike.rates_before[0], expected.initial_bristle_rate),
+        "rate after": (strike.rates_after[0], expected.final_bristle_rate),
+        "rate in the trajectory": (run.rates[-1, 0], expected.final_bristle_rate),
+    }
+    for name, (found, wanted) in pairs.items():
+        assert found == pytest.approx(wanted, rel=1e-9, abs=1e-14 * abs(expected.normal_compressive_impulse)), name
