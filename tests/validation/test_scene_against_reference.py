@@ -175,9 +175,9 @@ def assert_same_motion(first: Trajectory, second: Trajectory, tolerance: float) 
     assert first.rates[-1, 0] == pytest.approx(second.rates[-1, 0], abs=tolerance * fastest)
     np.testing.assert_allclose(first.tip[-1], second.tip[-1], rtol=0.0, atol=tolerance * np.abs(second.tip).max())
     for energy in ("kinetic_energy", "potential_energy"):
-        scale = np.ptp(second.kinetic_energy) + np.ptp(second.potential_energy)
+        scale = np.abs(second.kinetic_energy).max() + np.ptp(second.potential_energy)
         found, expected = getattr(first, energy)[-1], getattr(second, energy)[-1]
-        assert found == pytest.approx(expected, abs=2.0 * tolerance * scale + 1e-12 * abs(expected)), energy
+        assert found == pytest.approx(expected, abs=2.0 * tolerance * scale), energy
     if np.ptp(second.relative_angle) > 1e-6:
         reached = [run.relative_angle[run.time <= first.time[-1]].min() for run in (first, second)]
         # The reference's samples miss the extreme by up to (2 pi/64/2)^2/2 of the swing.
@@ -187,8 +187,7 @@ def assert_same_motion(first: Trajectory, second: Trajectory, tolerance: float) 
 def assert_same_ledger(first: Trajectory, second: Trajectory, tolerance: float) -> None:
     """Impacts one by one while they are worth it, and all impulse that each obstacle gave.
 
-    Ever smaller taps are cut off by each side at its own smallness, 1e-8 of speeds or 1e-10 of lengths; what is left of
-    them goes into the hold that follows. Sums count all of it.
+    Ever smaller taps are cut off by each side at its own smallness, so that up to the last tap's impulse is missing.
     """
     hits = [[each for each in run.contacts if each.law == "energetic"] for run in (first, second)]
     speed = max((abs(each.velocity_before[0]) for each in hits[1]), default=0.0)
@@ -196,17 +195,26 @@ def assert_same_ledger(first: Trajectory, second: Trajectory, tolerance: float) 
     assert [each.obstacle for each in worth[0]] == [each.obstacle for each in worth[1]]
     for one, other in zip(*worth, strict=True):
         assert_same_impact(one, other, tolerance, speed)
+        # Radial, slip and compression stop at one impulse: rounding decides whether a phase of no length is named.
+        if abs(second.hub_angle[0] + second.hub_speed * other.time - other.angles[0]) > 1e-6:
+            assert one.phases == other.phases
     for obstacle in ("bar", "workpart"):
         sums = [np.sum([c.impulse for c in run.contacts if c.obstacle == obstacle], axis=0) for run in (first, second)]
         scale = max((abs(each.impulse[0]) for each in second.contacts), default=0.0)
+        cut = sum(last_tap(side, obstacle) for side in hits)
         # Impulse of a long hold adds up errors of many stretches, near a release that is conditioned a thousandfold.
-        np.testing.assert_allclose(sums[0], sums[1], rtol=30.0 * tolerance, atol=30.0 * tolerance * scale)
+        np.testing.assert_allclose(sums[0], sums[1], rtol=30.0 * tolerance, atol=30.0 * tolerance * scale + cut)
+
+
+def last_tap(hits: list[ContactRecord], obstacle: str) -> float:
+    """Impulse of the last of ever smaller taps."""
+    taps = [each.impulse[0] for each in hits if each.obstacle == obstacle]
+    return taps[-1] if len(taps) > 2 else 0.0
 
 
 def assert_same_impact(one: ContactRecord, other: ContactRecord, tolerance: float, speed: float) -> None:
     """Compared on the scale of the larger component, and of the largest normal speed for velocities."""
     assert one.outcome == other.outcome
-    assert one.phases == other.phases
     assert one.time == pytest.approx(other.time, rel=tolerance)
     assert one.angles == pytest.approx(other.angles, abs=tolerance)
     rates = max(abs(each) for each in (*other.rates_before, *other.rates_after))

@@ -93,11 +93,12 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         contact = runs[shape].first_contact("workpart")
         slides[shape] = None if contact is None else slide_of(contact)
         rows += _rows(shape, contact, slides[shape])
+    strikes = [(f"{shape} strike", time) for shape, run in runs.items() for time in _strike(run)]
     struck = all(slide is not None for slide in slides.values())
     return Report(
         outcome="rebound" if struck else "no contact",
         quantities=tuple(rows),
-        events=tuple((f"{shape} strike", time) for shape, run in runs.items() for time in _strike(run)),
+        events=tuple(sorted(strikes, key=lambda event: event[1])),
         wall_s=sum(run.cost.wall_s for run in runs.values()),
         steps=sum(run.cost.steps for run in runs.values()),
         remarks=(

@@ -156,14 +156,23 @@ class TimedContact:
 
     @property
     def energy_given_up(self) -> float:
-        """Energy that bristle and hub give up during the contact, J, from states and moments alone.
+        """Energy that bristle and hub give up during the contact, J.
 
         The hub keeps its speed omega, so its drive does work omega M with the moment M that its rim exerts. The bristle's
         angular momentum about the hub's centre changes by the sum of M and the contact's moment C x F.
         """
-        momentum, energy = self._angular_momentum(), self._kinetic_energy()
-        drive = self.chain.hub_speed * (momentum[-1] - momentum[0] - self._contact_moment())
-        return float(energy[0] - energy[-1] + drive)
+        return self.energy_given_up_in_hub_frame - self.chain.hub_speed * self._contact_moment()
+
+    @property
+    def work_in_hub_frame(self) -> float:
+        """Work of the force on the tip in the frame that turns with the hub, J: from the force's record alone."""
+        return self.work - self.chain.hub_speed * self._contact_moment()
+
+    @property
+    def energy_given_up_in_hub_frame(self) -> float:
+        """What T - omega L falls by, J: Jacobi's integral, which nothing but the contact changes; from states alone."""
+        jacobi = self._kinetic_energy() - self.chain.hub_speed * self._angular_momentum()
+        return float(jacobi[0] - jacobi[-1])
 
     def _contact_moment(self) -> float:
         """Integral of the contact's moment about the hub's centre, N m s."""

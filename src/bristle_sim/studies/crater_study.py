@@ -193,8 +193,11 @@ def _contact_rows(study: CraterStudy, hub: Hub, bristle: Bristle) -> tuple[Quant
     if contact is None or parallel is None or inclined is None:
         # A tip that does not approach has no contact; one that does owes the energy of an impact without duration.
         owed = bristle.mass * speed**2 / 6.0 if speed > 0.0 else None
-        work = Quantity("contact_work", "J", None, owed, tolerance=BALANCE)
-        return (work, *(_depth(name, study.crater, None, None) for name in names))
+        works = (
+            Quantity("contact_work", "J", None, owed, tolerance=BALANCE),
+            Quantity("contact_work_in_hub_frame", "J", None),
+        )
+        return (*works, *(_depth(name, study.crater, None, None) for name in names))
     simulated = (parallel.depth_from_force, parallel.depth_from_energy, inclined.depth_from_energy)
     theory = _rigid_depths(study, bristle, speed)
     shown = (parallel.shear_plane_emerges, parallel.shear_plane_emerges, True)
@@ -202,7 +205,20 @@ def _contact_rows(study: CraterStudy, hub: Hub, bristle: Bristle) -> tuple[Quant
         _depth(name, study.crater, *(sides if emerges else (None, None)))
         for name, emerges, *sides in zip(names, shown, simulated, theory, strict=True)
     ]
-    return (Quantity("contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE), *rows)
+    return (*_work_rows(contact), *rows)
+
+
+def _work_rows(contact: TimedContact) -> tuple[Quantity, ...]:
+    """Work of the force over the path beside the energy given up; in the hub's frame one is force, the other states alone.
+
+    There the work is a difference, whose error is that of the works it is the difference of.
+    """
+    turning, given = -contact.work_in_hub_frame, contact.energy_given_up_in_hub_frame
+    allowed = BALANCE * abs(contact.work / given) if given else BALANCE
+    return (
+        Quantity("contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE),
+        Quantity("contact_work_in_hub_frame", "J", turning, given, tolerance=allowed),
+    )
 
 
 def _rigid_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[float, float, float]:

@@ -1,0 +1,239 @@
+"""A contact of a given compression time and impulse: harmonic motion, energy balance, and chapter 3 beside it."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from bristle_sim.crater_parameters import ForceHistory, Measurement
+from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.settings import Settings
+from bristle_sim.studies.contact_course import Course
+from bristle_sim.studies.force_comparison import SEGMENTS, force_comparison, segment_table
+from bristle_sim.studies.force_trials import fit_trials, noisy_points
+from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
+from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve
+
+GAMMA = math.radians(23.4)
+RATE = 3.23 * 261.8
+SPEED = 0.027 * RATE + 0.0275 * 261.8
+MASS = 8.387e-5
+
+
+def contact(friction=0.31, restitution=0.42, *, time=5e-5, angle=GAMMA, hub=None, **asked):
+    asked = asked or {"rate": RATE}
+    surface = Surface(friction=friction, restitution=restitution)
+    return timed_contact(hub or Hub(), Bristle(), surface, angle, Settings(), compression_time=time, **asked)
+
+
+def report(history=None, measurement=None, friction=0.31, hub=None):
+    surface = Surface(friction=friction)
+    return force_comparison(
+        hub or Hub(), Bristle(), surface, history or ForceHistory(), measurement or Measurement(), Settings()
+    )
+
+
+def row(found, name):
+    return next(each for each in found.quantities if each.name == name)
+
+
+def test_a_course_is_integrated_by_cubics():
+    time = np.linspace(0.0, 1.0, 25)
+    course = Course(time, np.sin(np.pi * time))
+    # Splines leave some (pi/24)^4 = 3e-4 of a fourth derivative over 180: far below 1e-5.
+    assert course.integral(0.0, 1.0) == pytest.approx(2.0 / np.pi, rel=1e-5)
+    assert course.integral(0.0, 0.25) == pytest.approx((1.0 - math.sqrt(0.5)) / np.pi, rel=1e-5)
+
+
+def test_a_course_jumps_where_an_instant_is_sampled_twice():
+    course = Course(np.array([0.0, 1.0, 1.0, 1.0, 3.0]), np.array([0.0, 1.0, 7.0, 5.0, 5.0]))
+    # 1/2 on the ramp and 5 (3 - 1) behind the jump; the lone sample between has no duration.
+    assert course.integral(0.0, 3.0) == pytest.approx(10.5, rel=1e-14)
+    assert course.integral(0.5, 2.0) == pytest.approx(0.375 + 5.0, rel=1e-14)
+    time, values = course.fine(10)
+    assert np.all(np.diff(time) >= 0.0)
+    assert values.max() == pytest.approx(5.0)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.2, 0.31])
+def test_a_short_contact_is_a_quarter_of_a_sine_wave(friction):
+    """One degree of freedom on a linear spring: F = F_max sin(pi t/(2 t_c)), whatever the friction."""
+    short = contact(friction, time=1e-9)
+    # The hub turns by 3e-7 rad in 1 ns, and slip stops that much before the tip is deepest.
+    assert short.peak_force * short.compression_time / short.compressive_impulse == pytest.approx(math.pi / 2, rel=1e-4)
+    edges = np.linspace(0.0, math.pi / 2.0, SEGMENTS + 1)
+    shares = np.cos(edges[:-1]) - np.cos(edges[1:])
+    np.testing.assert_allclose(segment_table(short) / short.compressive_impulse, shares, rtol=1e-4, atol=1e-5)
+
+
+def test_a_short_contact_has_the_rigid_bodys_impulse_energy_and_path():
+    short = contact(0.31, 0.0, time=1e-9)
+    # p_cy and W_x + W_y at the operating point, from the closed forms by hand.
+    assert short.compressive_impulse == pytest.approx(1.231668e-3 * math.hypot(1.0, 0.31), rel=2e-4)
+    assert -short.work == pytest.approx(MASS * SPEED**2 / 6.0, rel=1e-5)
+    assert MASS * SPEED**2 / 6.0 == pytest.approx(1.260658e-2, rel=1e-6)
+    # v = v_C cos(pi t/(2 t_c)): the path is 2/pi v_C t_c.
+    assert short.path[short.deepest] == pytest.approx(2.0 / math.pi * SPEED * 1e-9, rel=1e-4)
+
+
+@pytest.mark.parametrize(("friction", "restitution"), [(0.0, 0.0), (0.31, 0.42), (0.1376, 0.42), (0.5, 0.0), (2.0, 0.3)])
+def test_work_of_the_force_over_its_path_is_the_energy_given_up(friction, restitution):
+    """Slip, reversed slip and stick, while the hub turns by 0.75 deg and drives on."""
+    found = contact(friction, restitution)
+    # Splines through thirty samples leave 1e-5; the energy changes by 1e-2 J with, 1e-3 J without friction.
+    assert -found.work == pytest.approx(found.energy_given_up, rel=2e-5)
+    assert found.energy_given_up > 1e-3
+
+
+def test_the_energy_balance_sees_a_wrong_force():
+    found = contact(0.31, 0.0)
+    history = dataclasses.replace(found.history, normal_force=1.01 * found.history.normal_force)
+    wrong = dataclasses.replace(found, record=dataclasses.replace(found.record, history=history))
+    # The normal force does 58 % of the work; its moment about the hub counts less.
+    assert abs(-wrong.work / wrong.energy_given_up - 1.0) > 1e-3
+
+
+def test_motion_is_read_from_the_tip():
+    found = contact()
+    assert found.rate[0] == pytest.approx(RATE, rel=1e-9)
+    assert found.rate[-1] == pytest.approx(found.record.rates_after[0], rel=1e-9)
+    assert found.angle[0] == pytest.approx(-GAMMA, abs=1e-12)
+    # v_G = half of tip and root together while the bristle is radial, (2.20).
+    assert found.centre_speed[0] == pytest.approx(0.0275 * 261.8 + 0.0135 * RATE, rel=1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.31, 0.5])
+def test_a_contact_of_given_time_and_impulse(friction):
+    found = contact(friction, 0.0, impulse=1.6e-3)
+    # To the 1e-6 of the adjustment.
+    assert found.compression_time == pytest.approx(5e-5, rel=2e-6)
+    assert found.compressive_impulse == pytest.approx(1.6e-3, rel=2e-6)
+    assert found.resultant.integral(0.0, found.compression_time) == found.compressive_impulse
+
+
+@pytest.mark.parametrize(
+    ("asked", "line"),
+    [
+        ({}, "exactly one"),
+        ({"rate": 1.0, "impulse": 1.0}, "exactly one"),
+        ({"rate": -1e3}, "approaches at"),
+        ({"rate": RATE, "compression_time": 0.02}, "turns too far|not over"),
+        ({"rate": RATE, "compression_time": 2.0}, "contact_duration"),
+    ],
+)
+def test_contacts_that_there_are_not(asked, line):
+    asked = {"compression_time": 5e-5, **asked}
+    with pytest.raises(ValueError, match=line):
+        timed_contact(Hub(), Bristle(), Surface(), GAMMA, Settings(), **asked)
+
+
+def test_resultant_impulse_is_the_dissertations():
+    # mu = 0.31 by (2.37) and (2.56); 1.619e-3 is printed in (3.9), four digits, and needs mu = 0.1376.
+    assert resultant_impulse(MASS, SPEED, GAMMA, 0.31) == pytest.approx(1.2895e-3, abs=5e-8)
+    assert resultant_impulse(MASS, SPEED, GAMMA, 0.1376) == pytest.approx(1.619e-3, abs=5e-7)
+
+
+def test_the_report_beside_print():
+    found = report()
+    peak, time, impulse = (row(found, name) for name in ("peak_force", "compression_time", "compressive_impulse"))
+    assert peak.theory == pytest.approx(57.0, abs=0.5)  # printed to the newton (3.21)
+    assert time.theory == pytest.approx(5e-5, rel=1e-4)  # read off a camera (3.20)
+    assert impulse.theory == pytest.approx(1.61157e-3, rel=2e-4)  # (3.19) integrated to 50 us
+    assert time.ok
+    assert impulse.ok
+    assert peak.ok is None
+    # A spring's quarter wave of that impulse and time has pi/2 p/t = 50.6 N; the turning hub takes some per cent.
+    assert peak.simulated == pytest.approx(math.pi / 2.0 * impulse.theory / time.theory, rel=0.05)
+
+
+def test_the_table_of_segments():
+    table = report().extra["table_3_1"]
+    printed = [0.13, 0.43, 0.79, 1.18, 1.56, 1.93, 2.24, 2.49, 2.67, 2.76]
+    assert [each["segment"] for each in table] == list(range(1, 11))
+    assert [each["printed"] for each in table] == pytest.approx([1e-4 * each for each in printed])
+    # Half a unit of the last digit, and half of one in 1.619.
+    np.testing.assert_allclose([1e4 * each["scaled"] for each in table], printed, atol=0.005 + 3.1e-4 * 2.8)
+    assert sum(each["curve"] for each in table) == pytest.approx(1.61157e-3, rel=2e-4)
+    assert sum(each["simulated"] for each in table) == pytest.approx(1.61157e-3, rel=2e-4)
+
+
+def test_speed_and_time_may_be_given():
+    found = report(ForceHistory(speed_ratio=3.23, compression_time=2e-5))
+    contact = found.subject.contact
+    assert contact.tip_speed == pytest.approx(SPEED, rel=1e-12)
+    assert contact.compression_time == pytest.approx(2e-5, rel=2e-6)
+    assert row(found, "compression_time").ok is None
+    assert row(found, "compressive_impulse").ok is None
+
+
+def test_without_a_contact_there_is_still_the_curve():
+    found = report(hub=Hub(speed=1e6))
+    assert found.outcome == "no contact"
+    assert row(found, "peak_force").simulated is None
+    assert row(found, "compressive_impulse").ok is False
+    assert any("simulated: nothing" in line for line in found.remarks)
+
+
+@pytest.mark.parametrize(("curve", "noise"), [(BRISTLE, 0.0), (BRISTLE, 2.0), (BALL, 5.0)])
+def test_the_fit_recovers_the_published_curve(curve, noise):
+    exact, noisy = fit_trials(curve, 201, noise)
+    # The printed offset is rounded by 0.03 % of the peak.
+    assert exact.peak_force == pytest.approx(curve.peak_force(), rel=1e-3)
+    # Three unknowns at most share the noise of 201 points: one standard deviation of the curve is noise sqrt(3/201).
+    assert noisy.peak_force == pytest.approx(curve.peak_force(), abs=1e-3 * curve.peak_force() + 5 * noise * 0.12)
+    assert np.std(noisy.force - curve(noisy.time)) == pytest.approx(noise, rel=0.2)
+
+
+def test_noise_is_the_same_every_time():
+    first, second = noisy_points(BRISTLE, 50, 1.0), noisy_points(BRISTLE, 50, 1.0)
+    np.testing.assert_array_equal(first[1], second[1])
+
+
+def test_a_hopeless_fit_is_no_verdict():
+    found = report(ForceHistory(noise=1e6, points=10))
+    noisy = row(found, "noisy_fit_peak_force")
+    assert noisy.simulated is None or math.isfinite(noisy.simulated)
+    assert noisy.ok is not False
+
+
+def test_measured_points_take_the_curves_place(tmp_path):
+    true = ForceCurve.of_impact(1.02, 900.0, 40.0, 2e-4)
+    time = np.linspace(0.0, 2e-4, 41)
+    path = tmp_path / "measured.csv"
+    path.write_text("time,force\n" + "\n".join(f"{t:.9g},{f:.9g}" for t, f in zip(time, true(time), strict=True)))
+    found = report(measurement=Measurement(str(path)))
+    # Nine digits are typed; c, lambda and t_f are told apart ten thousand times worse.
+    assert row(found, "peak_force").theory == pytest.approx(true.peak_force(), rel=1e-6)
+    assert row(found, "compression_time").theory == pytest.approx(true.peak_time(), rel=1e-4)
+    assert row(found, "compressive_impulse").theory == pytest.approx(float(true.impulse(true.peak_time())), rel=1e-4)
+    assert row(found, "peak_force").printed is None
+    assert found.extra["measured_fit"]["values"]["decay 1"] == pytest.approx(900.0, rel=1e-3)
+    assert found.extra["table_3_1"][0]["printed"] is None
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("time,force\n1,2\n", "points; at least 4"),
+        ("0,1\n1,2\n1,3\n2,4\n3,5\n", "more than the time before"),
+        ("0,0\n1,1\n2,2\n3,3\n4,4\n5,5\n6,6\n", "rises and falls"),
+        ("0,0,0\n1,1,1\n", "3 columns"),
+    ],
+)
+def test_points_that_are_no_force_history(tmp_path, text, line):
+    path = tmp_path / "bad.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=line):
+        report(measurement=Measurement(str(path)))
+
+
+@pytest.mark.parametrize("name", ["", "nowhere.csv", "no\0thing", "."])
+def test_files_that_are_not_there(name):
+    with pytest.raises(ValueError, match=r"^force_csv = .*: a readable file is allowed$"):
+        Measurement(name)
+
+
+def test_points_are_counted():
+    with pytest.raises(ValueError, match=r"points = 10\.5: a whole number"):
+        ForceHistory(points=10.5)
