@@ -25,7 +25,6 @@ def run(values: Mapping[str, Any]) -> Report:
 def plot(report: Report, path: Path) -> None:
     """Depth over the number of plies, the chip to scale, the crater in three dimensions, and all estimates."""
     from bristle_sim.render.crater_figure import crater_figure
-
     from bristle_sim.render.style import save_figure
 
     save_figure(crater_figure(report.subject), path)

@@ -40,7 +40,6 @@ def run(values: Mapping[str, Any]) -> Report:
 def plot(report: Report, path: Path) -> None:
     """The released bristle's angle and rate beside the formula's."""
     from bristle_sim.render.cue_figure import cue_figure
-
     from bristle_sim.render.style import save_figure
 
     timing = report.subject

@@ -26,7 +26,6 @@ def run(values: Mapping[str, Any]) -> Report:
 def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, final rates over the mass ratio, energy over the engine's iterations."""
     from bristle_sim.render.impact_figures import double_pendulum_figure
-
     from bristle_sim.render.style import save_figure
 
     save_figure(double_pendulum_figure(report.subject), path)

@@ -31,7 +31,6 @@ def run(values: Mapping[str, Any]) -> Report:
 def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
     from bristle_sim.render.impact_figures import oblique_figure
-
     from bristle_sim.render.style import save_figure
 
     save_figure(oblique_figure(report.subject), path)

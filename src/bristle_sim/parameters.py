@@ -83,9 +83,9 @@ class Belt:
 class Bristle:
     """Rigid slender wire, straight or with one knee; a positive knee bends the tip forward, in the hub's sense."""
 
-    length: float = quantity(0.027, "bristle_length", "m", above=0.0, at_most=1e3, source="Zhang 2020, eq. 2.2")
+    length: float = quantity(0.027, "bristle_length", "m", at_least=1e-9, at_most=1e3, source="Zhang 2020, eq. 2.2")
     mass: float = quantity(
-        8.387e-5, "bristle_mass", "kg", above=0.0, at_most=1e6, source="Zhang 2020, caption of fig. 2.7"
+        8.387e-5, "bristle_mass", "kg", at_least=1e-18, at_most=1e6, source="Zhang 2020, caption of fig. 2.7"
     )
     wire_diameter: float = quantity(
         7.1e-4, "wire_diameter", "m", at_least=0.0, at_most=1e2, source="Zhang 2020, sec. 4.1: tip ellipse"
@@ -322,7 +322,7 @@ class Release:
     """Release of the bristle from rest relative to the hub."""
 
     retraction_deg: float = quantity(
-        44.5, "retraction_deg", "deg", above=0.0, at_most=89.9, source="Zhang 2020, eq. 2.2: theta_p"
+        44.5, "retraction_deg", "deg", at_least=1e-6, at_most=89.9, source="Zhang 2020, eq. 2.2: theta_p"
     )
 
     def __post_init__(self) -> None:
@@ -354,10 +354,10 @@ class SinglePendulum:
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
     mass: float = quantity(
-        8.387e-5, "rod_mass", "kg", above=0.0, at_most=1e6, source="the bristle's: Zhang 2020, 2.4.1"
+        8.387e-5, "rod_mass", "kg", at_least=1e-18, at_most=1e6, source="the bristle's: Zhang 2020, 2.4.1"
     )
     length: float = quantity(
-        0.027, "rod_length", "m", above=0.0, at_most=1e3, source="the bristle's: Zhang 2020, 2.4.1"
+        0.027, "rod_length", "m", at_least=1e-9, at_most=1e3, source="the bristle's: Zhang 2020, 2.4.1"
     )
     impact_angle_deg: float = quantity(
         23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, fig. 2.25: rod to the normal"
@@ -374,11 +374,13 @@ class SinglePendulum:
 class DoublePendulum:
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
-    mass: float = quantity(5.0, "rod_mass", "kg", above=0.0, at_most=1e6, source="Zhang 2020, fig. 2.28: m_2")
+    mass: float = quantity(5.0, "rod_mass", "kg", at_least=1e-18, at_most=1e6, source="Zhang 2020, fig. 2.28: m_2")
     mass_ratio: float = quantity(
         1.0, "mass_ratio", "1", at_least=1e-9, at_most=1e15, source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2"
     )
-    length: float = quantity(1.0, "rod_length", "m", above=0.0, at_most=1e3, source="Zhang 2020, sec. 2.4.2: both rods")
+    length: float = quantity(
+        1.0, "rod_length", "m", at_least=1e-9, at_most=1e3, source="Zhang 2020, sec. 2.4.2: both rods"
+    )
     angle_1_deg: float = quantity(
         20.0, "angle_1_deg", "deg", at_least=-90.0, at_most=90.0, source="Zhang 2020, fig. 2.28: theta_1, to the normal"
     )

@@ -95,7 +95,7 @@ def _answer(scenario: Scenario, options: argparse.Namespace) -> int:
     values = _values(scenario, options.set)
     plot = _target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder)
     video = _target("--video", options.video, VIDEOS)
-    json_file = None if options.json in (None, "-") else _target("--json", options.json, (".json",))
+    json_file = None if options.json in (None, "-") else _target("--json", options.json)
     report = _run(scenario, values, options.set)
     _draw(scenario, report, plot, video)
     document = json.dumps(_plain(_document(scenario, values, report)), indent=1, allow_nan=False)
@@ -174,12 +174,14 @@ def _key_list(scenario: Scenario) -> str:
     )
 
 
-def _target(option: str, name: str | None, suffixes: tuple[str, ...], *, folder: bool = False) -> Path | None:
-    """The file (or folder) an option names, checked before anything is computed."""
+def _target(
+    option: str, name: str | None, suffixes: tuple[str, ...] | None = None, *, folder: bool = False
+) -> Path | None:
+    """The file (or folder) an option names, checked before anything is computed; no suffixes allow any."""
     if name is None:
         return None
     path = Path(name)
-    if not folder and path.suffix.lower() not in suffixes:
+    if suffixes is not None and not folder and path.suffix.lower() not in suffixes:
         raise ValueError(f"{option} = {name!r}: a file name that ends in {', '.join(suffixes)} is allowed")
     if path.is_dir() != folder and path.exists():
         raise ValueError(f"{option} = {name!r}: {'a folder' if folder else 'a file, not a folder,'} is allowed")

@@ -30,9 +30,9 @@ class Settings:
         source="chosen; less than 1e-11 is more than double precision gives",
     )
     step: float | None = quantity(
-        None, "step", "s", above=0.0, at_most=1.0, source="off: the step follows from accuracy"
+        None, "step", "s", at_least=1e-12, at_most=1.0, source="off: the step follows from accuracy"
     )
-    maximum_steps: int = 5_000_000
+    maximum_steps: int = 1_000_000
     hub_turn: float = quantity(
         4.71238898038469, "hub_turn", "rad", above=0.0, at_most=1e6, source="three quarters of a turn"
     )

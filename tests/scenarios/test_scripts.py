@@ -376,7 +376,6 @@ BAD_ARGUMENTS = {
     "missing argument": ["--set"],
     "picture of unknown kind": ["--plot", "picture.bmp"],
     "video of unknown kind": ["--video", "film.avi"],
-    "results of unknown kind": ["--json", "results.txt"],
     "nowhere": ["--json", "no/such/folder/results.json"],
     "do not fit together": ["--set", "penetration=0.03"],
 }

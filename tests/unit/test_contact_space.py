@@ -205,16 +205,16 @@ class TestApply:
         after = contact_space(second, tip, unit(1.1)).velocity
         # Rounding times the root of the mass ratio.
         change = found.inverse_mass @ impulse
-        np.testing.assert_allclose(np.subtract(after, found.velocity), change, atol=1e-12 * max(1.0, np.abs(change).max()))
+        np.testing.assert_allclose(
+            np.subtract(after, found.velocity), change, atol=1e-12 * max(1.0, np.abs(change).max())
+        )
         work = impulse @ found.velocity + 0.5 * impulse @ change
         assert kinetic(first, second) - before == pytest.approx(work, rel=1e-11, abs=1e-12 * max(1.0, ratio))
         opening = first.velocity_at_world_point(knee) - second.velocity_at_world_point(knee)
         assert abs(opening) < 1e-12 * max(1.0, abs(second.velocity))
 
 
-def set_turning(
-    first: pymunk.Body, second: pymunk.Body, knee: tuple[float, float], rates: tuple[float, float]
-) -> None:
+def set_turning(first: pymunk.Body, second: pymunk.Body, knee: tuple[float, float], rates: tuple[float, float]) -> None:
     """Velocities of two rods of length 1 that turn about the origin and their knee."""
     first.angular_velocity, second.angular_velocity = rates
     first.velocity = (-rates[0] * first.position.y, rates[0] * first.position.x)

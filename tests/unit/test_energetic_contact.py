@@ -14,7 +14,9 @@ def kinetic_energy(*bodies: pymunk.Body) -> float:
     return sum(0.5 * b.mass * b.velocity.dot(b.velocity) + 0.5 * b.moment * b.angular_velocity**2 for b in bodies)
 
 
-def falling_rod(angle: float, restitution: float, friction: float) -> tuple[EnergeticContact, pymunk.Body, list[Impact]]:
+def falling_rod(
+    angle: float, restitution: float, friction: float
+) -> tuple[EnergeticContact, pymunk.Body, list[Impact]]:
     """A free rod of 1 m and 1 kg, inclined, that moves down at 2 m/s onto a floor."""
     space = pymunk.Space()
     floor = pymunk.Segment(space.static_body, (-5, -1), (5, -1), 1.0)

@@ -254,9 +254,7 @@ def test_options_that_a_scenario_does_not_offer_are_refused(capsys: pytest.Captu
     assert main(plain, []) == 0
 
 
-@pytest.mark.parametrize(
-    ("option", "suffixes"), [("--json", ".json"), ("--plot", ".png, .svg, .pdf"), ("--video", ".mp4, .gif")]
-)
+@pytest.mark.parametrize(("option", "suffixes"), [("--plot", ".png, .svg, .pdf"), ("--video", ".mp4, .gif")])
 def test_bad_targets_are_refused_before_anything_runs(
     option: str, suffixes: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ):

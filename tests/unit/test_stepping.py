@@ -187,7 +187,9 @@ def true_error(scene: Scene, start: State, equation: Callable[..., tuple[float, 
     return max(abs(angle - exact[0]), abs(end.rates[0] - mechanism.hub_speed - exact[1]))
 
 
-def test_error_of_random_flights_is_within_estimate_and_accuracy(record_property: Callable[[str, object], None]) -> None:
+def test_error_of_random_flights_is_within_estimate_and_accuracy(
+    record_property: Callable[[str, object], None],
+) -> None:
     """Three hundred flights of 1 to 12 radians, asked for accuracies from 1e-3 to 1e-9.
 
     The estimate is that of the extrapolate before the last and adds up absolute errors, so the true error should be a

@@ -1,7 +1,6 @@
 """An effect that a tool does not call for costs nothing and changes nothing: no part in the engine, not a digit of the run."""
 
 import itertools
-from collections.abc import Iterator
 from dataclasses import fields, replace
 
 import numpy as np
@@ -27,7 +26,7 @@ class Census:
 
 
 @pytest.fixture
-def census(monkeypatch: pytest.MonkeyPatch) -> Iterator[Census]:
+def census(monkeypatch: pytest.MonkeyPatch) -> Census:
     """Listens to ``Space.add`` and to every way of having pymunk call back."""
     found, true_add = Census(), pymunk.Space.add
 
@@ -48,14 +47,12 @@ def census(monkeypatch: pytest.MonkeyPatch) -> Iterator[Census]:
     listen(pymunk.Space, "on_collision")
     listen(pymunk.Body, "each_arbiter")
     listen(pymunk.Space, "add_post_step_callback")
-    yield found
+    return found
 
 
 @pytest.mark.parametrize(("bar", "workpart"), list(itertools.product([False, True], repeat=2)))
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.2])
-def test_a_run_builds_only_what_its_tool_has(
-    census: Census, bar: bool, workpart: bool, damping_ratio: float
-) -> None:
+def test_a_run_builds_only_what_its_tool_has(census: Census, bar: bool, workpart: bool, damping_ratio: float) -> None:
     tool = Tool(
         belt=Belt(damping_ratio=damping_ratio),
         bar=Bar() if bar else None,
@@ -91,9 +88,7 @@ def test_zero_values_are_absent_effects() -> None:
     """Gravity, damping and friction of exactly zero give the digits of a run that never heard of them."""
     plain = Tool(bar=None, workpart=None)
     named = Tool(belt=Belt(damping_ratio=0.0), bar=None, workpart=None, gravity=0.0)
-    assert same_motion(
-        simulate(plain, start_relative_angle=RETRACTED), simulate(named, start_relative_angle=RETRACTED)
-    )
+    assert same_motion(simulate(plain, start_relative_angle=RETRACTED), simulate(named, start_relative_angle=RETRACTED))
 
 
 @pytest.mark.parametrize(
@@ -101,7 +96,10 @@ def test_zero_values_are_absent_effects() -> None:
     [
         {"bar": Bar(horizontal=0.5, vertical=0.5)},
         {"workpart": Workpart(penetration=-0.5)},
-        {"bar": Bar(horizontal=0.5, vertical=0.5, friction=0.9, restitution=1.0), "workpart": Workpart(penetration=-0.5)},
+        {
+            "bar": Bar(horizontal=0.5, vertical=0.5, friction=0.9, restitution=1.0),
+            "workpart": Workpart(penetration=-0.5),
+        },
     ],
     ids=["bar", "workpart", "both"],
 )

@@ -94,7 +94,13 @@ def test_parts_absent(absent: tuple[str, ...]) -> None:
 
 @pytest.mark.parametrize(
     "changes",
-    [{}, {"belt": {"damping_ratio": 0.1}}, {"bar": {"restitution": 0.42}}, {"bar": {"friction": 0.3}}, {"bristle": BENT}],
+    [
+        {},
+        {"belt": {"damping_ratio": 0.1}},
+        {"bar": {"restitution": 0.42}},
+        {"bar": {"friction": 0.3}},
+        {"bristle": BENT},
+    ],
     ids=label,
 )
 def test_high_accuracy(changes: dict[str, dict[str, float]]) -> None:
@@ -155,7 +161,9 @@ def assert_same_events(first: Trajectory, second: Trajectory, tolerance: float) 
     for name, factor in {"bar touch": 1.0, "strike": 1.0, "retraction limit": 1.0}.items():
         assert_close(first.event_time(name), second.event_time(name), factor * tolerance, name)
     releases = [
-        next((each.time + each.duration for each in run.contacts if each.law == "hold" and each.obstacle == "bar"), None)
+        next(
+            (each.time + each.duration for each in run.contacts if each.law == "hold" and each.obstacle == "bar"), None
+        )
         for run in (first, second)
     ]
     assert_close(*releases, 1e3 * tolerance, "release")

@@ -135,7 +135,10 @@ class TestRadialStrike:
         gamma = math.acos(depth / (radius + length))
         friction, later = (rng.uniform(0.0, 0.9, 2) * math.tan(gamma)).tolist()
         part = Workpart(
-            penetration=share * length, friction=friction, restitution_friction=later, restitution=float(rng.uniform(0, 1))
+            penetration=share * length,
+            friction=friction,
+            restitution_friction=later,
+            restitution=float(rng.uniform(0, 1)),
         )
         tool = Tool(Hub(261.8, radius), Belt(), Bristle(length=length, mass=mass), None, part)
         speed_ratio = float(rng.uniform(0.2, 10.0))

@@ -45,7 +45,7 @@ class Plan:
     accuracy: float
     stop_after: str | None = None
     longest_stretch: float = math.inf
-    maximum_steps: int = 5_000_000
+    maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
 
 

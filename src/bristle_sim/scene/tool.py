@@ -125,6 +125,7 @@ def simulate(
     if stop_after is not None and stop_after not in EVENTS:
         raise ValueError(f"stop_after = {stop_after!r}: None or one of {', '.join(EVENTS)} is allowed")
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
+    _check_start(scene, tool, start_hub_angle + start_relative_angle)
     start = State(
         0.0,
         (begin.hub_angle + begin.relative_angle,),
@@ -158,6 +159,27 @@ class _Start:
 
     def __post_init__(self) -> None:
         validate(self)
+
+
+OVERLAP = 1e-11
+"""Share of the bristle's length by which rounding lets it overlap what it touches at the start."""
+
+PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}
+"""Keys that say where an obstacle stands."""
+
+
+def _check_start(scene: Scene, tool: Tool, angle: float) -> None:
+    """Refuse a start in which the bristle stands in an obstacle."""
+    pose = scene.mechanism.poses(State(0.0, (angle,), (0.0,)))[-1]
+    for obstacle in scene.effects.obstacles:
+        gap = obstacle.touch(pose, 0.0).gap
+        if gap < -OVERLAP:
+            part = getattr(tool, obstacle.name)
+            given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACES[obstacle.name])
+            raise ValueError(
+                f"{given}: a {obstacle.name} clear of the bristle at the start is allowed, this one overlaps it by"
+                f" {-gap * tool.bristle.length:.3g} (in m)"
+            )
 
 
 REST_PERIODS = 3.0

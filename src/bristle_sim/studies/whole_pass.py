@@ -27,6 +27,9 @@ PRINTED = {
 }
 """Zhang 2020, eq. 2.2, caption of fig. 2.30, and eq. 4.5."""
 
+GIVEN_UP = ("step budget spent", "no step is short enough for the accuracy asked for")
+"""Ways for a run to stop that leave no result."""
+
 LEAST_TOLERANCE = 1e-8
 """The reference is good to this: its own accuracy is asked a tenth finer than the scene's, down to 1e-10."""
 
@@ -51,6 +54,12 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         ValueError: if the bristle overlaps an obstacle at the start.
     """
     trajectory = simulate(tool, settings)
+    if trajectory.stop_reason in GIVEN_UP:
+        raise ValueError(
+            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
+            f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; a motion less fast, a larger step or less"
+            " accuracy is allowed"
+        )
     reference = None
     if with_reference:
         from bristle_sim.reference import simulate_reference

@@ -117,7 +117,7 @@ def measure(case: Case, attempts: Iterable[Attempt], effort: Effort) -> list[Poi
             run = attempt.run()
             errors.append((attempt, case.error(run.values), run.steps, ""))
         # Whatever a tool raises, and each has kinds of its own, is its result here and not the study's failure.
-        except Exception as failure:  # noqa: BLE001
+        except Exception as failure:
             errors.append((attempt, math.inf, 0, " ".join(str(failure).split()) or type(failure).__name__))
     sound = [attempt for attempt, _, _, failure in errors if not failure]
     times = dict(zip(map(id, sound), cpu_times([each.run for each in sound], effort), strict=True))

@@ -1,0 +1,223 @@
+"""The scripts of chapters 3 and 4, the audit and the redrawn figures, as a person runs them.
+
+What every script owes is in test_scripts.py; here is what these four owe besides.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bristle_sim.studies.dissertation_curves import NUMBERS
+from bristle_sim.theory.force_history import BALL
+
+ROOT = Path(__file__).parents[2]
+PNG = b"\x89PNG"
+
+
+def run(name: str, *arguments: str, folder: Path = ROOT.parent) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(ROOT / "scenarios" / f"{name}.py"), *arguments]
+    return subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+
+
+def module(name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", f"bristle_sim.render.{name}", *arguments]
+    return subprocess.run(command, cwd=ROOT.parent, capture_output=True, text=True, check=False)
+
+
+def document(name: str, *arguments: str) -> dict[str, Any]:
+    found = run(name, "--json", "-", *arguments)
+    assert found.stderr == ""
+    parsed = json.loads(found.stdout)
+    assert isinstance(parsed, dict)
+    return parsed
+
+
+def quantity(found: dict[str, Any], name: str) -> dict[str, Any]:
+    row = next(row for row in found["quantities"] if row["name"] == name)
+    assert isinstance(row, dict)
+    return row
+
+
+def refused(found: subprocess.CompletedProcess[str], *words: str) -> None:
+    assert (found.returncode, found.stdout) == (2, "")
+    assert found.stderr.count("\n") == 1
+    for word in words:
+        assert word in found.stderr
+
+
+def test_force_history_beside_print():
+    found = document("force_history")
+    peak = quantity(found, "peak_force")
+    # Printed to the newton.
+    assert peak["theory"] == pytest.approx(peak["printed"], abs=0.5)
+    assert quantity(found, "compression_time")["ok"] is True
+    assert quantity(found, "compressive_impulse")["ok"] is True
+    assert [each["points"] for each in found["fits"]] == ["exact", "noisy"]
+    # c and lambda as printed in (3.19): c to the rounding of the offset, lambda is hardly more than zero.
+    exact = found["fits"][0]["values"]
+    assert exact["amplitude 1"] == pytest.approx(1.0160, rel=1e-3)
+    assert exact["decay 1"] == pytest.approx(5.499, abs=10.0)
+    assert len(found["table_3_1"]) == 10
+
+
+def test_force_history_of_measured_points(tmp_path: Path):
+    """A ball's impact, sampled exactly: a bristle on a turning hub has no such contact, and the exit status says so."""
+    time = np.linspace(0.0, 5e-3, 51)
+    lines = [f"{t:.9g};{f:.9g}" for t, f in zip(time, BALL(time), strict=True)]
+    path = tmp_path / "ball.csv"
+    path.write_text("\n".join(["time (s);force (N)", *lines]))
+    run_ = run("force_history", "--json", "-", "--set", f"force_csv={path}")
+    found = json.loads(run_.stdout)
+    assert run_.returncode == 1
+    # (3.5) peaks at 340.75 N and 2.329 ms and carries 0.46288 N s; its offset is rounded by 0.02 %.
+    assert quantity(found, "peak_force")["theory"] == pytest.approx(340.75, rel=1e-3)
+    assert quantity(found, "compression_time")["theory"] == pytest.approx(2.329e-3, rel=1e-3)
+    assert quantity(found, "compressive_impulse")["theory"] == pytest.approx(0.46288, rel=1e-3)
+    assert found["parameters"]["force_csv"] == str(path)
+    assert found["outcome"] == "no contact"
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (None, ("force_csv", "a readable file is allowed")),
+        ("0,0\n1,nan\n", ("line 2", "nan", "a finite number is allowed")),
+        ("0,0\n1,1\n0.5,2\n", ("line 3", "more than the time before")),
+        ("a,b,c\n", ("line 1", "3 columns")),
+        ("", ("0 points", "at least 4")),
+    ],
+)
+def test_force_files_that_are_none(tmp_path: Path, text: str | None, words: tuple[str, ...]):
+    path = tmp_path / "points.csv"
+    if text is not None:
+        path.write_text(text)
+    picture = tmp_path / "picture.png"
+    refused(run("force_history", "--plot", str(picture), "--set", f"force_csv={path}"), *words)
+    assert not picture.exists()
+
+
+def test_crater_depth_beside_print():
+    found = document("crater_depth")
+    depth = quantity(found, "merchant_crater_depth")
+    # 139.40 um with 300 plies, 142.09 in the limit.
+    for side in ("simulated", "theory"):
+        assert depth[side] == pytest.approx(1.3940e-4, abs=5e-9)
+        assert quantity(found, "merchant_crater_depth_limit")[side] == pytest.approx(1.4209e-4, abs=5e-9)
+    assert quantity(found, "contact_work")["ok"] is True
+    assert quantity(found, "contact_work_in_hub_frame")["ok"] is True
+    assert found["measured_crater_depth"] == 1.3e-4
+
+
+def test_crater_depth_without_a_chip():
+    found = run("crater_depth", "--set", "friction=0.31")
+    assert found.returncode == 0
+    assert "friction = 0.31: friction >= cot(C - impact_angle) = 0.4327" in found.stdout
+    numbers = document("crater_depth", "--set", "friction=0.31")
+    assert quantity(numbers, "merchant_crater_depth")["simulated"] is None
+    assert quantity(numbers, "merchant_crater_depth")["ok"] is None
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("plies=2.5", ("plies = 2.5", "a whole number is allowed")),
+        ("plies=0", ("plies = '0'", "1 <= plies <= 100000")),
+        ("shear_yield_stress=-1", ("shear_yield_stress = '-1'", "in Pa")),
+        ("impact_angle_deg=90", ("impact_angle_deg = '90'", "in deg")),
+    ],
+)
+def test_crater_parameters_out_of_range(setting: str, words: tuple[str, ...]):
+    refused(run("crater_depth", "--json", "-", "--set", setting), *words)
+
+
+def test_the_audit_has_every_row(tmp_path: Path):
+    found = run("dissertation_audit", "--json", "-", folder=tmp_path)
+    assert (found.returncode, found.stderr) == (0, "")
+    parsed = json.loads(found.stdout)
+    rows = parsed["rows"]
+    assert len(rows) >= 120
+    assert len({row["where"] for row in rows}) == len(rows)
+    counts = Counter(row["status"] for row in rows)
+    assert set(counts) == {"reproduced", "differs", "not computable"}
+    reported = [quantity(parsed, name)["simulated"] for name in ("rows_reproduced", "rows_that_differ")]
+    assert reported == [counts["reproduced"], counts["differs"]]
+    for row in rows:
+        assert isinstance(row["printed"], float | str)
+        assert (row["computed"] is None) == (row["status"] == "not computable")
+        assert row["why"] or row["status"] != "differs"
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("show", ["all", "differs"])
+def test_the_audit_fits_a_terminal(show: str):
+    lines = run("dissertation_audit", "--set", f"show={show}").stdout.splitlines()
+    assert max(map(len, lines)) <= 120
+    body = lines[next(i for i, line in enumerate(lines) if line.startswith("where")) :]
+    assert any(line.endswith("reproduced") for line in body) is (show == "all")
+    assert any(line.endswith("differs") for line in body)
+
+
+def test_the_audit_page_is_what_its_command_makes(tmp_path: Path):
+    """The page in media/ is up to date: digits may move by rounding from machine to machine, rows and words may not."""
+    target = tmp_path / "audit.md"
+    found = module("audit_table", str(target))
+    assert (found.returncode, found.stderr) == (0, "")
+    made, kept = (path.read_text(encoding="utf-8") for path in (target, ROOT / "media" / "audit.md"))
+    places = [[line.split(" | ")[0] for line in text.splitlines() if line.startswith("|")] for text in (made, kept)]
+    assert places[0] == places[1]
+    assert len(places[0]) > 150
+    assert all(line.count(" | ") in (4, 5) for line in made.splitlines() if line.startswith("|"))
+
+
+@pytest.mark.parametrize("name", ["audit_table", "contact_sheet"])
+@pytest.mark.parametrize("target", ["page.txt", "no/such/folder/page.md", "no/such/folder/sheet.png"])
+def test_pages_are_written_where_they_can_be(name: str, target: str, tmp_path: Path):
+    refused(module(name, str(tmp_path / target)), target, "is allowed")
+    assert not list(tmp_path.iterdir())
+
+
+def test_one_figure_alone(tmp_path: Path):
+    folder = tmp_path / "pictures"
+    found = run("dissertation_figures", "--only", "2.24", "--plot", str(folder))
+    assert (found.returncode, found.stderr) == (0, f"--plot: wrote {folder}\n")
+    assert [path.name for path in folder.iterdir()] == ["figure_2.24.png"]
+    assert (folder / "figure_2.24.png").read_bytes().startswith(PNG)
+
+
+def test_the_option_is_short_for_the_key():
+    by_option, by_key = (document("dissertation_figures", *each) for each in (["--only=4.6"], ["--set", "only=4.6"]))
+    assert by_option["parameters"] == {"only": "4.6"}
+    assert by_option["quantities"] == by_key["quantities"]
+
+
+@pytest.mark.parametrize("number", ["2.25", "", "2.7 ", "4.18"])
+def test_no_such_figure(number: str, tmp_path: Path):
+    folder = tmp_path / "pictures"
+    refused(run("dissertation_figures", "--only", number, "--plot", str(folder)), f"only = {number!r}", "2.24")
+    assert not folder.exists()
+
+
+def test_every_figure(tmp_path: Path):
+    found = run("dissertation_figures", "--plot", str(tmp_path), "--json", "-")
+    assert found.returncode == 0
+    names = [number if number.startswith("table") else f"figure_{number}" for number in NUMBERS]
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(f"{name}.png" for name in names)
+    for path in tmp_path.iterdir():
+        assert path.stat().st_size > 20_000  # an empty page takes less
+    rows = json.loads(found.stdout)["quantities"]
+    assert {row["name"].rpartition("_")[0] for row in rows} == {name for name in names if name != "table_3.1"}
+
+
+def test_a_folder_that_is_none(tmp_path: Path):
+    target = tmp_path / "file.png"
+    target.write_text("")
+    refused(run("dissertation_figures", "--only", "4.6", "--plot", str(target)), "--plot", "a folder is allowed")
+    assert target.read_text() == ""

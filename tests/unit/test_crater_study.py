@@ -1,0 +1,184 @@
+"""Chapter 4 reckoned twice, its limits, and the craters that follow from a contact in the scene."""
+
+import dataclasses
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from bristle_sim.crater_parameters import Crater
+from bristle_sim.parameters import Bristle, Hub
+from bristle_sim.render.crater_figure import crater_floor
+from bristle_sim.settings import Settings
+from bristle_sim.studies.crater_study import MEASURED, crater_study
+from bristle_sim.studies.crater_sums import (
+    energy_depth_course,
+    merchant_depth_course,
+    merchant_depth_extrapolated,
+    merchant_depth_sum,
+)
+from bristle_sim.theory.crater_kinematics import TipFace
+
+GAMMA = math.radians(23.4)
+ENERGY = 8.387e-5 / 6.0 * (261.8 * (3.23 * 0.027 + 0.0275)) ** 2
+"""m v_C^2/6, the energy a rigid-body impact takes (2.40, 2.58), J."""
+
+
+def study(**changes):
+    return crater_study(Hub(), Bristle(), dataclasses.replace(Crater(), **changes), Settings())
+
+
+def row(found, name):
+    return next(each for each in found.quantities if each.name == name)
+
+
+def force(t):
+    """(3.19), N."""
+    return 1.016 * math.exp(-5.499 * t) * (26.0 - 30.0 * math.cos(2.0 * math.pi * (t + 1e-5) / 1.2e-4))
+
+
+def width(t):
+    """(4.16), m."""
+    return 2.0 * math.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * math.exp(-92400.0 * t)) ** 2)
+
+
+def ratio(friction, gamma):
+    """sin(eta) cos(eta + beta - alpha) cos(gamma) at the shear angle of least work, by a product of cosines."""
+    return 0.5 * (1.0 - math.sin(math.atan2(1.0, friction) - gamma)) * math.cos(gamma)
+
+
+@pytest.mark.parametrize("plies", [1, 3, 50])
+@pytest.mark.parametrize(("friction", "angle"), [(0.5, 23.4), (1.0, 10.0), (4.0, 40.0)])
+def test_the_printed_sum_ply_by_ply(plies, friction, angle):
+    crater = Crater(friction=friction, impact_angle_deg=angle, plies=plies)
+    times = [5e-5 * i / plies for i in range(plies + 1)]
+    growth = [(force(b) - force(a)) / width(b) for a, b in pairwise(times)]
+    expected = ratio(friction, math.radians(angle)) / 1.2e8 * np.cumsum(growth)
+    # Rounding of differences of forces; cos(beta - alpha) is divided out and multiplied in again.
+    np.testing.assert_allclose(merchant_depth_course(crater), [0.0, *expected], rtol=1e-11)
+    assert merchant_depth_sum(crater, plies) == pytest.approx(expected[-1], rel=1e-11)
+
+
+def test_depths_in_print():
+    # 139.40 um with exact angles, 140 in print to two digits; 9.65 mm with 300 plies by the printed energies.
+    assert merchant_depth_course(Crater())[-1] == pytest.approx(1.3940e-4, abs=5e-9)
+    assert merchant_depth_course(Crater())[-1] == pytest.approx(1.40e-4, rel=0.01)
+    # The printed coefficients of the energy are rounded in their third digit.
+    assert energy_depth_course(Crater())[-1] == pytest.approx(9.65e-3, rel=5e-3)
+
+
+def test_the_extrapolated_limit_is_the_integral():
+    """Integral of F'(t)/b(t) from 0, with t = u^2 to take the inverse root away; SciPy's quadrature is the referee."""
+
+    def integrand(u):
+        t, step = u * u, 1e-9
+        slope = (force(t + step) - force(t - step)) / (2.0 * step)
+        return slope / width(t) * 2.0 * u
+
+    growth, _ = quad(integrand, 1e-9, math.sqrt(5e-5), epsabs=0.0, epsrel=1e-10)
+    # Central differences over 2 ns of a force that changes within 1e-5 s: 1e-8 and rounding of 1e-7.
+    assert merchant_depth_extrapolated(Crater()) == pytest.approx(growth * ratio(0.5, GAMMA) / 1.2e8, rel=1e-6)
+    assert merchant_depth_extrapolated(Crater()) == pytest.approx(1.4209e-4, abs=5e-9)
+
+
+def test_sums_approach_the_limit_like_the_inverse_root():
+    limit = merchant_depth_extrapolated(Crater())
+    gaps = limit - merchant_depth_sum(Crater(), [10_000, 40_000])
+    # Half of the gap for four times the plies; the next term of the series is 1/100 of it.
+    assert gaps[0] / gaps[1] == pytest.approx(2.0, rel=0.02)
+
+
+def test_one_ply_of_energy():
+    crater, wire = Crater(plies=1), Bristle()
+    left = math.exp(-92400.0 * 5e-5)
+    rates, speeds = (1111.0 - 266.65, 1111.0 * left - 266.65), (18.615, 15.0 * left + 3.615)
+    energies = [
+        0.5 * wire.mass * v**2 + wire.mass * wire.length**2 / 24.0 * w**2 for w, v in zip(rates, speeds, strict=True)
+    ]
+    expected = (energies[0] - energies[1]) / force(5e-5) * math.cos(GAMMA)
+    np.testing.assert_allclose(energy_depth_course(crater), [0.0, expected], rtol=1e-12)
+
+
+def test_everything_agrees_at_the_operating_point():
+    found = study()
+    assert [each.name for each in found.quantities if each.ok is False] == []
+    checked = ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth", "contact_work")
+    assert all(row(found, name).ok for name in checked)
+    assert row(found, "merchant_crater_depth").printed == 1.4e-4
+    assert row(found, "contact_energy_depth").printed == MEASURED == 1.3e-4
+    assert found.extra == {"measured_crater_depth": 1.3e-4}
+
+
+def test_the_contact_takes_the_energy_of_the_impact():
+    work = row(study(), "contact_work").simulated
+    # The hub turns by 0.75 deg in 50 us, which changes the energy by its square and by what it drives on: under 1 %.
+    assert work == pytest.approx(ENERGY, rel=0.01)
+    # In 10 ns nothing turns; the tip's energy is all there is.
+    assert row(study(compression_time=1e-8), "contact_work").simulated == pytest.approx(ENERGY, rel=1e-5)
+
+
+def test_craters_of_a_short_contact_are_those_of_the_rigid_body():
+    found = study(friction=0.31, compression_time=1e-8)
+    inclined = row(found, "contact_energy_depth_inclined")
+    # Trapezoids through a dozen samples of a quarter wave: (pi/24)^2/12 of the work, less of the depth.
+    assert inclined.simulated == pytest.approx(inclined.theory, rel=2e-3)
+
+
+@pytest.mark.parametrize(("friction", "angle"), [(0.31, 23.4), (0.4, 23.4), (0.5, 30.0)])
+def test_without_a_chip_there_is_no_merchant_depth(friction, angle):
+    found = study(friction=friction, impact_angle_deg=angle)
+    for name in ("merchant_crater_depth", "merchant_crater_depth_limit", "contact_energy_depth", "contact_force_depth"):
+        assert (row(found, name).simulated, row(found, name).theory, row(found, name).ok) == (None, None, None)
+    line = next(line for line in found.remarks if line.startswith("no chip"))
+    assert f"friction = {friction:g}" in line
+    assert f"{math.tan(math.radians(angle)):g}" in line
+    assert row(found, "contact_energy_depth_inclined").simulated > 0.0
+    assert row(found, "contact_work").ok
+
+
+def test_a_tip_that_does_not_move_has_no_contact():
+    found = crater_study(Hub(speed=0.0), Bristle(), Crater(), Settings())
+    assert found.outcome == "no contact"
+    assert row(found, "contact_work").ok is None
+    assert row(found, "merchant_crater_depth").ok
+    assert any(line.startswith("no contact simulated") for line in found.remarks)
+
+
+def test_a_contact_that_should_be_there_is_missed():
+    found = crater_study(Hub(speed=1e6), Bristle(), Crater(), Settings())
+    assert row(found, "contact_work").ok is False
+
+
+def test_no_number_is_not_a_number():
+    for changes in ({}, {"friction": 1e-6}, {"friction": 1e9}, {"impact_angle_deg": 89.0}, {"compression_time": 1e-4}):
+        for each in study(**changes).quantities:
+            for value in (each.simulated, each.theory):
+                assert value is None or math.isfinite(value)
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"plies": 2.5}, r"plies = 2\.5: a whole number is allowed"),
+        ({"friction": 0.0}, "friction = 0.0"),
+        ({"impact_angle_deg": 90.0}, "impact_angle_deg = 90.0"),
+        ({"shear_yield_stress": -1.0}, "shear_yield_stress = -1.0"),
+        ({"compression_time": 2e-4}, "compression_time = 0.0002"),
+    ],
+)
+def test_parameters_out_of_range(changes, line):
+    with pytest.raises(ValueError, match=line):
+        Crater(**changes)
+
+
+def test_the_floor_of_the_crater():
+    face, path = TipFace(), 3.2e-4
+    depth, reach = path * math.sin(GAMMA), path * math.cos(GAMMA)
+    y = np.linspace(-4e-4, 4e-4, 4001)
+    end = crater_floor(np.array([[reach]]), y, GAMMA, path)[0]
+    assert end.min() == pytest.approx(-depth, rel=1e-12)
+    assert np.all(crater_floor(np.array([[-1e-6], [reach + 1e-6]]), y, GAMMA, path) == 0.0)
+    # As wide at the surface as the tip's ellipse is at that depth, to a step of y on each side.
+    assert np.ptp(y[end < 0.0]) == pytest.approx(float(face.width(depth)), abs=4e-7)
