@@ -85,7 +85,7 @@ class Bristle:
 
     length: float = quantity(0.027, "bristle_length", "m", at_least=1e-9, at_most=1e3, source="Zhang 2020, eq. 2.2")
     mass: float = quantity(
-        8.387e-5, "bristle_mass", "kg", at_least=1e-18, at_most=1e6, source="Zhang 2020, caption of fig. 2.7"
+        8.387e-5, "bristle_mass", "kg", at_least=1e-30, at_most=1e6, source="Zhang 2020, caption of fig. 2.7"
     )
     wire_diameter: float = quantity(
         7.1e-4, "wire_diameter", "m", at_least=0.0, at_most=1e2, source="Zhang 2020, sec. 4.1: tip ellipse"
@@ -354,7 +354,7 @@ class SinglePendulum:
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
     mass: float = quantity(
-        8.387e-5, "rod_mass", "kg", at_least=1e-18, at_most=1e6, source="the bristle's: Zhang 2020, 2.4.1"
+        8.387e-5, "rod_mass", "kg", at_least=1e-30, at_most=1e6, source="the bristle's: Zhang 2020, 2.4.1"
     )
     length: float = quantity(
         0.027, "rod_length", "m", at_least=1e-9, at_most=1e3, source="the bristle's: Zhang 2020, 2.4.1"
@@ -374,7 +374,7 @@ class SinglePendulum:
 class DoublePendulum:
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
-    mass: float = quantity(5.0, "rod_mass", "kg", at_least=1e-18, at_most=1e6, source="Zhang 2020, fig. 2.28: m_2")
+    mass: float = quantity(5.0, "rod_mass", "kg", at_least=1e-30, at_most=1e6, source="Zhang 2020, fig. 2.28: m_2")
     mass_ratio: float = quantity(
         1.0, "mass_ratio", "1", at_least=1e-9, at_most=1e15, source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2"
     )

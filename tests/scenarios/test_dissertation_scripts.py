@@ -5,16 +5,24 @@ What every script owes is in test_scripts.py; here is what these four owe beside
 
 from __future__ import annotations
 
+import contextlib
+import functools
+import importlib.util
+import io
 import json
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from bristle_sim.render import audit_table, contact_sheet
+from bristle_sim.scenario_cli import Scenario, main
 from bristle_sim.studies.dissertation_curves import NUMBERS
 from bristle_sim.theory.force_history import BALL
 
@@ -22,14 +30,41 @@ ROOT = Path(__file__).parents[2]
 PNG = b"\x89PNG"
 
 
-def run(name: str, *arguments: str, folder: Path = ROOT.parent) -> subprocess.CompletedProcess[str]:
+@functools.cache
+def scenario(name: str) -> Scenario:
+    spec = importlib.util.spec_from_file_location(f"scenario_{name}", ROOT / "scenarios" / f"{name}.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found = module.SCENARIO
+    assert isinstance(found, Scenario)
+    return found
+
+
+@dataclass(frozen=True)
+class Ended:
+    """How a script ended and what it said."""
+
+    returncode: int
+    stdout: str
+    stderr: str
+
+
+def process(name: str, *arguments: str, folder: Path = ROOT.parent) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, str(ROOT / "scenarios" / f"{name}.py"), *arguments]
     return subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
 
 
-def module(name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", f"bristle_sim.render.{name}", *arguments]
-    return subprocess.run(command, cwd=ROOT.parent, capture_output=True, text=True, check=False)
+def ended(call: Callable[[], int]) -> Ended:
+    with contextlib.redirect_stdout(io.StringIO()) as out, contextlib.redirect_stderr(io.StringIO()) as err:
+        status = call()
+    return Ended(status, out.getvalue(), err.getvalue())
+
+
+def run(name: str, *arguments: str) -> Ended:
+    """In this process; test_scripts.py shows that it makes no difference."""
+    return ended(lambda: main(scenario(name), arguments))
 
 
 def document(name: str, *arguments: str) -> dict[str, Any]:
@@ -46,7 +81,7 @@ def quantity(found: dict[str, Any], name: str) -> dict[str, Any]:
     return row
 
 
-def refused(found: subprocess.CompletedProcess[str], *words: str) -> None:
+def refused(found: Ended | subprocess.CompletedProcess[str], *words: str) -> None:
     assert (found.returncode, found.stdout) == (2, "")
     assert found.stderr.count("\n") == 1
     for word in words:
@@ -74,7 +109,7 @@ def test_force_history_of_measured_points(tmp_path: Path):
     lines = [f"{t:.9g};{f:.9g}" for t, f in zip(time, BALL(time), strict=True)]
     path = tmp_path / "ball.csv"
     path.write_text("\n".join(["time (s);force (N)", *lines]))
-    run_ = run("force_history", "--json", "-", "--set", f"force_csv={path}")
+    run_ = process("force_history", "--json", "-", "--set", f"force_csv={path}")
     found = json.loads(run_.stdout)
     assert run_.returncode == 1
     # (3.5) peaks at 340.75 N and 2.329 ms and carries 0.46288 N s; its offset is rounded by 0.02 %.
@@ -117,7 +152,7 @@ def test_crater_depth_beside_print():
 
 
 def test_crater_depth_without_a_chip():
-    found = run("crater_depth", "--set", "friction=0.31")
+    found = process("crater_depth", "--set", "friction=0.31")
     assert found.returncode == 0
     assert "friction = 0.31: friction >= cot(C - impact_angle) = 0.4327" in found.stdout
     numbers = document("crater_depth", "--set", "friction=0.31")
@@ -139,7 +174,7 @@ def test_crater_parameters_out_of_range(setting: str, words: tuple[str, ...]):
 
 
 def test_the_audit_has_every_row(tmp_path: Path):
-    found = run("dissertation_audit", "--json", "-", folder=tmp_path)
+    found = process("dissertation_audit", "--json", "-", folder=tmp_path)
     assert (found.returncode, found.stderr) == (0, "")
     parsed = json.loads(found.stdout)
     rows = parsed["rows"]
@@ -168,7 +203,8 @@ def test_the_audit_fits_a_terminal(show: str):
 def test_the_audit_page_is_what_its_command_makes(tmp_path: Path):
     """The page in media/ is up to date: digits may move by rounding from machine to machine, rows and words may not."""
     target = tmp_path / "audit.md"
-    found = module("audit_table", str(target))
+    command = [sys.executable, "-m", "bristle_sim.render.audit_table", str(target)]
+    found = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (found.returncode, found.stderr) == (0, "")
     made, kept = (path.read_text(encoding="utf-8") for path in (target, ROOT / "media" / "audit.md"))
     places = [[line.split(" | ")[0] for line in text.splitlines() if line.startswith("|")] for text in (made, kept)]
@@ -177,16 +213,16 @@ def test_the_audit_page_is_what_its_command_makes(tmp_path: Path):
     assert all(line.count(" | ") in (4, 5) for line in made.splitlines() if line.startswith("|"))
 
 
-@pytest.mark.parametrize("name", ["audit_table", "contact_sheet"])
+@pytest.mark.parametrize("writer", [audit_table.main, contact_sheet.main])
 @pytest.mark.parametrize("target", ["page.txt", "no/such/folder/page.md", "no/such/folder/sheet.png"])
-def test_pages_are_written_where_they_can_be(name: str, target: str, tmp_path: Path):
-    refused(module(name, str(tmp_path / target)), target, "is allowed")
+def test_pages_are_written_where_they_can_be(writer: Callable[[list[str]], int], target: str, tmp_path: Path):
+    refused(ended(lambda: writer([str(tmp_path / target)])), target, "is allowed")
     assert not list(tmp_path.iterdir())
 
 
 def test_one_figure_alone(tmp_path: Path):
     folder = tmp_path / "pictures"
-    found = run("dissertation_figures", "--only", "2.24", "--plot", str(folder))
+    found = process("dissertation_figures", "--only", "2.24", "--plot", str(folder))
     assert (found.returncode, found.stderr) == (0, f"--plot: wrote {folder}\n")
     assert [path.name for path in folder.iterdir()] == ["figure_2.24.png"]
     assert (folder / "figure_2.24.png").read_bytes().startswith(PNG)

@@ -172,7 +172,7 @@ class TestStarts:
 
     @pytest.mark.parametrize(("start", "obstacle"), [(0.0, "workpart"), (-1.2, "bar")])
     def test_overlapping(self, start: float, obstacle: str) -> None:
-        with pytest.raises(ValueError, match=f"{obstacle}: overlaps"):
+        with pytest.raises(ValueError, match=f"a {obstacle} clear of the bristle"):
             simulate(TOOL, start_hub_angle=start)
 
     @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ def test_defaults():
     assert settings.accuracy == 1e-6
     assert settings.step is None
     assert settings.hub_turn == 1.5 * math.pi
-    assert settings.maximum_steps == 5_000_000
+    assert settings.maximum_steps == 1_000_000
     assert settings.samples_per_period == 24
 
 
@@ -23,7 +23,7 @@ def test_defaults():
     ("name", "values"),
     [
         ("accuracy", (1e-11, 1e-8, 0.1)),
-        ("step", (None, 1e-300, 1e-6, 1.0)),
+        ("step", (None, 1e-12, 1e-6, 1.0)),
         ("hub_turn", (1e-3, 1e6)),
         ("maximum_steps", (1, 10**9)),
         ("samples_per_period", (1, 100)),
@@ -38,7 +38,7 @@ def test_what_is_allowed(name: str, values: tuple[float | None, ...]):
     ("name", "values"),
     [
         ("accuracy", (0.0, 0.99e-11, 0.11, math.nan, None, "1e-6")),
-        ("step", (0.0, -1e-6, 1.1, math.inf, "none")),
+        ("step", (0.0, 9e-13, -1e-6, 1.1, math.inf, "none")),
         ("hub_turn", (0.0, -1.0, 1.1e6, math.nan, None)),
         ("maximum_steps", (0, -1, 1.5, 10.0, True, None, "10", np.float64(10.0))),
         ("samples_per_period", (0, -3, 2.5, True, None)),

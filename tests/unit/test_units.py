@@ -46,7 +46,7 @@ def test_nothing_that_moves_leaves_seconds() -> None:
     assert tool_units(still).time == 1.0
 
 
-@pytest.mark.parametrize("size", [1e-6, 10.0])
+@pytest.mark.parametrize("size", [1e-4, 10.0])
 def test_similar_tools_have_similar_units(size: float) -> None:
     """All lengths times s, masses times s^3, belt torque times s^5 at the same hub speed: the same motion, s times as large."""
     tool = Tool(bar=None, workpart=None)

@@ -42,7 +42,7 @@ class TestBelt:
     def test_torque_of_the_wrong_sign(self, monkeypatch: pytest.MonkeyPatch) -> None:
         true = pymunk.DampedRotarySpring
 
-        def reversed_spring(a, b, rest_angle, stiffness, damping):  # type: ignore[no-untyped-def]
+        def reversed_spring(a, b, rest_angle, stiffness, damping):
             return true(a, b, rest_angle, -stiffness, damping)
 
         monkeypatch.setattr("bristle_sim.scene.build.pymunk.DampedRotarySpring", reversed_spring)
@@ -62,7 +62,7 @@ class TestInertia:
         """A torque on the link that takes away what the rotating root exerts, m r_h (L/2) w^2 sin a."""
         true = Scene.step
 
-        def without(scene: Scene, length: float, count: int, act=None) -> None:  # type: ignore[no-untyped-def]
+        def without(scene: Scene, length: float, count: int, act=None) -> None:
             hub, link, mechanism = scene.hub, scene.links[0], scene.mechanism
             for _ in range(count):
                 if act is not None:
@@ -79,7 +79,7 @@ class TestInertia:
         """About the centre, where it is a quarter of that about the root: 0.5 % of the latter."""
         true = tool._link
 
-        def off(*arguments) -> Link:  # type: ignore[no-untyped-def]
+        def off(*arguments) -> Link:
             link = true(*arguments)
             return replace(link, inertia=link.inertia * share)
 
@@ -138,7 +138,7 @@ class TestImpact:
         """A contact-space mass of a rod a thousandth shorter."""
         true = contact_laws.contact_space
 
-        def off(body, point, normal, other=None):  # type: ignore[no-untyped-def]
+        def off(body, point, normal, other=None):
             nearer = (0.999 * point[0] + 0.001 * body.position.x, 0.999 * point[1] + 0.001 * body.position.y)
             return true(body, nearer, normal, other)
 
@@ -146,8 +146,8 @@ class TestImpact:
         assert check_strike_ledger in failing()
 
 
-def with_turned_friction(true: Callable[..., tuple]) -> Callable[..., tuple]:  # type: ignore[type-arg]
-    def turned(*arguments):  # type: ignore[no-untyped-def]
+def with_turned_friction(true: Callable[..., tuple]) -> Callable[..., tuple]:
+    def turned(*arguments):
         touch, space = true(*arguments)
         response = space.response * [1.0, -1.0]
         return touch, replace(space, response=response)

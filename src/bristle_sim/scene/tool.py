@@ -125,7 +125,7 @@ def simulate(
     if stop_after is not None and stop_after not in EVENTS:
         raise ValueError(f"stop_after = {stop_after!r}: None or one of {', '.join(EVENTS)} is allowed")
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
-    _check_start(scene, tool, start_hub_angle + start_relative_angle)
+    _check_start(scene, tool, begin.hub_angle + begin.relative_angle)
     start = State(
         0.0,
         (begin.hub_angle + begin.relative_angle,),
