@@ -123,7 +123,8 @@ def _measured(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """The quantities of a run; None for what did not happen."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
-    release = run.event_time("bar release", last=True, before=until)
+    touches = [each.time + each.duration for each in run.contacts if each.obstacle == "bar" and each.time <= until]
+    release = max(touches, default=None)
     values: dict[str, float | None] = {
         "release_time": release,
         "release_retraction_deg": None if release is None else -math.degrees(_relative_angle_at(run, release)),

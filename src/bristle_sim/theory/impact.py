@@ -53,6 +53,10 @@ PHASES = ("compression", "compression after slip", "restitution", "restitution a
 INFINITE = math.inf
 BLOCK = 1 << 13
 
+KNIFE_EDGE = 1e-6
+"""One degree of freedom that sticks with less than this share of its approach left is at rest: a radial bristle, up to
+rounding. The work rule would ask an impulse of W/v_n of it, without bound."""
+
 SINGULAR = 64.0 * sys.float_info.epsilon
 """A normal compliance in stick below this share of K_nn is rounding: the contact has one degree of freedom."""
 
@@ -209,11 +213,15 @@ class _Mass:
 
 @dataclass(frozen=True, slots=True)
 class _Target:
-    """What restitution still has to reach: normal work, normal impulse, or (Newton) a normal velocity."""
+    """What restitution still has to reach: normal work, normal impulse, or (Newton) a normal velocity.
+
+    A point that cannot be set in motion and moves no faster than ``least`` is at rest.
+    """
 
     work: Number
     impulse: Number
     velocity: Number
+    least: Number
 
 
 @dataclass(frozen=True, slots=True)
@@ -297,11 +305,11 @@ def _walk(
 
     # Compression may have ended in slip, reversed slip or stick; slip that is still there goes on.
     work = -(first.work_normal + second.work_normal) * e * e
-    target = _Target(work, e * compressive, -e * normal)
+    target = _Target(work, e * compressive, -e * normal, -KNIFE_EDGE * normal)
     opens = approaching & _not(jammed) & (e > 0.0)
     slip = _sign(state.tangential)
     third = _restitute(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
-    left = _Target(work - third.work_normal, target.impulse - third.impulse, target.velocity)
+    left = _Target(work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least)
     still_open = opens & ((slip == 0.0) | third.unfinished)
     fourth = _restitute(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
 
@@ -357,8 +365,12 @@ def _restitute(
     ratio = _select(sticks, mass.stick_ratio, -_select(limit < mu, limit, mu) * slip)
     slip_rate = _select(limit > mu, mass.normal - mu * drive, _select(drive > 0.0, 0.0, mass.normal - mu * drive))
     normal_rate = _select(sticks, mass.stick, slip_rate)
-    tangential_rate = _select(sticks, 0.0, mass.coupling + ratio * mass.tangential)
-    finish = end(state.normal, normal_rate, target)
+    # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree of freedom.
+    at_rest = -mass.stick * mass.tangential * _inverse(mass.coupling)
+    slip_tangential_rate = _select((drive > 0.0) & (limit <= mu), at_rest, mass.coupling + ratio * mass.tangential)
+    tangential_rate = _select(sticks, 0.0, slip_tangential_rate)
+    rests = sticks & (normal_rate == 0.0) & (state.normal <= target.least)
+    finish = _select(rests, INFINITE, end(state.normal, normal_rate, target))
     return _advance(state, active, slip, ratio, normal_rate, tangential_rate, finish)
 
 
