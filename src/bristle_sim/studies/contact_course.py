@@ -9,47 +9,67 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
 from bristle_sim.parameters import Bristle, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-__all__ = ["Course", "TimedContact"]
+__all__ = ["Course", "TimedContact", "pieces"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
 class Course:
-    """Values over time, smooth but at instants that are sampled more than once; both of shape (n,)."""
+    """Values over time, smooth but at instants that are sampled more than once; with their slopes where those are known.
+
+    All of shape (n,). Pieces between such instants are cubic: through values and slopes, or a spline through values.
+    """
 
     time: Array
     values: Array
+    slopes: Array | None = None
 
     def integral(self, start: float, end: float) -> float:
-        """From start to end, s, by a cubic spline through each smooth piece."""
+        """From start to end, s."""
         total = 0.0
-        for first, last in self._pieces():
+        for first, last in pieces(self.time):
             low, high = max(start, self.time[first]), min(end, self.time[last - 1])
             if high > low:
-                piece = CubicSpline(self.time[first:last], self.values[first:last])
-                total += float(piece.integrate(low, high))
+                total += float(self._cubic(first, last).integrate(low, high))
         return total
 
+    def sums(self) -> Array:
+        """Integral from the first sample to each, shape (n,)."""
+        found = np.zeros(len(self.time))
+        for first, last in pieces(self.time):
+            rising = self._cubic(first, last).antiderivative()(self.time[first:last])
+            found[first:] = found[first]
+            found[first:last] += rising
+        found[last:] = found[last - 1]
+        return found
+
     def fine(self, points: int) -> tuple[Array, Array]:
-        """Time and values on the same splines, with so many points for each sample."""
+        """Time and values on the same cubics, with so many points for each sample."""
         parts = []
-        for first, last in self._pieces():
-            piece = CubicSpline(self.time[first:last], self.values[first:last])
+        for first, last in pieces(self.time):
             time = np.linspace(self.time[first], self.time[last - 1], points * (last - first))
-            parts.append((time, np.asarray(piece(time))))
+            parts.append((time, np.asarray(self._cubic(first, last)(time))))
         return np.concatenate([time for time, _ in parts]), np.concatenate([values for _, values in parts])
 
-    def _pieces(self) -> list[tuple[int, int]]:
-        breaks = np.flatnonzero(np.diff(self.time) <= 0.0) + 1
-        edges = [0, *breaks.tolist(), len(self.time)]
-        return [(first, last) for first, last in pairwise(edges) if last - first > 1]
+    def _cubic(self, first: int, last: int) -> PPoly:
+        time, values = self.time[first:last], self.values[first:last]
+        if self.slopes is None:
+            return CubicSpline(time, values)
+        return CubicHermiteSpline(time, values, self.slopes[first:last])
+
+
+def pieces(time: Array) -> list[tuple[int, int]]:
+    """First sample and the one past the last of each smooth piece; instants that rounding tells apart are one."""
+    least = 1e-12 * float(time[-1] - time[0])
+    edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
+    return [(first, last) for first, last in pairwise(edges) if last - first > 1]
 
 
 @dataclass(frozen=True)
@@ -93,10 +113,11 @@ class TimedContact:
     @cached_property
     def resultant(self) -> Course:
         """Resultant force, N."""
-        return Course(self.time, np.hypot(self.history.normal_force, self.history.tangential_force))
+        leaning = np.hypot(1.0, self._ratio)
+        return Course(self.time, leaning * self.history.normal_force, leaning * self._normal_slope)
 
     def smooth_resultant(self, points: int = 24) -> tuple[Array, Array]:
-        """The resultant between its samples too, on the splines that are integrated: time in s, force in N."""
+        """The resultant between its samples too, on the cubics that are integrated: time in s, force in N."""
         return self.resultant.fine(points)
 
     @property
@@ -120,12 +141,20 @@ class TimedContact:
         return np.asarray(self.chain.hub_angle + self.chain.hub_speed * self.time)
 
     @cached_property
-    def angle(self) -> Array:
-        """Of the bristle, rad: its tip is as deep as recorded, its root where the hub carries it."""
+    def tip(self) -> tuple[Array, Array]:
+        """Place of the tip from the hub's centre, along and above the workpart, m."""
         radius, length = self.chain.hub_radius, self.chain.lengths[0]
-        height = -radius * math.cos(self.chain.hub_angle) - length * math.cos(self.chain.angles[0])
-        cosine = (-radius * np.cos(self.hub_angle) - height + self.history.penetration) / length
-        return np.asarray(-np.arccos(np.clip(cosine, -1.0, 1.0)))
+        start, angle = self.chain.hub_angle, self.chain.angles[0]
+        slid = Course(self.time, self.history.tangential_velocity).sums()
+        along = radius * math.sin(start) + length * math.sin(angle) + slid
+        return along, -radius * math.cos(start) - length * math.cos(angle) - self.history.penetration
+
+    @cached_property
+    def angle(self) -> Array:
+        """Of the bristle, rad: from its root, where the hub carries it, to the tip."""
+        along, above = self.tip
+        radius = self.chain.hub_radius
+        return np.arctan2(along - radius * np.sin(self.hub_angle), -radius * np.cos(self.hub_angle) - above)
 
     @cached_property
     def rate(self) -> Array:
@@ -141,17 +170,16 @@ class TimedContact:
     @cached_property
     def path(self) -> Array:
         """Length of the tip's way since first touch, m."""
-        speed = Course(self.time, np.hypot(self.history.normal_velocity, self.history.tangential_velocity))
-        return np.array([speed.integral(0.0, end) for end in self.time])
+        return Course(self.time, np.hypot(self.history.normal_velocity, self.history.tangential_velocity)).sums()
 
     @property
     def work(self) -> float:
         """Work of the force on the tip over its path, first touch to last, J; negative.
 
-        Splines through the recorded samples, where the ledger's works are added up in the engine step by step.
+        From the recorded samples, where the ledger's works are added up in the engine step by step.
         """
         h = self.history
-        power = h.normal_force * h.normal_velocity + h.tangential_force * h.tangential_velocity
+        power = h.normal_force * (h.normal_velocity + self._ratio * h.tangential_velocity)
         return Course(self.time, power).integral(0.0, float(self.time[-1]))
 
     @property
@@ -177,12 +205,34 @@ class TimedContact:
     def _contact_moment(self) -> float:
         """Integral of the contact's moment about the hub's centre, N m s."""
         h, end = self.history, float(self.time[-1])
-        x = self.chain.hub_radius * np.sin(self.hub_angle) + self.chain.lengths[0] * np.sin(self.angle)
-        y = -self.chain.hub_radius * np.cos(self.hub_angle) - self.chain.lengths[0] * np.cos(self.angle)
-        recorded = Course(self.time, x * h.normal_force - y * h.tangential_force).integral(0.0, end)
+        along, above = self.tip
+        lever = along - self._ratio * above
+        turning = h.tangential_velocity + self._ratio * h.normal_velocity
+        slopes = lever * self._normal_slope + turning * h.normal_force
+        recorded = Course(self.time, lever * h.normal_force, slopes).integral(0.0, end)
         # In stick the record leaves out the force that holds the tip while the hub turns on; the ledger's impulse has it.
-        held = self.record.impulse[1] - Course(self.time, h.tangential_force).integral(0.0, end)
-        return recorded - float(y[-1]) * held
+        rubbed = Course(self.time, self._ratio * h.normal_force, self._ratio * self._normal_slope).integral(0.0, end)
+        return recorded - float(above[-1]) * (self.record.impulse[1] - rubbed)
+
+    @cached_property
+    def _ratio(self) -> Array:
+        """Tangential over normal force, the same all through a piece: slip one way or the other, or stick."""
+        found = np.zeros(len(self.time))
+        for first, last in pieces(self.time):
+            top = first + int(np.argmax(self.history.normal_force[first:last]))
+            found[first:last] = self.history.tangential_force[top] / self.history.normal_force[top]
+        return found
+
+    @cached_property
+    def _normal_slope(self) -> Array:
+        """Of the normal force over time, N/s: on a spring it is the stiffness of the piece times the tip's velocity."""
+        found = np.zeros(len(self.time))
+        force, depth = self.history.normal_force, self.history.penetration
+        for first, last in pieces(self.time):
+            deeper = depth[last - 1] - depth[first]
+            stiffness = (force[last - 1] - force[first]) / deeper if deeper else 0.0
+            found[first:last] = -stiffness * self.history.normal_velocity[first:last]
+        return found
 
     def _centre_velocity(self) -> tuple[Array, Array]:
         rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * self.rate
@@ -201,5 +251,6 @@ class TimedContact:
         half = 0.5 * self.chain.lengths[0]
         x = self.chain.hub_radius * np.sin(self.hub_angle) + half * np.sin(self.angle)
         y = -self.chain.hub_radius * np.cos(self.hub_angle) - half * np.cos(self.angle)
-        along, away = self._centre_velocity()
-        return np.asarray(self.bristle.mass * (x * away - y * along) + self.bristle.inertia_about_centre * self.rate)
+        forward, upward = self._centre_velocity()
+        orbital = self.bristle.mass * (x * upward - y * forward)
+        return np.asarray(orbital + self.bristle.inertia_about_centre * self.rate)

@@ -133,8 +133,11 @@ def _struck(
     speed: float,
 ) -> TimedContact:
     chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
-    if not 0.0 < duration <= 1.0:
-        raise ValueError(f"contact_duration = {duration:g}: 0 < contact_duration <= 1 is allowed (in s)")
+    if not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length) <= bristle.length:
+        raise ValueError(
+            f"compression_time: a shorter one is allowed, in {duration:g} s of contact tip or hub move by more than"
+            " the bristle's length"
+        )
     found = strike(chain, surface, Contact("compliant", duration), settings)
     record = found.contact
     if record.history is None or record.compressive_impulse is None or not record.compressive_impulse[0] > 0.0:
