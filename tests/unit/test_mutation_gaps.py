@@ -9,12 +9,15 @@ import numpy as np
 import pymunk
 import pytest
 
+from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene import stepping
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.spring import time_at_unit_stiffness
 from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Repetitions, Stepper, SymmetricSteps
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.settings import Settings
 from bristle_sim.theory.impact import energetic_impact, poisson_impact
 
 
@@ -189,3 +192,17 @@ class TestSpringTime:
         expected = 0.5 * math.pi + 4.0 + 0.5 * math.pi / 1.2
         # The angle of a phase that begins at rest is that of a v_n of rounding: 1e-16 over its speed.
         assert time_at_unit_stiffness(impact, -speed, 0.5) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_ledger_of_a_contact_resolved_in_time(restitution: float) -> None:
+    """Every entry tends to that of the rigid-body law, as the rates do: within ten times the accuracy asked for."""
+    chain = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+    surface = Surface(0.3, None, restitution)
+    limit = strike(chain, surface, Contact(), Settings()).contact
+    found = strike(chain, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
+    for name in ("compressive_impulse", "compressive_work", "restitutive_work", "velocity_before", "velocity_after"):
+        expected = getattr(limit, name)
+        # The tangential parts are shares of the normal ones; a final v_n of 0 is one beside that of the approach.
+        size = max(map(abs, limit.velocity_before if "velocity" in name else expected), default=0.0)
+        assert getattr(found, name) == pytest.approx(expected, rel=1e-4, abs=1e-4 * size + 1e-12), name

@@ -44,10 +44,8 @@ class Course:
         """Integral from the first sample to each, shape (n,)."""
         found = np.zeros(len(self.time))
         for first, last in pieces(self.time):
-            rising = self._cubic(first, last).antiderivative()(self.time[first:last])
-            found[first:] = found[first]
-            found[first:last] += rising
-        found[last:] = found[last - 1]
+            found[first:last] += self._cubic(first, last).antiderivative()(self.time[first:last])
+            found[last:] = found[last - 1]
         return found
 
     def fine(self, points: int) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from bristle_sim.studies.accuracy_cost.measure import Effort
 
-__all__ = ["PACKAGES", "installed", "machine"]
+__all__ = ["PACKAGES", "installed", "machine", "surroundings"]
 
 PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn", "pybullet")
 
@@ -23,6 +23,15 @@ def installed() -> set[str]:
 
 def machine(effort: Effort) -> dict[str, Any]:
     """Processor, system, load, versions and command, as plain values."""
+    return {
+        **surroundings(),
+        "clock": f"process CPU time, the least of {effort.rounds} interleaved rounds",
+        "command": f"python scenarios/accuracy_cost.py --set effort={effort.effort} --set peers={effort.peers}",
+    }
+
+
+def surroundings() -> dict[str, Any]:
+    """Processor, system, load and versions, whatever is measured."""
     here = installed()
     versions = {name: importlib.metadata.version(name) for name in PACKAGES if name in here}
     return {
@@ -31,8 +40,6 @@ def machine(effort: Effort) -> dict[str, Any]:
         "system": f"{platform.system()} {platform.machine()}",
         "load_average": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
         "versions": {"python": platform.python_version(), **versions},
-        "clock": f"process CPU time, the least of {effort.rounds} interleaved rounds",
-        "command": f"python scenarios/accuracy_cost.py --set effort={effort.effort} --set peers={effort.peers}",
     }
 
 

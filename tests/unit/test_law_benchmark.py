@@ -1,0 +1,9 @@
+"""The benchmark runs and tells every way's cost; no figure is asked of it here, machines are noisy."""
+
+from bristle_sim.studies.law_benchmark import costs
+
+
+def test_every_way_is_measured() -> None:
+    found = costs(rounds=1, size=1000)
+    assert set(found) == {"law, arrays", "law, one impact", "scene, one rod", "scene, two rods"}
+    assert all(0.0 < seconds < 10.0 for seconds in found.values())
