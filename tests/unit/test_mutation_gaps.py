@@ -193,6 +193,21 @@ class TestSpringTime:
         # The angle of a phase that begins at rest is that of a v_n of rounding: 1e-16 over its speed.
         assert time_at_unit_stiffness(impact, -speed, 0.5) == pytest.approx(expected, rel=1e-12)
 
+    def test_slip_that_reverses_in_restitution(self) -> None:
+        """K = ((1, 0.8), (0.8, 1)), v = (-1, -1.2), mu = 0.1, e* = 0.9: a = 1.08 until slip stops, then 0.92.
+
+        N at the end of compression is 1/sqrt(1.08). On the way out (k = 1/0.81) v_n = N sqrt(a/k) sin(angle).
+        """
+        impact = energetic_impact([[1.0, 0.8], [0.8, 1.0]], [-1.0, -1.2], 0.1, 0.9)
+        assert impact.phases == ("compression slip", "restitution slip", "restitution reverse slip")
+        speed = 1.08 * (1.2 - 0.9 / 1.08) / 0.9
+        stiffness, force = 1.0 / 0.81, 1.0 / math.sqrt(1.08)
+        first = math.asin(speed / (force * math.sqrt(1.08 / stiffness)))
+        second = 0.5 * math.pi - math.atan(speed / (force * math.cos(first) * math.sqrt(0.92 / stiffness)))
+        expected = 0.5 * math.pi / math.sqrt(1.08) + first / math.sqrt(1.08 * stiffness)
+        expected += second / math.sqrt(0.92 * stiffness)
+        assert time_at_unit_stiffness(impact, -1.0, 0.9) == pytest.approx(expected, rel=1e-12)
+
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_ledger_of_a_contact_resolved_in_time(restitution: float) -> None:

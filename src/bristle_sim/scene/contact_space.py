@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import pymunk
@@ -104,8 +105,7 @@ def contact_space(
     return ContactSpace(free.T @ free, (velocity[0], velocity[1]), tuple(bodies), scale[:, None] * free)
 
 
-@dataclass(frozen=True, slots=True)
-class _Frame:
+class _Frame(NamedTuple):
     """Where a body is and the inverse roots of its mass and moment; ``at`` is its first row."""
 
     x: float

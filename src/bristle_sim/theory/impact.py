@@ -27,7 +27,7 @@ import math
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -200,8 +200,7 @@ class _State:
     impulse_tangential: Number
 
 
-@dataclass(frozen=True, slots=True)
-class _Mass:
+class _Mass(NamedTuple):
     """K by its entries, its normal compliance in stick rid of rounding, and the tangential share of stick."""
 
     normal: Number
@@ -211,8 +210,7 @@ class _Mass:
     stick_ratio: Number
 
 
-@dataclass(frozen=True, slots=True)
-class _Target:
+class _Target(NamedTuple):
     """What restitution still has to reach: normal work, normal impulse, or (Newton) a normal velocity.
 
     A point that cannot be set in motion and moves no faster than ``least`` is at rest.
@@ -224,8 +222,7 @@ class _Target:
     least: Number
 
 
-@dataclass(frozen=True, slots=True)
-class _Phase:
+class _Phase(NamedTuple):
     """What one phase did; ``stopped``: slip came to an end in it; ``unfinished``: its part of the impact goes on."""
 
     impulse: Number
