@@ -245,7 +245,7 @@ def test_the_engine_creates_energy() -> None:
 def test_strike_by_a_law_is_the_strike_of_that_name() -> None:
     found, named = strike_by(THREE_RODS, ROUGH, EnergeticLaw()), strike(THREE_RODS, ROUGH, Contact(), Settings())
     assert found.rates_after == named.contact.rates_after
-    assert found.kinetic_energy_ratio == named.kinetic_energy_ratio
+    assert found.kinetic_energy_ratio == pytest.approx(named.kinetic_energy_ratio, rel=1e-14)  # one sum, two orders
 
 
 @pytest.mark.parametrize("mass_ratio", [1.0, 1e4])

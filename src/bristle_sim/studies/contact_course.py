@@ -218,7 +218,8 @@ class TimedContact:
         found = np.zeros(len(self.time))
         for first, last in pieces(self.time):
             top = first + int(np.argmax(self.history.normal_force[first:last]))
-            found[first:last] = self.history.tangential_force[top] / self.history.normal_force[top]
+            if self.history.normal_force[top] > 0.0:
+                found[first:last] = self.history.tangential_force[top] / self.history.normal_force[top]
         return found
 
     @cached_property

@@ -53,8 +53,9 @@ SAME_LIMIT = 1e-9
 ENERGY_ROUNDING = 5e-3
 """The coefficients of (4.59) are rounded: 0.00303 stands for 0.00302, 0.0126 for 0.01258."""
 
-BALANCE = 3e-5
-"""Cubics through some thirty samples of a half wave leave (pi/30)^4/180 = 7e-7 of a work, more in a short last piece."""
+BALANCE = 1e-4
+"""Cubics through some thirty samples of a half wave leave (pi/30)^4/180 = 7e-7 of a work, more where the hub turns by
+degrees meanwhile or the last piece is short."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -140,6 +140,9 @@ def _struck(
         )
     found = strike(chain, surface, Contact("compliant", duration), settings)
     record = found.contact
-    if record.history is None or record.compressive_impulse is None or not record.compressive_impulse[0] > 0.0:
+    if record.history is None or record.compressive_impulse is None or not record.history.normal_force.max() > 0.0:
         raise ValueError(f"speed_ratio: a tip that strikes is allowed, this one approaches at {speed:g} m/s")
-    return TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)
+    contact = TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)
+    if not contact.compression_time > 0.0:
+        raise ValueError(f"speed_ratio: a tip that strikes is allowed, this one barely touches at {speed:g} m/s")
+    return contact
