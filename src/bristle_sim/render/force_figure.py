@@ -30,7 +30,8 @@ def force_figure(comparison: ForceComparison) -> Figure:
     segments = axes_at(figure, 1.3, 1.1, 6.3, 4.5)
     fit = axes_at(figure, 9.2, 1.1, 6.3, 4.5)
     name = "force of chapter 3" if comparison.curve is BRISTLE else "fit to the measured force"
-    panel_title(forces, "a", f"{name}, and a bristle's contact of the same impulse and compression time")
+    simulated = "a bristle's contact" if comparison.contact else "no contact of a bristle"
+    panel_title(forces, "a", f"{name}, and {simulated} of the same impulse and compression time")
     draw_forces(forces, comparison)
     panel_title(segments, "b", "impulse of each tenth of the compression")
     draw_segments(segments, comparison)

@@ -214,7 +214,8 @@ def _contact_lines(contact: TimedContact, curve: ForceCurve, impact_angle: float
 
 
 def _segment_lines(subject: ForceComparison) -> tuple[str, ...]:
-    lines = [f"{'table 3.1, 1e-4 N s':<22}{'printed':>10}{'by (3.15)':>10}{'curve':>10}{'simulated':>10}"]
+    name = "table 3.1" if subject.curve is BRISTLE else "tenths"
+    lines = [f"{name + ', 1e-4 N s':<22}{'printed':>10}{'by (3.15)':>10}{'curve':>10}{'simulated':>10}"]
     for row in _table_3_1(subject):
         cells = ["-" if row[name] is None else f"{1e4 * row[name]:.4f}" for name in SOURCES]
         lines.append(f"{'  segment ' + str(row['segment']):<22}" + "".join(f"{cell:>10}" for cell in cells))

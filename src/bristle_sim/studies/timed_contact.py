@@ -143,6 +143,6 @@ def _struck(
     if record.history is None or record.compressive_impulse is None or not record.history.normal_force.max() > 0.0:
         raise ValueError(f"speed_ratio: a tip that strikes is allowed, this one approaches at {speed:g} m/s")
     contact = TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)
-    if not contact.compression_time > 0.0:
+    if not (contact.compression_time > 0.0 and contact.compressive_impulse > 0.0):
         raise ValueError(f"speed_ratio: a tip that strikes is allowed, this one barely touches at {speed:g} m/s")
     return contact
