@@ -222,6 +222,8 @@ def test_depths(figures):
         [1.4079e-4, 1.4181e-4, 1.4213e-4],
         atol=2e-8,
     )
+    # 139.59 um with 300 plies and the rounded angles.
+    assert figures["4.13"].panels[0].marks[0].y == pytest.approx(1.3959e-4, abs=5e-9)
     stress = figures["4.17"].panels[0].curves[-1]
     np.testing.assert_allclose(stress.theory * stress.x, 1.3940e-4 * 1.2e8, rtol=5e-5)
     total, share = figures["4.19"].panels[0].curves

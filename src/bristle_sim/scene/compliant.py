@@ -239,8 +239,9 @@ class _Passage:
                 break
         else:
             spring.slip = 0.0
-        if spring.loading and self.rows and -self._now()[0] <= SAME * abs(self.rows[0][4]):
-            # Slip and compression of one degree of freedom stop together.
+        stopped = self.expected == "stiction" and not spring.slip
+        if spring.loading and self.rows and (stopped or -self._now()[0] <= SAME * abs(self.rows[0][4])):
+            # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
             self._end_compression()
 
     def _now(self) -> Vector:

@@ -8,6 +8,7 @@ the contact in the scene has what is asked for.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,19 +73,23 @@ def timed_contact(
     """
     if (rate is None) == (impulse is None):
         raise ValueError("rate, impulse: exactly one of the two is allowed")
-    given = np.array(
-        [
-            compression_time * _whole_over_compression(surface, impact_angle),
-            _first_speed(hub, bristle, surface, impact_angle, rate, impulse),
-        ]
-    )
+    duration = compression_time * _whole_over_compression(surface, impact_angle)
+    speed = _first_speed(hub, bristle, surface, impact_angle, rate, impulse)
     asked = np.array([compression_time] if impulse is None else [compression_time, impulse])
+
+    def struck(duration: float, speed: float) -> TimedContact:
+        return _struck(hub, bristle, surface, impact_angle, settings, duration, speed)
+
+    return _adjusted(struck, np.array([duration, speed]), asked, max(CLOSE, settings.accuracy))
+
+
+def _adjusted(struck: Callable[[float, float], TimedContact], given: Array, asked: Array, close: float) -> TimedContact:
+    """Change duration, and speed if an impulse is asked for too, by Broyden's method in their logarithms."""
     free, slopes, before = len(asked), np.eye(len(asked)), None
     for _ in range(ROUNDS):
-        found = _struck(hub, bristle, surface, impact_angle, settings, *given.tolist())
-        reached = np.array([found.compression_time, found.compressive_impulse])[:free]
-        missing = np.log(asked / reached)
-        if np.all(np.abs(missing) <= max(CLOSE, settings.accuracy)):
+        found = struck(*given.tolist())
+        missing = np.log(asked / np.array([found.compression_time, found.compressive_impulse])[:free])
+        if np.all(np.abs(missing) <= close):
             return found
         if before is not None:
             slopes += _correction(slopes, *before, missing)
@@ -92,7 +97,7 @@ def timed_contact(
         given[:free] *= np.exp(step)
         before = step, missing
     raise ValueError(
-        f"compression_time = {compression_time:g}: a shorter one is allowed, the hub turns too far meanwhile (in s)"
+        f"compression_time = {asked[0]:g}: a shorter one is allowed, the hub turns too far meanwhile (in s)"
     )
 
 
