@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import pymunk
 
+from bristle_sim.scene.engine import placer, stepper
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 
@@ -84,6 +85,8 @@ class Scene:
         self._shapes: dict[str, list[pymunk.Shape]] = {}
         for obstacle in effects.obstacles:
             self._add_obstacle(obstacle)
+        self._step = stepper(self.space)
+        self._placers = [placer(body) for body in self.links]
 
     def _add_hub(self) -> pymunk.Body:
         hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
@@ -140,17 +143,18 @@ class Scene:
             shape.filter = _NOWHERE
         self.space.iterations = _flight_iterations(self.mechanism.links)
 
-    def place(self, state: State) -> None:
-        """Put every body exactly where the state says, joints closed, velocities consistent."""
+    def place(self, state: State, drift: float = 0.0) -> None:
+        """Put every body exactly where the state says, joints closed, velocities consistent.
+
+        With a ``drift`` the bodies stand where their velocities, without forces, take them in that time.
+        """
         if self.hub is not None:
-            self.hub.angle = self.mechanism.hub_angle(state.time)
+            self.hub.angle = self.mechanism.hub_angle(state.time + drift)
         if state is not self._placed[0]:
             self._placed = (state, self.mechanism.poses(state))
-        for body, pose, angle, rate in zip(self.links, self._placed[1], state.angles, state.rates, strict=True):
-            body.angle = angle
-            body.position = pose.centre
-            body.velocity = pose.centre_velocity
-            body.angular_velocity = rate
+        for put, pose, angle, rate in zip(self._placers, self._placed[1], state.angles, state.rates, strict=True):
+            (x, y), (u, v) = pose.centre, pose.centre_velocity
+            put(angle + drift * rate, (x + drift * u, y + drift * v), (u, v), rate)
 
     def angles(self) -> list[float]:
         """Absolute angles of the links as they are in the engine, rad."""
@@ -165,7 +169,7 @@ class Scene:
         if length > WARM * self._last_length:
             self._start_cold(length)
         self._last_length = length
-        advance = self.space.step
+        advance = self._step
         for _ in range(count):
             if act is not None:
                 act(length)
@@ -180,7 +184,7 @@ class Scene:
             joint.max_force = 0.0
         # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
         for _ in range(2):
-            self.space.step(length)
+            self._step(length)
             for body, (position, angle, velocity, rate) in zip(bodies, kept, strict=True):
                 body.position, body.angle, body.velocity, body.angular_velocity = position, angle, velocity, rate
         for joint in self.joints:
@@ -207,13 +211,12 @@ class Scene:
         total = [0.0, 0.0]
 
         def add(arbiter: pymunk.Arbiter) -> None:
-            # The engine's normal points from its first shape to its second. The sign of its impulse depends on their
-            # order inside the engine; a contact only pushes.
-            outwards = 1.0 if arbiter.shapes[1].body is self.links[-1] else -1.0
-            normal, impulse = arbiter.normal * outwards, arbiter.total_impulse
-            push = math.copysign(1.0, impulse.dot(normal))
-            total[0] += push * impulse.dot(normal)
-            total[1] += push * impulse.dot((normal.y, -normal.x))
+            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
+            # the engine; a contact only pushes, which settles both.
+            normal, impulse = arbiter.normal, arbiter.total_impulse
+            push = impulse.dot(normal)
+            total[0] += abs(push)
+            total[1] += math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
 
         self.links[-1].each_arbiter(add)
         return total[0], total[1]

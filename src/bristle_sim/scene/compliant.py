@@ -41,7 +41,13 @@ LEAST_RESTITUTION = 1e-3
 """Except 0. The spring's way out is 1/e* times as fast as its way in."""
 
 SAMPLES = 24
-"""Least number of stretches a contact is cut into."""
+"""Least number of stretches that a contact of a given duration is cut into, for its course in time."""
+
+FEWEST_SAMPLES = 8
+"""The same for one whose outcome alone is of interest: less than a phase of it in a stretch."""
+
+LOCATED = 0.1
+"""Share of a stretch's error in velocity, or of what that makes of the penetration, to which a turn is located."""
 
 PROBE = 0.02
 """Share of a contact in which the motion shows where slip goes on that has stopped."""
@@ -100,10 +106,12 @@ class CompliantLaw:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
         stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
         spring = Spring(scene, touch, space.inverse_mass, stiffness, coefficients)
-        stepper: Stepper = Extrapolation(max(0.1 * self.accuracy, ROUNDING / (duration * way_out)), fastest, WIDE)
+        longest = duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES)
+        tolerance = max(0.1 * self.accuracy, ROUNDING / (duration * way_out))
+        stepper: Stepper = Extrapolation(tolerance, fastest, WIDE, longest)
         if self.plain_steps is not None:
             stepper = PlainSteps(duration / self.plain_steps)
-        passage = _Passage(scene, state, spring, stepper, duration, rigid.outcome_name)
+        passage = _Passage(scene, state, spring, stepper, (duration, longest), rigid.outcome_name)
         passage.go()
         return passage.state, passage.record(obstacle, state)
 
@@ -133,22 +141,30 @@ class _Turn:
     value: Callable[[Advance], float]
     rising: bool
     act: Callable[[], None]
+    of_velocity: bool = True
 
 
 class _Passage:
     """One contact on its way: the state, what has been added up, and the record in time."""
 
     def __init__(
-        self, scene: Scene, state: State, spring: Spring, stepper: Stepper, duration: float, expected: str
+        self,
+        scene: Scene,
+        state: State,
+        spring: Spring,
+        stepper: Stepper,
+        times: tuple[float, float],
+        expected: str,
     ) -> None:
+        """``times`` are the contact's duration and that of its longest stretch; ``expected`` is the rigid outcome."""
         self.scene = scene
         self.state = state
         self.spring = spring
         self.stepper = stepper
-        self.duration = duration
+        self.duration, self.longest = duration, longest = times
         self.expected = expected
         self.done = ""
-        self.most_stretches = max(MOST_STRETCHES, int(4 * duration / stepper.propose(duration)))
+        self.most_stretches = max(MOST_STRETCHES, int(4 * duration / stepper.propose(longest)))
         self.phases: list[str] = []
         self.totals = np.zeros(4)
         self.at_compression_end: np.ndarray | None = None
@@ -170,7 +186,7 @@ class _Passage:
         )
 
     def _stretch(self) -> None:
-        length = self.stepper.propose(self.duration / SAMPLES)
+        length = self.stepper.propose(self.longest)
         result = self._advance(length)
         if not self.stepper.accepts(result, length):
             return
@@ -181,8 +197,7 @@ class _Passage:
             left = turn.value(Advance(self.state, (), (), 0.0))
             if (right > 0.0) if turn.rising else (right < 0.0):
                 before = min(left, -TINY) if turn.rising else max(left, TINY)
-                found = locate(lambda at, turn=turn: turn.value(self._advance(at)), 0.0, span, before, right, TINY)  # type: ignore[misc]
-                result, act = self._advance(found), turn.act
+                result, act = self._locate(turn, span, before, right), turn.act
         self.state = result.state
         self.totals += result.totals
         if act is None and not self._holds(result):
@@ -195,6 +210,18 @@ class _Passage:
         if not self.done and self.state.time - self.rows[0][0] > PATIENCE * self.duration:
             self.done = "no rebound"
 
+    def _locate(self, turn: _Turn, span: float, left: float, right: float) -> Advance:
+        """The state at a turn within a stretch."""
+        tried: dict[float, Advance] = {}
+
+        def value(length: float) -> float:
+            tried[length] = self._advance(length)
+            return turn.value(tried[length])
+
+        tolerance = LOCATED * self.stepper.noise * (1.0 if turn.of_velocity else self.duration)
+        found = locate(value, 0.0, span, left, right, max(TINY, tolerance))
+        return tried[found] if found in tried else self._advance(found)
+
     def _advance(self, length: float) -> Advance:
         return self.stepper.advance(self.scene, self.state, length, self.spring)
 
@@ -205,8 +232,8 @@ class _Passage:
         if spring.loading:
             turns.append(_Turn(lambda at: self._velocity(at)[0], True, self._end_compression))
         else:
-            turns.append(_Turn(lambda at: self._penetration(at) - spring.residual, False, self._separate))
-            turns.append(_Turn(lambda at: self._penetration(at) - spring.peak, True, self._reload))
+            turns.append(_Turn(lambda at: self._penetration(at) - spring.residual, False, self._separate, False))
+            turns.append(_Turn(lambda at: self._penetration(at) - spring.peak, True, self._reload, False))
         if spring.slip:
             turns.append(_Turn(lambda at: spring.slip * self._velocity(at)[1], False, self._settle))
         return turns

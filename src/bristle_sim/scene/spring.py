@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients
+from bristle_sim.scene.engine import point_reader, pusher
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.obstacles import Touch
 from bristle_sim.theory.impact import Impact
@@ -35,18 +36,18 @@ class Spring:
     ) -> None:
         """For a scene whose last link's tip is at the point of touch now."""
         link = scene.mechanism.links[-1]
-        self.body = scene.links[-1]
-        self.anchor = (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
+        body, point = scene.links[-1], (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
+        self._tip, self._push = point_reader(body, point), pusher(body)
         self.normal, self.tangent = touch.normal, touch.tangent
-        tip = self.body.local_to_world(self.anchor)
-        self.surface = tip.x * self.normal[0] + tip.y * self.normal[1]
+        x, y, _, _ = self._tip()
+        self.surface = x * self.normal[0] + y * self.normal[1]
         (_, self.coupling), (_, self.tangential) = inverse_mass.tolist()
         self.stiffness = stiffness
         self.coefficients = coefficients
         self.loading = True
         self.peak = self.residual = 0.0
         self.slip = math.copysign(1.0, touch.velocity[1]) if touch.velocity[1] else 0.0
-        self._totals = [0.0, 0.0, 0.0, 0.0]
+        self.begin()
 
     @property
     def friction(self) -> float:
@@ -70,40 +71,47 @@ class Spring:
             velocity[0] * self.tangent[0] + velocity[1] * self.tangent[1],
         )
 
-    def normal_force(self, depth: float) -> float:
-        """Force of the spring; past its residual depth it would pull, so that the end of the contact is a clean root."""
+    def line(self) -> tuple[float, float, float]:
+        """Stiffness of the spring as it is now, depth at which its force ends, and tangential over normal force.
+
+        Past that depth the spring would pull, so that the end of the contact is a clean root. In stick the ratio leaves
+        out what stops leftover slip.
+        """
+        ratio = -self.friction * self.slip
+        if not self.slip and self.tangential:
+            ratio = -self.coupling / self.tangential
         if self.loading:
-            return self.stiffness * depth
-        return self.stiffness / self.coefficients.restitution**2 * (depth - self.residual)
+            return self.stiffness, 0.0, ratio
+        restitution = self.coefficients.restitution
+        return (self.stiffness / restitution**2 if restitution else 0.0), self.residual, ratio
 
     def forces(self, depth: float) -> Vector:
-        """(normal, tangential) force at a penetration, stick without the share that stops leftover slip."""
-        normal = self.normal_force(depth) if self.loading or self.coefficients.restitution else 0.0
-        if self.slip:
-            return normal, -self.friction * self.slip * normal
-        return normal, -self.coupling / self.tangential * normal if self.tangential else 0.0
+        """(normal, tangential) force at a penetration."""
+        stiffness, end, ratio = self.line()
+        normal = stiffness * (depth - end)
+        return normal, ratio * normal
 
     def begin(self) -> None:
-        """Forget what was added up."""
+        """Forget what was added up, and take down the law that holds until something turns: steps are many."""
+        stiffness, end, ratio = self.line()
+        stop = 0.0 if self.slip or not self.tangential else 1.0 / self.tangential
+        self._law = (stiffness, self.surface - end, ratio, stop)
         self._totals = [0.0, 0.0, 0.0, 0.0]
 
     def apply(self, step: float) -> None:
         """Push on the tip for the next engine step, and add up impulses and works."""
-        tip = self.body.local_to_world(self.anchor)
-        normal, tangential = self.forces(self.penetration(tip))
-        moving = self.components(self.body.velocity_at_local_point(self.anchor))
-        if not self.slip and self.tangential:
-            tangential -= moving[1] / (self.tangential * step)
-        force = (
-            normal * self.normal[0] + tangential * self.tangent[0],
-            normal * self.normal[1] + tangential * self.tangent[1],
-        )
-        self.body.apply_force_at_world_point(force, tip)
+        stiffness, height, ratio, stop = self._law
+        (n_x, n_y), (t_x, t_y) = self.normal, self.tangent
+        x, y, u, v = self._tip()
+        slip = u * t_x + v * t_y
+        normal = stiffness * (height - x * n_x - y * n_y)
+        tangential = ratio * normal - stop * slip / step
+        self._push((normal * n_x + tangential * t_x, normal * n_y + tangential * t_y), (x, y))
         totals = self._totals
         totals[0] += normal * step
         totals[1] += tangential * step
-        totals[2] += normal * moving[0] * step
-        totals[3] += tangential * moving[1] * step
+        totals[2] += normal * (u * n_x + v * n_y) * step
+        totals[3] += tangential * slip * step
 
     def totals(self, step: float) -> list[float]:
         """Normal and tangential impulse, normal and tangential work."""

@@ -168,8 +168,7 @@ class SymmetricSteps:
         if self._left is not None and self._left[0] is state:
             scene.drift(self._left[1] - 0.5 * step)
         else:
-            scene.place(state)
-            scene.drift(-0.5 * step)
+            scene.place(state, -0.5 * step)
         values = _steps(scene, step, count, load)
         size = len(scene.links)
         values[:size] = [angle + 0.5 * step * rate for angle, rate in zip(values, values[size:], strict=False)][:size]
@@ -238,11 +237,15 @@ class Extrapolation:
         tolerance: of the error of a stretch, relative to ``scale``.
         scale: size of the motion: angles in rad and rates per time unit.
         repetitions: in how many steps a stretch is repeated.
+        longest: no stretch will be longer, whatever is proposed; more accuracy than that needs is then not paid for.
     """
 
-    def __init__(self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE) -> None:
+    def __init__(
+        self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
+    ) -> None:
         """Start with a stretch of about a radian of the scene's motion."""
         self.repetitions = repetitions
+        self.longest = longest
         self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
         # More repetitions amplify rounding beyond the tolerance.
         self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.limit)
@@ -284,7 +287,7 @@ class Extrapolation:
         lengths, prices = {}, {}
         for row, error in self._errors.items():
             ratio = 0.5 * self.limit / max(error, 1e-3 * self.limit)
-            lengths[row] = duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1))))
+            lengths[row] = min(self.longest, duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1)))))
             prices[row] = costs[row] / lengths[row]
         last = max(prices)
         best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
