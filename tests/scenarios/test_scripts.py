@@ -127,7 +127,11 @@ PROMISES = {
         times=True,
         integrates=True,
     ),
-    "hard_cases": Promise(lists={"rows": {"case", "promise", "reached", "ok"}}),
+    "hard_cases": Promise(
+        keys=("theme", "effort"),
+        lists={"rows": {"case", "promise", "reached", "ok"}},
+        quick=("--set", "theme=limits", "--set", "effort=quick"),
+    ),
     "dissertation_figures": Promise(keys=("only",)),
     "dissertation_audit": Promise(lists={"rows": {"where", "printed", "computed", "status", "why"}}, integrates=True),
 }

@@ -95,7 +95,7 @@ def _tip() -> tuple[AuditRow, ...]:
     rake = 90.0 - 23.4 - 11.5
     return (
         missing("eq. 4.10: angle of the face", "28", "deg",
-                f"read off a figure; the rake angle of (4.36) puts the face at {rake:.1f} deg to the surface, where the trace"
+                f"read off a figure; the rake angle of (4.36) puts the face at {rake:.1f} deg to the path, where the trace"
                 f" of the depth is {1e4 * PRINTED_KINEMATICS.depth / math.sin(math.radians(rake)):.2f}e-4 m. It is"
                 " 39.5 deg less 11.5 deg"),
         number("eq. 4.10: depth on the face", "2.8e-4", "m", on_face, CraterKinematics.crater_face_depth,
