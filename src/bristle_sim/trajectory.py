@@ -32,7 +32,7 @@ class Event:
 class Cost:
     """What a run cost: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
 
-    ``error_estimate`` is the method's own estimate of the accumulated error relative to the state's size, or None where
+    ``error_estimate`` is the method's own estimate of the accumulated error relative to the motion's size, or None where
     the method has none.
     """
 

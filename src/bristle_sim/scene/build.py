@@ -61,6 +61,7 @@ class Scene:
         links: the dynamic bodies, in order from the root; ``joints`` are the pivots they hang on.
         hub: the kinematic body that carries the root, or None.
         steps: engine steps taken so far.
+        turned: whole turns that the engine's angles leave out, rad.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
@@ -68,6 +69,7 @@ class Scene:
         self.mechanism = mechanism
         self.effects = effects
         self.steps = 0
+        self.turned = 0.0
         self._last_length = math.inf
         # Runs over one stretch all start from one state.
         self._placed: tuple[State | None, list[Pose]] = (None, [])
@@ -149,15 +151,18 @@ class Scene:
         With a ``drift`` the bodies stand where their velocities, without forces, take them in that time.
         """
         if self.hub is not None:
-            self.hub.angle = self.mechanism.hub_angle(state.time + drift)
+            hub_angle = self.mechanism.hub_angle(state.time + drift)
+            # Rounding of an angle grows with its size, and extrapolation magnifies it.
+            self.turned = math.tau * round(hub_angle / math.tau)
+            self.hub.angle = hub_angle - self.turned
         if state is not self._placed[0]:
             self._placed = (state, self.mechanism.poses(state))
         for put, pose, angle, rate in zip(self._placers, self._placed[1], state.angles, state.rates, strict=True):
             (x, y), (u, v) = pose.centre, pose.centre_velocity
-            put(angle + drift * rate, (x + drift * u, y + drift * v), (u, v), rate)
+            put(angle - self.turned + drift * rate, (x + drift * u, y + drift * v), (u, v), rate)
 
     def angles(self) -> list[float]:
-        """Absolute angles of the links as they are in the engine, rad."""
+        """Angles of the links as they are in the engine, less ``turned``, rad."""
         return [body.angle for body in self.links]
 
     def rates(self) -> list[float]:

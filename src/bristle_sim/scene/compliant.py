@@ -17,9 +17,11 @@ import numpy as np
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
+from bristle_sim.scene.contact_samples import with_samples_between
 from bristle_sim.scene.events import locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.pace import damped_stretch
 from bristle_sim.scene.spring import Spring, time_at_unit_stiffness
 from bristle_sim.scene.stepping import WIDE, Advance, Extrapolation, PlainSteps, Stepper
 from bristle_sim.theory.impact import energetic_impact
@@ -44,7 +46,7 @@ SAMPLES = 24
 """Least number of stretches that a contact of a given duration is cut into, for its course in time."""
 
 FEWEST_SAMPLES = 8
-"""The same for one whose outcome alone is of interest: less than a phase of it in a stretch."""
+"""The same for one whose outcome is of interest: less than a phase of it in a stretch. Its course follows from these."""
 
 LOCATED = 0.1
 """Share of a stretch's error in velocity, or of what that makes of the penetration, to which a turn is located."""
@@ -106,7 +108,7 @@ class CompliantLaw:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
         stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
         spring = Spring(scene, touch, space.inverse_mass, stiffness, coefficients)
-        longest = duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES)
+        longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_stretch(scene))
         tolerance = max(0.1 * self.accuracy, ROUNDING / (duration * way_out))
         stepper: Stepper = Extrapolation(tolerance, fastest, WIDE, longest)
         if self.plain_steps is not None:
@@ -306,7 +308,10 @@ class _Passage:
         """The ledger entry; works of the spring follow from its energy, friction's is added up step by step."""
         total = self.totals.tolist()
         middle = total if self.at_compression_end is None else self.at_compression_end.tolist()
-        history = ContactHistory(*(np.array(column) for column in zip(*self.rows, strict=True)))
+        rows = np.array(self.rows)
+        if self.longest * SAMPLES > 1.5 * self.duration:
+            rows = with_samples_between(rows, self.spring.inverse_mass)
+        history = ContactHistory(*np.ascontiguousarray(rows.T))
         first, last = self.rows[0], self.rows[-1]
         return ContactRecord(
             obstacle=obstacle.name,

@@ -41,6 +41,7 @@ class Spring:
         self.normal, self.tangent = touch.normal, touch.tangent
         x, y, _, _ = self._tip()
         self.surface = x * self.normal[0] + y * self.normal[1]
+        self.inverse_mass = inverse_mass
         (_, self.coupling), (_, self.tangential) = inverse_mass.tolist()
         self.stiffness = stiffness
         self.coefficients = coefficients

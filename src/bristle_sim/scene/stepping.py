@@ -119,7 +119,7 @@ class PlainSteps:
         scene.correct_joints(completely=False)
         size = len(scene.links)
         failed = load is not None and load.fails(values[3 * size :])
-        result = _unpack(state, duration, size, values, 0.0, failed)
+        result = _unpack(scene, state, duration, values, 0.0, failed)
         self._left = result.state
         return result
 
@@ -174,7 +174,7 @@ class SymmetricSteps:
         values[:size] = [angle + 0.5 * step * rate for angle, rate in zip(values, values[size:], strict=False)][:size]
         scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * size :])
-        result = _unpack(state, duration, len(scene.links), values, 0.0, failed)
+        result = _unpack(scene, state, duration, values, 0.0, failed)
         self._left = (result.state, 0.5 * step)
         return result
 
@@ -229,6 +229,9 @@ WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)
 LEAST_ROWS = 4
 """Repetitions to begin with."""
 
+LEAST_NOISE = CLOSE.noise[LEAST_ROWS - 1]
+"""Rounding of a stretch, of angles in rad and rates per time unit; no stretch is known to be more accurate."""
+
 
 class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each stretch.
@@ -271,7 +274,7 @@ class Extrapolation:
         for row, count in enumerate(table.counts[: self.most_rows]):
             runs.append(_run(scene, state, duration, count, load))
             if load is not None and load.fails(runs[-1][3 * size :]):
-                return _unpack(state, duration, size, runs[-1], math.inf, failed=True)
+                return _unpack(scene, state, duration, runs[-1], math.inf, failed=True)
             if row + 2 >= self.rows and row:
                 columns = list(zip(*runs, strict=True))[: 2 * size]
                 differences = table.differences[row]
@@ -279,7 +282,7 @@ class Extrapolation:
                 if row + 1 >= self.rows and error <= self.limit:
                     break
         best = [sum(map(mul, table.weights[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
-        return _unpack(state, duration, size, best, error)
+        return _unpack(scene, state, duration, best, error)
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; chooses next stretch and repetitions by cost per time."""
@@ -339,7 +342,9 @@ def _steps(scene: Scene, step: float, count: int, load: Load | None) -> list[flo
 
 
 def _unpack(
-    state: State, duration: float, size: int, values: list[float], error: float, failed: bool = False
+    scene: Scene, state: State, duration: float, values: list[float], error: float, failed: bool = False
 ) -> Advance:
-    end = State(state.time + duration, tuple(values[:size]), tuple(values[size : 2 * size]))
+    size = len(scene.links)
+    angles = tuple(angle + scene.turned for angle in values[:size])
+    end = State(state.time + duration, angles, tuple(values[size : 2 * size]))
     return Advance(end, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed)

@@ -16,8 +16,8 @@ from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
+from bristle_sim.scene.pace import longest_stretch, motion_scale, stepper_for
 from bristle_sim.scene.run import Plan, Recording, run
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
@@ -50,7 +50,11 @@ def tool_units(tool: Tool) -> Units:
         tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2 + tool.gravity * tool.bristle.length
     )
     rate = max(math.sqrt(stiffness / tool.bristle.inertia_about_root), tool.hub.speed)
-    return Units(tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate else 1.0)
+    return Units(tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate > SLOWEST else 1.0)
+
+
+SLOWEST = 1e-100
+"""Motion slower than this, in rad/s, is none to speak of: in its own units energy would be too small a number."""
 
 
 def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
@@ -117,8 +121,8 @@ def simulate(
         The trajectory, in SI units.
 
     Raises:
-        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, a fixed step is too long for this tool, or a contact resolved in
-            time comes to no end.
+        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, a fixed step is too long
+            for this tool, rounding hides the accuracy, or a contact resolved in time comes to no end.
     """
     settings = settings or Settings()
     begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
@@ -136,13 +140,12 @@ def simulate(
         end=settings.hub_turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
         accuracy=settings.accuracy,
         stop_after=stop_after,
-        longest_stretch=2.0 * math.pi / settings.samples_per_period,
+        longest_stretch=longest_stretch(scene, settings.samples_per_period),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
     )
-    swing = max(abs(begin.relative_angle), abs(begin.relative_rate) * units.time)
-    scale = swing if not scene.effects.obstacles and swing else 1.0
-    recording = run(scene, start, _stepper(settings, units, scale), contact_law(tool.contact, settings, units), plan)
+    stepper = stepper_for(scene, settings, units, start, plan.end)
+    recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
     _note_absences(recording, tool)
     return _trajectory(tool, settings, scene, units, recording)
 
@@ -184,27 +187,6 @@ def _check_start(scene: Scene, tool: Tool, angle: float) -> None:
 
 REST_PERIODS = 3.0
 """Length of a run on a hub at rest, in the scene's periods."""
-
-
-def _stepper(settings: Settings, units: Units, scale: float) -> Stepper:
-    """Plain steps if a step is given, else extrapolation to the accuracy, relative to the size of the motion."""
-    if settings.step is None:
-        return Extrapolation(LOCAL_SHARE * settings.accuracy, min(scale, 1.0))
-    largest = min(2.0 * math.pi / settings.samples_per_period, LARGEST_STEP) * units.time
-    if settings.step > largest:
-        raise ValueError(
-            f"step = {settings.step:g}: at most {largest:g} is allowed with this belt, hub speed and bristle, whose"
-            f" fastest motion has {1.0 / units.time:g} rad/s (in s)"
-        )
-    return PlainSteps(settings.step / units.time)
-
-
-LARGEST_STEP = 1.0
-"""Of the engine, in radians of the fastest motion; from 2 on its explicit springs are unstable."""
-
-
-LOCAL_SHARE = 0.1
-"""Share of the accuracy asked for that each stretch may spend: errors of some fifty stretches do not add up to it."""
 
 
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
@@ -250,7 +232,10 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
         contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
         stop_reason=recording.stop_reason,
         cost=Cost(
-            recording.wall_s, recording.cpu_s, recording.steps, recording.error if settings.step is None else None
+            recording.wall_s,
+            recording.cpu_s,
+            recording.steps,
+            recording.error / motion_scale(scene, states[0]) if settings.step is None else None,
         ),
         parameters={"tool": dataclasses.asdict(tool), "settings": dataclasses.asdict(settings)},
     )
