@@ -1,0 +1,177 @@
+"""Finding events: what other tests let pass, on gaps and functions whose roots are known."""
+
+import math
+from collections.abc import Callable
+
+import pytest
+
+from bristle_sim.scene import events
+from bristle_sim.scene.events import first_touch, interpolate, locate
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+
+ROD = Mechanism((Link.rod(1.0, 1.0),))
+
+
+def stretch(length: float = 1.0, rate: float = 1.0) -> tuple[State, State]:
+    """A link that turns by rate times length at a constant rate, so that its angle is rate times the time."""
+    return State(0.0, (0.0,), (rate,)), State(length, (rate * length,), (rate,))
+
+
+def valley(bottom: float, height: float) -> Callable[[State], tuple[float, float]]:
+    """A gap that falls to a height at an angle, and rises again, as a parabola over the angle."""
+
+    def gap(state: State) -> tuple[float, float]:
+        away = state.angles[0] - bottom
+        return away * away + height, 2.0 * away * state.rates[0]
+
+    return gap
+
+
+def notch(left: float, right: float) -> Callable[[State], tuple[float, float]]:
+    """A gap that is closed between two angles and opens at unit slope on both sides."""
+    middle, half = 0.5 * (left + right), 0.5 * (right - left)
+
+    def gap(state: State) -> tuple[float, float]:
+        away = state.angles[0] - middle
+        return abs(away) - half, math.copysign(state.rates[0], away)
+
+    return gap
+
+
+class TestFirstTouch:
+    """The cubic is good to 0.01 h^4 in a stretch of length h: a gap that gets smaller than that may be closed."""
+
+    @pytest.mark.parametrize(
+        ("length", "height", "stray", "found"),
+        [
+            (1.0, 0.02, 0.0, False),
+            (1.0, 0.005, 0.0, True),
+            (1.0, 0.02, 0.011, True),
+            (1.0, 0.02, 0.009, False),
+            (0.5, 0.001, 0.0, False),
+            (0.5, 0.0005, 0.0, True),
+            (1.0, -1e-10, 0.0, True),
+            (0.1, -1e-10, 0.0, True),
+        ],
+    )
+    def test_a_gap_that_is_least_in_between(self, length: float, height: float, stray: float, found: bool) -> None:
+        """The place of least gap, 0.3 of the stretch, to 2^-40 of it, or where it is closed, within its square root."""
+        share = first_touch(ROD, valley(0.3 * length, height), *stretch(length), stray)
+        if not found:
+            assert share is None
+        else:
+            assert share == pytest.approx(0.3, abs=2e-5 / length if height < 0.0 else 1e-11)
+
+    def test_a_gap_that_is_least_where_the_stretch_begins(self) -> None:
+        """That is the touch which has just ended."""
+        assert first_touch(ROD, valley(1e-10, 1e-4), *stretch()) is None
+        assert first_touch(ROD, valley(1e-8, 1e-4), *stretch()) == pytest.approx(1e-8, abs=1e-11)
+        # What counts is the time, 1e-10, not the share of the stretch.
+        assert first_touch(ROD, valley(1e-10, 1e-12), *stretch(0.01)) is None
+
+    def test_the_first_of_two(self) -> None:
+        """Closed from 0.1 to 0.2 and from 0.55 to 0.65: in the middle of the stretch the gap is falling again."""
+
+        def gap(state: State) -> tuple[float, float]:
+            return min(notch(0.1, 0.2)(state), notch(0.55, 0.65)(state))
+
+        share = first_touch(ROD, gap, *stretch())
+        assert share is not None
+        assert 0.1 <= share <= 0.2
+
+    @pytest.mark.parametrize("left", [0.01, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 0.9999])
+    @pytest.mark.parametrize("width", [0.2, 1.0])
+    def test_no_gap_is_jumped_over(self, left: float, width: float) -> None:
+        """A link of length 1 that turns at 1 closes a gap no faster than 1.5: it is found while it is closed."""
+        share = first_touch(ROD, notch(left, left + width), *stretch())
+        assert share is not None
+        assert left <= share <= min(left + width, 1.0)
+
+    def test_nothing_touches_while_all_is_at_rest(self) -> None:
+        """Without any speed there is no bound to advance by."""
+        for bottom, height in ((0.3, 0.0), (0.3, 0.5), (0.0, 0.005)):
+            assert first_touch(ROD, valley(bottom, height), *stretch(1.0, 0.0)) is None
+
+    def test_a_gap_that_stays_open(self) -> None:
+        assert first_touch(ROD, notch(1.1, 2.0), *stretch()) is None
+
+
+class TestLocate:
+    @pytest.mark.parametrize("root", [1e-6, 0.3, 0.999999])
+    @pytest.mark.parametrize("sign", [1.0, -1.0])
+    def test_a_root_to_a_tolerance_of_the_value(self, root: float, sign: float) -> None:
+        """The cube of the distance, which false position alone would approach without end."""
+
+        def value(at: float) -> float:
+            return sign * ((at - root) ** 3 + 1e-3 * (at - root))
+
+        found = locate(value, 0.0, 1.0, value(0.0), value(1.0), 1e-12)
+        assert abs(value(found)) <= 1e-12
+        assert found == pytest.approx(root, abs=1.1e-9)
+
+    @pytest.mark.parametrize("rising", [1.0, -1.0])
+    @pytest.mark.parametrize("mirrored", [False, True])
+    def test_a_bent_function_takes_fewer_evaluations_than_bisection(self, rising: float, mirrored: bool) -> None:
+        """x^9 - 0.1: false position alone creeps up from one side; bisection takes 40 from 1 to 1e-12."""
+        calls = []
+
+        def value(at: float) -> float:
+            calls.append(at)
+            return rising * ((0.1 - (1.0 - at) ** 9) if mirrored else (at**9 - 0.1))
+
+        found = locate(value, 0.0, 1.0, value(0.0), value(1.0), 1e-12)
+        assert abs(value(found)) <= 1e-12
+        assert len(calls) < 40
+        assert all(0.0 <= at <= 1.0 for at in calls)
+
+    @pytest.mark.parametrize("jump", [1e-9, 0.25, 1.0 - 1e-9])
+    def test_past_a_jump(self, jump: float) -> None:
+        """No value is within the tolerance: the first duration past the jump, to the last digits."""
+        found = locate(lambda at: -1.0 if at < jump else 1.0, 0.0, 1.0, -1.0, 1.0, 0.0)
+        assert jump <= found <= jump + 1e-14
+
+    def test_a_jump_to_a_far_larger_value(self) -> None:
+        """False position creeps up on it from one side."""
+        found = locate(lambda at: -1.0 if at < 0.25 else 1e3, 0.0, 1.0, -1.0, 1e3, 0.0)
+        assert 0.25 <= found <= 0.25 + 1e-14
+
+
+def test_a_cubic_has_the_states_and_rates_of_its_ends() -> None:
+    """x = t^3 - 2 t from t = 1 to t = 3, at its middle: x = 4, x' = 10."""
+    start, end = State(1.0, (-1.0,), (1.0,)), State(3.0, (21.0,), (25.0,))
+    middle = interpolate(start, end, 0.5)
+    assert (middle.time, *middle.angles, *middle.rates) == pytest.approx((2.0, 4.0, 10.0), abs=1e-14)
+
+
+class TestTurns:
+    """The angle relative to a hub that turns at 0.5, in a stretch from t = 1 to t = 3 with s = (t - 1)/2."""
+
+    @pytest.mark.parametrize(
+        ("way", "slopes", "shares"),
+        [
+            # x' = 16 (s - 1/4)(s - 3/4), whose integral over the stretch is 16 (1/3 - 1/2 + 3/16).
+            (1.0 / 3.0, (3.0, 3.0), (0.25, 0.75)),
+            (-1.0 / 3.0, (-3.0, -3.0), (0.25, 0.75)),
+            # x' = (s - 0.2)(s - 2): one of the roots is outside.
+            (1.0 / 3.0 - 1.1 + 0.4, (0.4, -0.8), (0.2,)),
+            # x' = (s + 1)(s - 0.5), which is negative first.
+            (1.0 / 3.0 + 0.25 - 0.5, (-0.5, 1.0), (0.5,)),
+            # x' = s (s - 0.5) begins at a turn.
+            (1.0 / 3.0 - 0.25, (0.0, 0.5), (0.5,)),
+            # x' = 1 - 4 s, a parabola; 1 + s and 1, no turn; (s - 1/2)^2, a halt and no turn.
+            (-1.0, (1.0, -3.0), (0.25,)),
+            (1.5, (1.0, 2.0), ()),
+            (1.0, (1.0, 1.0), ()),
+            (0.0, (0.0, 0.0), ()),
+        ],
+    )
+    def test_by_hand(self, way: float, slopes: tuple[float, float], shares: tuple[float, ...]) -> None:
+        hub, length = 0.5, 2.0
+        mechanism = Mechanism((Link.rod(1.0, 1.0),), 0.3, hub)
+        start = State(1.0, (0.7,), (slopes[0] / length + hub,))
+        end = State(3.0, (0.7 + way + hub * length,), (slopes[1] / length + hub,))
+        found = events.turns(mechanism, start, end)
+        # The root of a rounding is its square root.
+        assert sorted(state.time for state in found) == pytest.approx([1.0 + 2.0 * share for share in shares], abs=1e-7)
+        for state in found:
+            assert state.rates[0] - hub == pytest.approx(0.0, abs=1e-7)
