@@ -61,6 +61,7 @@ class Scene:
         links: the dynamic bodies, in order from the root; ``joints`` are the pivots they hang on.
         hub: the kinematic body that carries the root, or None.
         steps: engine steps taken so far.
+        motions: how often bodies have been moved so far, for who must know whether they are where they were left.
         turned: whole turns that the engine's angles leave out, rad.
     """
 
@@ -68,7 +69,7 @@ class Scene:
         """Build the space; the links hang at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
-        self.steps = 0
+        self.steps = self.motions = 0
         self.turned = 0.0
         self._last_length = math.inf
         # Runs over one stretch all start from one state.
@@ -150,6 +151,7 @@ class Scene:
 
         With a ``drift`` the bodies stand where their velocities, without forces, take them in that time.
         """
+        self.motions += 1
         if self.hub is not None:
             hub_angle = self.mechanism.hub_angle(state.time + drift)
             # Rounding of an angle grows with its size, and extrapolation magnifies it.
@@ -180,6 +182,7 @@ class Scene:
                 act(length)
             advance(length)
         self.steps += count
+        self.motions += 1
 
     def _start_cold(self, length: float) -> None:
         """Have the engine forget the impulses of its last step, which it would scale to the length of the next one."""

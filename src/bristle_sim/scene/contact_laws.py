@@ -68,9 +68,10 @@ class EnergeticLaw:
             coefficients.friction,
             coefficients.restitution,
             coefficients.restitution_friction,
+            space.stick_compliance,
         )
         impulse = (impact.impulse_normal, impact.impulse_tangential)
-        space.apply(impulse)
+        space.apply(impulse, (impact.velocity_normal, impact.velocity_tangential))
         after = State(state.time, state.angles, tuple(scene.rates()))
         record = ContactRecord(
             obstacle=obstacle.name,

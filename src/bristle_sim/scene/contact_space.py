@@ -8,12 +8,21 @@ the part B' of B = M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^
     K = B'^T B'    and    dV = M^-1/2 B' p.
 
 One orthogonal factorization [A B] = Q R holds both, B' = Q_2 R_22, so K = R_22^T R_22 is symmetric and positive
-semidefinite whatever the mass ratios. Static and kinematic bodies have no inverse mass.
+semidefinite whatever the mass ratios. With the tangential column first, R_22 = ((t, c), (0, s)) also tells what K has lost
+to rounding where a heavy body leaves the tip hardly a way out of stick: the normal compliance in stick, s^2, which is
+K_nn - K_nt^2/K_tt, to the square root of the error that this difference has. There the impulses are large, and their
+effects nearly cancel in dV; the same dV comes without cancellation from what they do to the tip,
+
+    dV = M^-1/2 Q_2 (dv_t/t, s p_n).
+
+Rows of light bodies, the largest ones, come first, which keeps the factorization accurate row by row (Cox and Higham 1998).
+Static and kinematic bodies have no inverse mass.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -31,6 +40,13 @@ Rigid = pymunk.PivotJoint | pymunk.PinJoint
 _SOFT = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 """Constraints of finite force: they pass no impulse."""
 
+CANCELS = 100.0
+"""An impulse whose parts change the tangential velocity so many times as much as it changes after all is applied by what it
+does: two digits are kept in any case."""
+
+SINGULAR = 64.0 * sys.float_info.epsilon
+"""A way out of stick below this share of the normal column is rounding: the contact has one degree of freedom."""
+
 DEPENDENT = 1e-12
 """A joint whose scaled rows are shorter than this after orthogonalization repeats what other joints already say."""
 
@@ -44,16 +60,37 @@ class ContactSpace:
         velocity: (v_n, v_t) of the first body's point relative to the other's; v_n < 0 approaches.
         bodies: the dynamic bodies that an impulse sets in motion.
         response: change of (v_x, v_y, angular velocity) of each body per unit impulse, shape (3 bodies, 2).
+        stick_compliance: gain of v_n per unit normal impulse while the point does not slip, 1/kg; 0 where it cannot move.
+        basis, factor: response, its columns in the other order, is basis times factor, which is upper triangular.
     """
 
     inverse_mass: Array
     velocity: tuple[float, float]
     bodies: tuple[pymunk.Body, ...]
     response: Array
+    stick_compliance: float
+    basis: Array
+    factor: Array
 
-    def apply(self, impulse: Sequence[float]) -> None:
-        """Change the velocities of all bodies by the contact impulse (normal, tangential) on the first body."""
-        change = (self.response @ np.asarray(impulse, dtype=float)).tolist()
+    def apply(self, impulse: Sequence[float], velocity_after: Sequence[float] | None = None) -> None:
+        """Change the velocities of all bodies by the contact impulse (normal, tangential) on the first body.
+
+        ``velocity_after`` (v_n, v_t), where it is known, keeps the result accurate if parts of the impulse cancel.
+        """
+        if velocity_after is not None and self._cancels(impulse, velocity_after[1]):
+            gain = velocity_after[1] - self.velocity[1]
+            change = self.basis[:, :2] @ (gain / self.factor[0, 0], self.factor[1, 1] * impulse[0])
+        else:
+            change = self.response @ np.asarray(impulse, dtype=float)
+        self._change(change.tolist())
+
+    def _cancels(self, impulse: Sequence[float], after: float) -> bool:
+        """Whether normal impulse and friction take each other's effect on v_t away, but for rounding."""
+        coupling, tangential = self.inverse_mass[1].tolist()
+        parts = abs(coupling * impulse[0]) + abs(tangential * impulse[1])
+        return self.stick_compliance > 0.0 and parts > CANCELS * (abs(self.velocity[1]) + abs(after))
+
+    def _change(self, change: Sequence[float]) -> None:
         for index, body in enumerate(self.bodies):
             x, y, turn = change[3 * index : 3 * index + 3]
             body.velocity = (body.velocity.x + x, body.velocity.y + y)
@@ -90,7 +127,7 @@ def contact_space(
     columns = [column for joint in joints for column in _joint_columns(joint, frames, size)]
     constraints = len(columns)
     velocity = []
-    for direction in (normal, (normal[1], -normal[0])):
+    for direction in ((normal[1], -normal[0]), normal):
         column = [0.0] * size
         speed = 0.0
         for each, sign in zip(ends, (1.0, -1.0), strict=False):
@@ -101,8 +138,18 @@ def contact_space(
         columns.append(column)
         velocity.append(speed)
     scale = np.array([share for frame in frames.values() for share in (frame.linear, frame.linear, frame.angular)])
-    free = _free_part(np.array(columns).T, constraints)
-    return ContactSpace(free.T @ free, (velocity[0], velocity[1]), tuple(bodies), scale[:, None] * free)
+    free, basis, factor = _free_part(np.array(columns).T, constraints)
+    stick = abs(float(factor[1, 1])) if len(factor) > 1 else 0.0
+    response = free[:, ::-1]
+    return ContactSpace(
+        inverse_mass=response.T @ response,
+        velocity=(velocity[1], velocity[0]),
+        bodies=tuple(bodies),
+        response=scale[:, None] * response,
+        stick_compliance=stick**2 if stick > SINGULAR * math.hypot(*columns[-1]) else 0.0,
+        basis=scale[:, None] * basis,
+        factor=factor,
+    )
 
 
 class _Frame(NamedTuple):
@@ -128,7 +175,7 @@ class _Frame(NamedTuple):
 
 
 def _joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[Rigid]]:
-    """Dynamic bodies reachable from the contact over rigid joints, and those joints."""
+    """Dynamic bodies reachable from the contact over rigid joints, the lightest first, and those joints."""
     bodies: list[pymunk.Body] = []
     joints: list[Rigid] = []
     waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
@@ -147,7 +194,7 @@ def _joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[Rigid]
                 )
             joints.append(constraint)
             waiting += [each for each in (constraint.a, constraint.b) if each.body_type == pymunk.Body.DYNAMIC]
-    return bodies, joints
+    return sorted(bodies, key=lambda each: each.mass), joints
 
 
 def _joint_columns(joint: Rigid, frames: dict[pymunk.Body, _Frame], size: int) -> list[list[float]]:
@@ -167,15 +214,21 @@ def _joint_columns(joint: Rigid, frames: dict[pymunk.Body, _Frame], size: int) -
     return columns
 
 
-def _free_part(columns: Array, constraints: int) -> Array:
-    """The part of the last columns that is orthogonal to the first ``constraints`` ones."""
-    if not constraints:
-        return columns
+def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
+    """The part of the last two columns that is orthogonal to the first ones, and its factors Q_2 and R_22."""
     basis, triangle = np.linalg.qr(columns)
+    if not constraints:
+        return columns, basis, triangle
     pivots = np.abs(np.diagonal(triangle))[:constraints]
     if len(pivots) == constraints and pivots.min() > DEPENDENT * pivots.max():
-        return np.asarray(basis[:, constraints:] @ triangle[constraints:, constraints:])
-    span, vectors = columns[:, :constraints], columns[:, constraints:]
+        basis, triangle = basis[:, constraints:], triangle[constraints:, constraints:]
+        return basis @ triangle, basis, triangle
+    free = _orthogonal(columns[:, constraints:], columns[:, :constraints])
+    return free, *np.linalg.qr(free)
+
+
+def _orthogonal(vectors: Array, span: Array) -> Array:
+    """The part of vectors that is orthogonal to columns some of which repeat the others."""
     directions, sizes, _ = np.linalg.svd(span, full_matrices=False)
     kept = directions[:, sizes > DEPENDENT * sizes[0]]
     # Twice is enough: the second pass removes what rounding left of the first (Kahan and Parlett).

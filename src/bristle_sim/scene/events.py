@@ -7,13 +7,12 @@ advancement (Mirtich 1996): from a gap g no contact can happen before g / (large
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-
-import numpy as np
 
 from bristle_sim.scene.mechanism import Mechanism, State
 
-__all__ = ["extrapolated_root", "first_touch", "interpolate", "locate"]
+__all__ = ["first_touch", "interpolate", "locate", "turns"]
 
 CUBIC_ERROR = 0.01
 """Gap by which the cubic may be off, per fourth power of the stretch, in a scene's units: h^4/384 times some safety."""
@@ -21,8 +20,11 @@ CUBIC_ERROR = 0.01
 SHORTEST = 1e-15
 """Stretches of a scene's time unit shorter than this are an instant."""
 
+SHORTEST_SHARE = 1e-12
+"""So is this share of a stretch that is searched: a fast motion needs short ones."""
+
 SHORTEST_ADVANCE = 1e-9
-"""A least gap sooner than this, in a scene's time units, is the one at which the stretch begins."""
+"""A least gap sooner than this, in a scene's time units and lengths, is the one at which the stretch begins."""
 
 RESOLUTION = 1.0 / 8.0
 """Least advance in a search, as a share of the stretch; least values of the gap in between show in its slopes."""
@@ -41,6 +43,25 @@ def interpolate(start: State, end: State, share: float) -> State:
     rates = tuple(d_0 * (b - a) + d_1 * u + d_2 * v for a, u, b, v in rows)
     return State(start.time + share * length, angles, rates)
 
+
+def turns(mechanism: Mechanism, start: State, end: State) -> list[State]:
+    """Where, on the cubic, the first link turns back relative to the hub within the stretch."""
+    length, speed = end.time - start.time, mechanism.hub_speed
+    rate_0, rate_1 = ((state.rates[0] - speed) * length for state in (start, end))
+    way = end.angles[0] - start.angles[0] - speed * length
+    # Of the derivative in the share s of the stretch: half the slope at s = 0, and the curvature.
+    half, curve = 3.0 * way - 2.0 * rate_0 - rate_1, 3.0 * (rate_0 + rate_1) - 6.0 * way
+    square = half * half - curve * rate_0
+    if square <= 0.0:
+        return []
+    large = -half - math.copysign(math.sqrt(square), half)
+    roots = [large / curve] if curve else []
+    roots += [rate_0 / large] if large else []
+    return [interpolate(start, end, root) for root in roots if 0.0 < root < 1.0]
+
+
+MOST_SECANTS, MOST_HALVINGS = 50, 60
+"""A smooth function takes some ten of the first; the others suffice for the last digit of a double."""
 
 Gap = Callable[[State], tuple[float, float]]
 """The gap of a state, and its rate."""
@@ -63,7 +84,7 @@ def first_touch(mechanism: Mechanism, gap: Gap, start: State, end: State, stray:
             return ahead
         if rate < 0.0 < next_rate:
             dip, least = _dip(lambda at: gap(interpolate(start, end, at)), share, ahead)
-            if least < 0.0 or (least < margin and dip * length > SHORTEST_ADVANCE):
+            if least < 0.0 or (least < margin and dip * max(length, bound) > SHORTEST_ADVANCE):
                 return dip
         share, value, rate = ahead, following, next_rate
     return None
@@ -85,14 +106,16 @@ def locate(
 ) -> float:
     """Root of a function between two durations at which its signs differ: false position, Illinois variant.
 
-    The function runs the engine, so evaluations are dear and a library's root finder not worth its import. The result
-    is where the value is within ``tolerance``, or the first duration past the root.
+    The function runs the engine, so evaluations are dear and a library's root finder not worth its import. One that
+    jumps is halved in the end. The result is where the value is within ``tolerance``, or the first duration past the root.
     """
     side = 0
-    for _ in range(100):
-        if right - left <= 4e-16 * right + SHORTEST:
+    instant = min(SHORTEST, SHORTEST_SHARE * (right - left))
+    for trial in range(MOST_SECANTS + MOST_HALVINGS):
+        if right - left <= 4e-16 * right + instant:
             break
-        middle = left + (right - left) * min(max(at_left / (at_left - at_right), 1e-4), 1.0 - 1e-4)
+        share = at_left / (at_left - at_right) if trial < MOST_SECANTS else 0.5
+        middle = left + (right - left) * min(max(share, 1e-4), 1.0 - 1e-4)
         found = value(middle)
         if abs(found) <= tolerance:
             return middle
@@ -105,17 +128,3 @@ def locate(
             at_right *= 0.5 if side == -1 else 1.0
             side = -1
     return right
-
-
-def extrapolated_root(value: Callable[[float], float], reach: float, guess: float) -> float:
-    """Root near a guess of the cubic through a function's values at four places up to ``reach``.
-
-    A value that rests on differences over the stretch itself is of no use where the stretch is next to nothing, so an
-    event at its very beginning is extrapolated from behind it. Returns the guess if the cubic has no root there.
-    """
-    places = [reach * quarter for quarter in (0.25, 0.5, 0.75, 1.0)]
-    cubic = np.polynomial.Polynomial.fit(places, [value(place) for place in places], 3)
-    roots = cubic.roots()
-    real = roots.real[np.abs(roots.imag) <= 1e-9 * reach]
-    nearest = min(real.tolist(), key=lambda root: abs(root - guess), default=guess)
-    return nearest if abs(nearest - guess) < reach else guess

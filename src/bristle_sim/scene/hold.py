@@ -8,13 +8,13 @@ import pymunk
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import contact_at
-from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.mechanism import Mechanism, State, Vector
+from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.watches import Watch
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["ELBOW", "MOST_GRIP", "EngineHold", "elbow", "ledger_of_hold", "locking", "set_back"]
+__all__ = ["ELBOW", "MOST_GRIP", "EngineHold", "closing", "elbow", "ledger_of_hold", "locking", "set_back"]
 
 MOMENT = 1e-6
 """In the scene's time unit."""
@@ -41,14 +41,25 @@ class EngineHold:
 
         Where it is not positive, friction or geometry locks the link: no force holds it.
         """
-        touch, space = contact_at(self.scene, state, self.obstacle)
-        (normal, coupling), _ = space.inverse_mass.tolist()
-        body, joint = self.scene.links[-1], self.scene.mechanism.poses(state)[-1].joint
-        arm = (joint[0] + touch.arm[0] - body.position.x, joint[1] + touch.arm[1] - body.position.y)
-        lever = arm[0] * touch.normal[1] - arm[1] * touch.normal[0]
+        touch, response = self._response(state)
         slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
-        pushed = normal - self.obstacle.friction * slip * coupling
-        return float(pushed / (1.0 / body.mass + lever**2 / body.moment))
+        normal, coupling, free = response
+        return (normal - self.obstacle.friction * slip * coupling) / free
+
+    def _response(self, state: State) -> tuple[Touch, tuple[float, float, float]]:
+        """The touch, and what a push gives: K_nn, K_nt, and K_nn of the last link if it were free."""
+        mechanism, link = self.scene.mechanism, self.scene.mechanism.links[-1]
+        pose = mechanism.poses(state)[-1]
+        joint, centre = pose.joint, pose.centre
+        if len(mechanism.links) == 1:
+            touch = self.obstacle.touch(pose, state.rates[-1])
+            lever, along = _cross(touch.arm, touch.normal), _cross(touch.arm, touch.tangent)
+            normal, coupling = (lever * each / link.inertia_about_joint for each in (lever, along))
+        else:
+            touch, space = contact_at(self.scene, state, self.obstacle)
+            normal, coupling = space.inverse_mass[0].tolist()
+        arm = (joint[0] + touch.arm[0] - centre[0], joint[1] + touch.arm[1] - centre[1])
+        return touch, (normal, coupling, 1.0 / link.mass + _cross(arm, touch.normal) ** 2 / link.inertia)
 
     def engage(self, state: State) -> float:
         """Let the engine's contact act, with as many iterations as the state asks for; returns the grip.
@@ -128,6 +139,10 @@ class EngineHold:
         return found[0]
 
 
+def _cross(arm: Vector, direction: Vector) -> float:
+    return arm[0] * direction[1] - arm[1] * direction[0]
+
+
 STILL = 1e-9
 """Slip below this share of the scene's unit is rest: friction then has no direction."""
 
@@ -166,12 +181,27 @@ def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State, piece: int 
     for _ in range(3):
         placed = State(state.time, tuple(angles), tuple(rates))
         touch = obstacle.touch(mechanism.poses(placed)[-1], rates[-1], piece)
-        lever = touch.arm[0] * touch.normal[1] - touch.arm[1] * touch.normal[0]
+        lever = _cross(touch.arm, touch.normal)
         if abs(lever) < LEAST_LEVER:
             return state
         angles[-1] -= touch.gap / lever
         rates[-1] -= touch.velocity[0] / lever
     return State(state.time, tuple(angles), tuple(rates))
+
+
+def closing(first: Touch, second: Touch, rate: float) -> bool:
+    """Whether two contacts of one link that turns about its joint close whatever its rate, as a wedge does.
+
+    Each normal velocity is drift + lever * rate: with levers of opposite signs both are positive for some rate only if
+    the sum of drift / abs(lever) is.
+    """
+    room = 0.0
+    levers = [_cross(touch.arm, touch.normal) for touch in (first, second)]
+    if levers[0] * levers[1] >= 0.0:
+        return False
+    for touch, lever in zip((first, second), levers, strict=True):
+        room += (touch.velocity[0] - lever * rate) / abs(lever)
+    return room < -STILL
 
 
 def ledger_of_hold(

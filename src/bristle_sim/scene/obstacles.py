@@ -26,6 +26,10 @@ MARGIN = 0.02
 SAME_GAP = 1e-9
 """Two pieces of a bent wire whose gaps differ by less than this share of its length both touch."""
 
+LEAST_REACH = 1e-9
+"""Least distance of the wire's centre line from the bar's centre, as a share of the link's length: a hundred times the
+gap that counts as closed. Rounding of 1e-16 then turns the normal by 1e-7."""
+
 HALF_PLANE = 1e3
 """Half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach."""
 
@@ -118,6 +122,15 @@ class BarObstacle:
     friction: float
     restitution: float
     name: str = "bar"
+
+    def __post_init__(self) -> None:
+        """Refuse a bar so thin that rounding decides on which side of it the wire is."""
+        reach = self.radius + self.wire_radius
+        if not reach >= LEAST_REACH:
+            raise ValueError(
+                f"bar_radius + wire_diameter / 2 = {reach:.3g} of the bristle's length: at least {LEAST_REACH:g} is"
+                " allowed (as a share)"
+            )
 
     @property
     def restitution_friction(self) -> float:

@@ -17,9 +17,9 @@ from functools import partial
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
-from bristle_sim.scene.events import extrapolated_root, first_touch, locate
-from bristle_sim.scene.hold import ELBOW, MOST_GRIP, EngineHold, elbow, ledger_of_hold, locking, set_back
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.events import first_touch, interpolate, locate
+from bristle_sim.scene.hold import ELBOW, MOST_GRIP, EngineHold, closing, elbow, ledger_of_hold, locking, set_back
+from bristle_sim.scene.mechanism import Pose, State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Advance, Stepper
 from bristle_sim.scene.watches import Watch, freedom, in_flight, in_touch
@@ -96,6 +96,7 @@ class _Runner:
         self.law = law
         self.plan = plan
         self.state = start
+        self.poses: tuple[tuple[State, Pose], ...] = ((start, self.mechanism.poses(start)[-1]),)
         self.before: Advance | None = None
         self.held: Obstacle | None = None
         self.hold: EngineHold | None = None
@@ -112,7 +113,9 @@ class _Runner:
         damping = scene.effects.damping / scene.mechanism.links[0].inertia_about_joint
         self.noise = max(NOISE, stepper.noise * (1.0 + damping))
         self.departing: Obstacle | None = None
-        self.signs: dict[str, float] = {}
+        # What the last rebound was from, when, and how fast.
+        self.departure = ("", 0.0, 0.0)
+        self.signs = self._known_signs()
         self.recording = Recording()
         self.stopped = False
         self._sample(start, 0.0)
@@ -134,7 +137,7 @@ class _Runner:
         while not self.stopped:
             if self.state.time >= self.plan.end * (1.0 - 1e-15):
                 self._stop("end of the planned time")
-            elif self.scene.steps > self.budget:
+            elif self.scene.steps >= self.budget:
                 self._stop("step budget spent")
             else:
                 self._stretch()
@@ -148,7 +151,7 @@ class _Runner:
 
     def _stretch(self) -> None:
         """One accepted stretch, cut short at its first event."""
-        room = min(self.plan.end - self.state.time, self.plan.longest_stretch, self.growth)
+        room = min(self.plan.end - self.state.time, self.plan.longest_stretch, self.growth, LONGEST)
         length = self.stepper.propose(room)
         result = self._advance(length)
         if result.failed or (self.held is not None and result.totals[0] <= 0.0):
@@ -198,6 +201,8 @@ class _Runner:
     def _first_event(self, result: Advance) -> tuple[Advance, Callable[[Advance], None] | None]:
         """The stretch up to its first event, and what to do there."""
         act: Callable[[Advance], None] | None = None
+        if self.before is None and self.growth == math.inf:
+            result = self._look_back(result)
         for obstacle in self.scene.effects.obstacles:
             if obstacle is not self.held:
                 result, act = self._look_for_touch(obstacle, result, act)
@@ -219,6 +224,8 @@ class _Runner:
             elif gap < -GAP_ROUNDING and self._touch_of(obstacle, result.state).velocity[0] < 0.0:
                 # It is back within the shortest stretch: too low a rebound to follow.
                 return result, lambda _: self._touch(obstacle, rests=True)
+            return result, act
+        if self._rests_on(obstacle, result.state):
             return result, act
         share = first_touch(
             self.mechanism,
@@ -247,11 +254,18 @@ class _Runner:
             )
         return self._advance(closed), touch
 
+    def _rests_on(self, obstacle: Obstacle, end: State) -> bool:
+        """Whether the gap of an obstacle beside the one that holds the link is closed and stays so."""
+        if self.held is None or abs(self._gap(obstacle, self.state)) > GAP_ROUNDING:
+            return False
+        later = (interpolate(self.state, end, 0.5), end)
+        return all(abs(self._gap(obstacle, state)) <= GAP_ROUNDING for state in later)
+
     def _least_gap(self, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:
         """Where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
         fastest = 1.5 * self.mechanism.speed_bound(self.state)
         left, right = 0.0, span
-        while gap <= fastest * (right - left) and right - left > SHORTEST:
+        while gap <= fastest * (right - left) and max(1.0, fastest) * (right - left) > SHORTEST:
             middle = 0.5 * (left + right)
             gap, rate = self._gap_and_rate(obstacle, self._advance(middle).state)
             if gap < 0.0:
@@ -271,33 +285,75 @@ class _Runner:
         noise = max(self.noise, DIFFERENCE / length)
         if abs(right) > noise:
             self.signs[watch.name] = math.copysign(1.0, right)
-        if sign is None or self.before is None or sign * right >= 0.0 or abs(right) <= noise:
+        if sign is None or sign * right >= 0.0 or abs(right) <= noise:
             return result, act
         if watch.falling is not None and watch.falling != (sign > 0.0):
             return result, act
-        left = sign * max(sign * watch.value(self.before), NOISE)
+        left = watch.value(self.before or self._beginning())
+        if watch.exact is not None:
+            left, right = watch.exact(self.state), watch.exact(result.state)
+            if sign * right > 0.0 or sign * left < -noise:
+                # It does not change within this stretch, looked at exactly: the differences have misled.
+                self.signs[watch.name] = math.copysign(1.0, right)
+                return result, act
+        duration = self._locate_change(watch, length, sign * max(sign * left, NOISE), right)
+        return self._advance(max(duration, instant)), partial(self._notice, watch)
+
+    def _locate_change(self, watch: Watch, length: float, left: float, right: float) -> float:
+        """When a value that differs in sign at the two ends of a stretch is zero."""
+
+        def value(span: float) -> float:
+            at = self._advance(span)
+            return watch.value(at) if watch.exact is None else watch.exact(at.state)
+
         tolerance = max(1e-3 * self.plan.accuracy * max(abs(left), abs(right)), 0.01 * NOISE)
         self.stepper.begin_afresh()
-        duration = locate(lambda span: watch.value(self._advance(span)), 0.0, length, left, right, tolerance)
-        if watch.event is not None and duration > CLOSE_BY:
-            # Over a long stretch extrapolation amplifies rounding: come close first, and look again from there.
-            self.signs[watch.name] = sign
-            return self._advance(duration - 0.5 * CLOSE_BY), None
-        if watch.event is not None and length >= 2.0 * CLOSE_BY:
-            duration = extrapolated_root(lambda span: watch.value(self._advance(span)), 2.0 * CLOSE_BY, duration)
-        return self._advance(max(duration, instant)), partial(self._notice, watch)
+        return locate(value, 0.0, length, left, right, tolerance)
 
     def _watches(self) -> list[Watch]:
         """Events other than touches, for what the link is doing now."""
-        found = in_flight(self.mechanism) if self.held is None else in_touch(self.mechanism, self.held, self.state)
+        found = in_flight(self.scene) if self.held is None else in_touch(self.mechanism, self.held, self.state)
         if self.hold is not None:
             found += [locking(self.hold), elbow(self.hold)]
         if math.isfinite(self.plan.retraction_limit):
-            found.append(freedom(self.mechanism, self.plan.retraction_limit))
+            found.append(freedom(self.mechanism, self.plan.retraction_limit, self.state))
         return found
 
+    def _look_back(self, result: Advance) -> Advance:
+        """Accelerations at the very start, if the first link's, by the cubic, may have changed its sign since."""
+        (start, *_), (rate_0, *_) = self.state.angles, self.state.rates
+        (end, *_), (rate_1, *_) = result.state.angles, result.state.rates
+        length, after = result.state.time - self.state.time, result.accelerations[0]
+        before = 6.0 * (end - start) / length - 4.0 * rate_0 - 2.0 * rate_1
+        if after * before >= 0.2 * length * after**2:
+            return result
+        exact = {watch.name: watch.exact(self.state) for watch in self._watches() if watch.exact is not None}
+        self.signs |= {name: math.copysign(1.0, value) for name, value in exact.items() if abs(value) > NOISE}
+        # The bodies are no longer where the stretch has left them.
+        return self._advance(length)
+
+    def _known_signs(self) -> dict[str, float]:
+        """Signs that the state alone tells: what changes in the first stretch of a motion is an event, too."""
+        here = self._beginning()
+        values = [(watch, watch.value(here)) for watch in self._watches()]
+        known = {watch.name: math.copysign(1.0, value) for watch, value in values if abs(value) > self.noise}
+        return {watch.name: 1.0 for watch, _ in values if watch.final} | known
+
+    def _beginning(self) -> Advance:
+        """The state as the end of a stretch of no length."""
+        return Advance(self.state, (math.nan,) * len(self.mechanism.links), (), 0.0)
+
     def _touch_of(self, obstacle: Obstacle, state: State) -> Touch:
-        return obstacle.touch(self.mechanism.poses(state)[-1], state.rates[-1])
+        return obstacle.touch(self._pose(state), state.rates[-1])
+
+    def _pose(self, state: State) -> Pose:
+        """Of the last link; both ends of a stretch are asked for again and again."""
+        for known, pose in self.poses:
+            if known is state:
+                return pose
+        pose = self.mechanism.poses(state)[-1]
+        self.poses = (self.poses[-1], (state, pose))
+        return pose
 
     def _gap_and_rate(self, obstacle: Obstacle, state: State) -> tuple[float, float]:
         touch = self._touch_of(obstacle, state)
@@ -342,13 +398,38 @@ class _Runner:
         self.state = after
         self._sample(after, 0.0)
         self._event(_touch_event(obstacle.name, first), record.time)
-        if record.outcome == "jam":
+        if record.outcome == "jam" or self._wedged(obstacle):
             self._event("jam", after.time)
             self._stop("jam")
-        elif record.outcome != "rebound" or record.velocity_after[0] <= CAPTURE * self.mechanism.speed_bound(after):
+        elif record.outcome != "rebound" or self._stays(record):
             self._hold(obstacle)
         else:
+            self.departure = obstacle.name, after.time, record.velocity_after[0]
             self._depart(obstacle)
+
+    def _wedged(self, obstacle: Obstacle) -> bool:
+        """Whether the link touches another obstacle, too, and no rate would keep it out of both."""
+        others = [each for each in self.scene.effects.obstacles if each is not obstacle]
+        closed = [each for each in others if self._gap(each, self.state) <= GAP_ROUNDING]
+        if len(self.mechanism.links) > 1 or not closed:
+            return False
+        (rate,), touch = self.state.rates, self._touch_of(obstacle, self.state)
+        return any(closing(touch, self._touch_of(each, self.state), rate) for each in closed)
+
+    def _stays(self, record: ContactRecord) -> bool:
+        """Whether a rebound is too slow to be followed, or so low that fixed steps would repeat it for ever.
+
+        A step drifts before it kicks: a hop under the acceleration a arrives by a h faster than it left, and restitution
+        e leaves no less than e a h/(1 - e), the speed of a hop of (1 + e)/(1 - e) steps.
+        """
+        arrival, rebound = -record.velocity_before[0], record.velocity_after[0]
+        if rebound <= CAPTURE * self.mechanism.speed_bound(self.state):
+            return True
+        hop, step = record.time - self.departure[1], getattr(self.stepper, "step", 0.0)
+        if self.departure[0] != record.obstacle or arrival - rebound <= LOSSLESS * arrival:
+            return False
+        low = rebound**2 * hop <= 2.0 * (arrival + self.departure[2]) * self.stepper.noise
+        return low and hop * (arrival - rebound) <= 2.0 * step * (arrival + rebound)
 
     def _hold(self, obstacle: Obstacle) -> None:
         """Let the engine's contact hold the link from here on."""
@@ -396,7 +477,7 @@ class _Runner:
     def _begin(self) -> None:
         """A new smooth motion begins: nothing of the last one's accelerations and signs holds."""
         self.before, self.growth, self.releasing, self.force_slope = None, self.shortest, False, 0.0
-        self.signs.clear()
+        self.signs = self._known_signs()
 
 
 def _touch_event(obstacle: str, first: bool) -> str:
@@ -406,11 +487,16 @@ def _touch_event(obstacle: str, first: bool) -> str:
 GAP_ROUNDING = 1e-11
 """A gap of the scene's unit below this is closed."""
 
-GAP_TOLERANCE = 1e-14
-"""To which a touch is located."""
+GAP_TOLERANCE = 1e-13
+"""To which a touch is located: rounding of an extrapolated stretch is of this size, and a closer search would not end."""
 
 SHORTEST = 1e-13
-"""A stretch shorter than this share of the scene's time unit means that no stretch is short enough."""
+"""A stretch shorter than this share of the scene's time unit means that no stretch is short enough. A motion of that
+share of the scene's length, too, is an instant."""
+
+LONGEST = 1.0
+"""Of a stretch, in the scene's time units: within a radian of the fastest motion each thing that is looked out for
+changes its sign once at most, and the cubic through the ends is good to 1/384 of the motion."""
 
 NOISE = 1e-10
 """Rates, accelerations and forces of a scene's units below this have no sign, however accurate the stepper is."""
@@ -418,9 +504,8 @@ NOISE = 1e-10
 DIFFERENCE = 1e-13
 """Rounding of the difference of two rates that an acceleration is made of."""
 
-CLOSE_BY = 0.01
-"""Length of a stretch over which an extreme of the motion is located: short enough for the acceleration, which is
-extrapolated one order less than the motion, long enough for the rounding of its differences."""
+LOSSLESS = 1e-12
+"""Share of the speed that an impact may lose by rounding."""
 
 CAPTURE = 1e-8
 """An impact slower than this share of the fastest point's speed takes the rest of the approach away: repeated taps of

@@ -16,7 +16,7 @@ from typing import NamedTuple, Protocol
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 
-__all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps"]
+__all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps", "lagrange_weights"]
 
 RUN_OVERHEAD = 6.0
 """Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
@@ -95,7 +95,7 @@ class PlainSteps:
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
         self.step = step
-        self._left: State | None = None
+        self._left: tuple[State, int] | None = None
 
     @property
     def noise(self) -> float:
@@ -112,7 +112,7 @@ class PlainSteps:
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
         that is next to nothing is not corrected.
         """
-        if load is not None or self._left is not state or duration < self.step:
+        if load is not None or not _as_left(self._left, scene, state) or duration < self.step:
             scene.place(state)
         scene.correct_joints(completely=load is None and duration > INSTANT)
         values = _steps(scene, duration, 1, load)
@@ -120,7 +120,7 @@ class PlainSteps:
         size = len(scene.links)
         failed = load is not None and load.fails(values[3 * size :])
         result = _unpack(scene, state, duration, values, 0.0, failed)
-        self._left = result.state
+        self._left = (result.state, scene.motions)
         return result
 
     def accepts(self, result: Advance, duration: float) -> bool:
@@ -149,7 +149,8 @@ class SymmetricSteps:
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
         self.step = step
-        self._left: tuple[State, float] | None = None
+        self._left: tuple[State, int] | None = None
+        self._shift = 0.0
 
     @property
     def noise(self) -> float:
@@ -165,8 +166,8 @@ class SymmetricSteps:
         count = max(1, math.ceil(duration / self.step - 1e-9))
         step = duration / count
         scene.correct_joints(completely=True)
-        if self._left is not None and self._left[0] is state:
-            scene.drift(self._left[1] - 0.5 * step)
+        if _as_left(self._left, scene, state):
+            scene.drift(self._shift - 0.5 * step)
         else:
             scene.place(state, -0.5 * step)
         values = _steps(scene, step, count, load)
@@ -175,7 +176,7 @@ class SymmetricSteps:
         scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * size :])
         result = _unpack(scene, state, duration, values, 0.0, failed)
-        self._left = (result.state, 0.5 * step)
+        self._left, self._shift = (result.state, scene.motions), 0.5 * step
         return result
 
     def accepts(self, result: Advance, duration: float) -> bool:
@@ -189,6 +190,11 @@ class SymmetricSteps:
     def stray(self, start: State, end: State) -> float:
         """As for plain steps."""
         return _straight(start, end)
+
+
+def _as_left(left: tuple[State, int] | None, scene: Scene, state: State) -> bool:
+    """Whether a stepper left the bodies in this state and nobody has moved them since."""
+    return left is not None and left[0] is state and left[1] == scene.motions
 
 
 class Repetitions:
@@ -207,15 +213,15 @@ class Repetitions:
         rows = range(len(counts))
         self.counts = counts
         self.costs = [RUN_OVERHEAD * (row + 1) + sum(counts[: row + 1]) for row in rows]
-        self.weights = [_weights(counts[: row + 1]) for row in rows]
+        self.weights = [lagrange_weights(counts[: row + 1]) for row in rows]
         self.differences = [
-            tuple(a - b for a, b in zip(self.weights[row], (0.0, *_weights(counts[1 : row + 1])), strict=True))
+            tuple(a - b for a, b in zip(self.weights[row], (0.0, *lagrange_weights(counts[1 : row + 1])), strict=True))
             for row in rows
         ]
         self.noise = [ROUNDING * sum(map(abs, weights)) for weights in self.weights]
 
 
-def _weights(counts: tuple[int, ...]) -> tuple[float, ...]:
+def lagrange_weights(counts: tuple[int, ...]) -> tuple[float, ...]:
     """Weights that extrapolate results of ``counts`` steps to zero step: the Lagrange polynomial in h = 1/n at h = 0."""
     return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
 

@@ -6,6 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
+from bristle_sim.scene.acceleration import acceleration
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.events import turns
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
@@ -23,6 +26,7 @@ class Watch:
         falling: True or False if only falling or rising through zero counts, None for both.
         event: name under which it is recorded; None for a mere kink in the motion, where a stretch has to end.
         final: whether it ends the run.
+        exact: the same as a function of the state, where ``value`` has the error of a difference over the stretch.
     """
 
     name: str
@@ -30,13 +34,15 @@ class Watch:
     falling: bool | None = None
     event: str | None = None
     final: bool = False
+    exact: Callable[[State], float] | None = None
 
 
-def in_flight(mechanism: Mechanism) -> list[Watch]:
+def in_flight(scene: Scene) -> list[Watch]:
     """Extremes of the first link's motion relative to the hub."""
+    name = "highest relative speed"
     return [
-        _retraction(mechanism),
-        Watch("highest relative speed", _acceleration, falling=True, event="highest relative speed"),
+        _retraction(scene.mechanism),
+        Watch(name, _acceleration, falling=True, event=name, exact=partial(acceleration, scene)),
     ]
 
 
@@ -55,13 +61,17 @@ def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[Wat
     return [*watches, Watch("slip", slip)] if obstacle.friction else watches
 
 
-def freedom(mechanism: Mechanism, limit: float) -> Watch:
-    """The first link's angle relative to the hub reaches what the geometry allows."""
+def freedom(mechanism: Mechanism, limit: float, start: State) -> Watch:
+    """The first link's angle relative to the hub reaches what the geometry allows, be it only within a stretch."""
 
     def left(at: Advance) -> float:
-        return limit - abs(at.state.angles[0] - mechanism.hub_angle(at.state.time))
+        return limit - max(_leaning(mechanism, state) for state in (at.state, *turns(mechanism, start, at.state)))
 
     return Watch("retraction limit", left, falling=True, event="retraction limit", final=True)
+
+
+def _leaning(mechanism: Mechanism, state: State) -> float:
+    return abs(state.angles[0] - mechanism.hub_angle(state.time))
 
 
 def _retraction(mechanism: Mechanism) -> Watch:

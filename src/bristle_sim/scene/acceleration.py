@@ -1,0 +1,42 @@
+"""The acceleration of the first link as a function of the state: what the engine's steps from there tend to.
+
+A difference of rates over a stretch holds the stretch's error, divided by the length of a step. The difference over the
+second of two steps from a given state has no such share: it is the acceleration there but for powers of the step, which
+extrapolation to zero step removes. (The first step will not do: what the engine's rotary damper does to the joint in one
+step is only put right in the next.)
+"""
+
+from __future__ import annotations
+
+import math
+from operator import mul
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.pace import damping_rate
+from bristle_sim.scene.stepping import lagrange_weights
+
+__all__ = ["acceleration"]
+
+REACH = 0.3
+"""Longest of the steps, in the scene's time units and time constants of the engine's damping. Measured: rounding and what
+extrapolation leaves are then some 1e-12 both, times the rate of the damping."""
+
+COUNTS = (1, 2, 3, 4, 5, 6, 8, 10, 12)
+"""The steps are this many times shorter."""
+
+WEIGHTS = lagrange_weights(COUNTS)
+
+
+def acceleration(scene: Scene, state: State) -> float:
+    """Of the first link, where nothing touches, in engine units."""
+    reach = REACH / (1.0 + damping_rate(scene))
+    return math.fsum(map(mul, WEIGHTS, (_second_difference(scene, state, reach / count) for count in COUNTS)))
+
+
+def _second_difference(scene: Scene, state: State, step: float) -> float:
+    scene.place(state)
+    scene.step(step, 1)
+    before = scene.rates()[0]
+    scene.step(step, 1)
+    return (scene.rates()[0] - before) / step

@@ -1,0 +1,178 @@
+"""Contacts at once and starts in contact keep their promises, which notice jams that are not seen and energy gained."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Belt, Hub, Tool
+from bristle_sim.reference import simulate_reference
+from bristle_sim.scene import contact_laws
+from bristle_sim.scene import run as scene_run
+from bristle_sim.scene import tool as scene_tool
+from bristle_sim.scene.contact_laws import contact_at
+from bristle_sim.scene.hold import EngineHold, closing
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.obstacles import Touch
+from bristle_sim.scene.tool import build_tool, simulate, tool_units
+from bristle_sim.settings import Settings
+from bristle_sim.studies.hard_cases.case import HardCase
+from bristle_sim.studies.hard_cases.touching import between, cases, contact_work, deepest, wedge_closes
+from bristle_sim.trajectory import Trajectory
+
+FEW = Settings(maximum_steps=5000)
+
+
+@pytest.mark.parametrize("case", cases(full=False), ids=lambda case: case.name)
+def test_promise(case: HardCase) -> None:
+    finding = case.measure()
+    assert finding.ok, finding.reached
+
+
+def kept(part: str) -> list[bool]:
+    found = [case.run().ok for case in cases(full=False) if part in case.name]
+    assert found
+    return found
+
+
+class TestPromisesNotice:
+    def test_a_jam_that_is_not_seen(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(scene_run, "closing", lambda *_: False)
+        monkeypatch.setattr("bristle_sim.studies.hard_cases.touching.Settings", lambda **_: FEW)
+        assert not any(kept("restitution 0.5"))
+
+    def test_neighbours_that_are_struck_at_rest(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(scene_run._Runner, "_rests_on", lambda *_: False)
+        tool = replace(between(-0.3, 0.3, at=0.6), hub=Hub(speed=0.0))
+        run = simulate(tool, FEW, start_hub_angle=-0.3, start_relative_angle=0.6)
+        assert run.stop_reason == "step budget spent"
+
+    def test_starts_that_are_not_checked(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(scene_tool, "_check_start", lambda *_: None)
+        assert not any(kept("inside the"))
+
+    def test_energy_gained(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """An impact on the workpart that gives 30 % more impulse than it should."""
+        resolve = contact_laws.EnergeticLaw.resolve
+
+        def gaining(law: Any, scene: Any, state: State, obstacle: Any, coefficients: Any) -> Any:
+            after, record = resolve(law, scene, state, obstacle, coefficients)
+            if obstacle.name == "bar":
+                return after, record
+            more = tuple(a + 0.3 * (a - b) for a, b in zip(after.rates, state.rates, strict=True))
+            velocity = tuple(
+                v + 0.3 * (v - u) for v, u in zip(record.velocity_after, record.velocity_before, strict=True)
+            )
+            impulse = tuple(1.3 * p for p in record.impulse)
+            return after._replace(rates=more), dataclasses.replace(record, impulse=impulse, velocity_after=velocity)
+
+        monkeypatch.setattr(contact_laws.EnergeticLaw, "resolve", gaining)
+        monkeypatch.setattr(scene_run.EnergeticLaw, "resolve", gaining)
+        assert not any(kept("restitution 0.9, no friction"))
+
+
+class TestWedge:
+    @pytest.mark.parametrize("start", [(-0.9, 0.3), (-0.6, 0.4), (-1.1, 0.2)])
+    @pytest.mark.parametrize("accuracy", [0.1, 1e-10])
+    def test_jams_where_geometry_says(self, start: tuple[float, float], accuracy: float) -> None:
+        tool = between(*start, at=0.7, bar_gap=1e-4, gap=3e-4)
+        run = simulate(
+            tool, Settings(accuracy=accuracy), start_hub_angle=start[0], start_relative_angle=start[1] - start[0]
+        )
+        assert run.stop_reason == "jam"
+        assert run.events[-1].name == "jam"
+        # Gaps below 1e-11 of the length are closed; the hub's turn is exact.
+        assert run.time[-1] / tool_units(tool).time == pytest.approx(
+            wedge_closes(tool, start[0]) / tool_units(tool).time, abs=1e-9
+        )
+
+
+class TestClosing:
+    """Two contacts of a link on a joint: levers l, normal velocities v at the rate w, so drifts v - l w."""
+
+    @staticmethod
+    def touch(lever: float, velocity: float) -> Touch:
+        return Touch(0.0, (lever, 0.0), (0.0, 1.0), (velocity, 0.0), ())
+
+    @pytest.mark.parametrize("rate", [-3.0, 0.0, 2.0])
+    def test_by_hand(self, rate: float) -> None:
+        """Drifts -1 on the lever 0.5 and +1 on the lever -1: room -2 + 1 < 0; with +3: 1 > 0; on one side none."""
+        pushes = self.touch(0.5, -1.0 + 0.5 * rate)
+        assert closing(pushes, self.touch(-1.0, 1.0 - rate), rate)
+        assert not closing(pushes, self.touch(-1.0, 3.0 - rate), rate)
+        assert not closing(pushes, self.touch(1.0, -1.0 + rate), rate)
+
+    def test_at_rest(self) -> None:
+        assert not closing(self.touch(0.5, 0.0), self.touch(-1.0, 0.0), 0.0)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+@pytest.mark.parametrize("angle", [-0.9, -0.4, 0.3])
+def test_grip_of_one_link_is_that_of_the_engines_bodies(angle: float, friction: float) -> None:
+    """One degree of freedom in closed form, beside the contact-space inverse mass of joined bodies."""
+    for part in ("bar", "workpart"):
+        tool = between(-0.5, angle, bar_gap=0.0 if part == "bar" else None, gap=0.0 if part == "workpart" else None)
+        scene, _ = build_tool(tool, hub_start=-0.5)
+        obstacle = replace(scene.effects.obstacles[0], friction=friction)  # type: ignore[type-var]
+        state = State(0.0, (angle,), (0.7,))
+        touch, space = contact_at(scene, state, obstacle)
+        body, point = scene.links[0], np.array(scene.mechanism.poses(state)[0].joint) + np.array(touch.arm)
+        arm = point - np.array(body.position)
+        free = 1.0 / body.mass + (arm[0] * touch.normal[1] - arm[1] * touch.normal[0]) ** 2 / body.moment
+        rub = friction * math.copysign(1.0, touch.velocity[1])
+        expected = (space.inverse_mass[0, 0] - rub * space.inverse_mass[0, 1]) / free
+        # Rounding, and cancellation of a free body's response against its joint's.
+        assert EngineHold(scene, obstacle).grip(state) == pytest.approx(expected, rel=1e-12, abs=1e-12)
+
+
+def test_deepest_measures_both_obstacles() -> None:
+    """A bristle that stands 1 % of its length inside one of them, at rest."""
+    for gaps in ({"bar_gap": -0.01 * 0.027, "gap": None}, {"bar_gap": None, "gap": -0.01 * 0.027}):
+        still = replace(between(-0.9, -0.5, **gaps), hub=Hub(speed=0.0))
+        run = simulate(replace(still, bar=None, workpart=None), start_hub_angle=-0.9, start_relative_angle=0.4)
+        inside = deepest(still, dataclasses.replace(run, **_first_sample(run)))
+        assert inside == pytest.approx(0.01, rel=1e-9)
+
+
+def _first_sample(run: Trajectory) -> dict[str, Any]:
+    return {name: getattr(run, name)[:1] for name in ("hub_angle", "angles", "tip")}
+
+
+def drawn(seed: int) -> tuple[Tool, dict[str, float]]:
+    """A tool whose bar stands on the incoming side, and whose bristle starts near bar and workpart."""
+    rng = np.random.default_rng(seed)
+    while True:
+        hub_angle, angle = float(rng.uniform(-1.2, 0.4)), float(rng.uniform(-0.9, 0.7))
+        belt = Belt(Tool().belt.stiffness * float(rng.choice([0.3, 1.0, 10.0])))
+        rub, slide, restitution = (float(rng.choice(each)) for each in ([0.0, 0.3], [0.0, 0.31], [0.0, 0.42]))
+        if abs(angle - hub_angle) > 1.3:
+            continue
+        try:
+            tool = between(hub_angle, angle, at=float(rng.uniform(0.4, 0.95)), bar_gap=2e-4, gap=3e-4)
+        except ValueError:
+            continue
+        assert tool.bar is not None
+        assert tool.workpart is not None
+        bar, part = replace(tool.bar, friction=rub), replace(tool.workpart, friction=slide, restitution=restitution)
+        start = {"start_hub_angle": hub_angle, "start_relative_angle": angle - hub_angle}
+        return replace(tool, belt=belt, bar=bar, workpart=part), start
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_starts_at_random_beside_the_reference(seed: int) -> None:
+    """Near both obstacles, whatever comes of it: same end at the same instant, no energy gained, nothing overlapped."""
+    tool, start = drawn(seed)
+    run = simulate(tool, Settings(hub_turn=1.5, maximum_steps=100_000), **start)
+    referred = simulate_reference(tool, accuracy=1e-9, hub_turn=1.5, **start)
+    assert run.stop_reason.replace("the planned time", "run") == referred.stop_reason
+    # Ten times the accuracy asked for, for what impacts magnify.
+    assert run.time[-1] / tool_units(tool).time == pytest.approx(referred.time[-1] / tool_units(tool).time, abs=1e-5)
+    assert run.relative_angle[-1] == pytest.approx(referred.relative_angle[-1], abs=1e-5)
+    assert deepest(tool, run) <= 1e-6
+    # Rounding, of the largest energy around.
+    assert max((contact_work(each) for each in run.contacts), default=0.0) <= 1e-12 * run.total_energy.max()
