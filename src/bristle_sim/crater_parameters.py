@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import reprlib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.quantity import quantity, validate
+from bristle_sim.quantity import quantity, shown, validate
 
 __all__ = ["Crater", "ForceHistory", "InputFile", "Measurement"]
 
@@ -30,9 +29,16 @@ class InputFile:
 
     def check(self, value: Any) -> str:
         """Return the name, or raise ValueError with key, value and what is allowed."""
-        if not isinstance(value, str) or not value or "\0" in value or not Path(value).is_file():
-            raise ValueError(f"{self.key} = {reprlib.repr(value)}: {self.allowed} is allowed")
-        return value
+        if not isinstance(value, str) or not _is_file(value):
+            raise ValueError(f"{self.key} = {shown(value)}: {self.allowed} is allowed")
+        return str(value)
+
+
+def _is_file(name: str) -> bool:
+    try:
+        return bool(name) and Path(name).is_file()
+    except (OSError, ValueError):  # a name too long, a null character
+        return False
 
 
 _FORCE_CSV = InputFile("force_csv", "none: the measured points are not in print; two columns, time in s and force in N")
@@ -61,7 +67,7 @@ class ForceHistory:
         None, "speed_ratio", "1", above=0.0, at_most=1e6, source="the one that gives the curve's compressive impulse"
     )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, eq. 3.9: gamma"
+        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=90.0, source="Zhang 2020, eq. 3.9: gamma"
     )
     compression_time: float | None = quantity(
         None, "compression_time", "s", at_least=1e-9, at_most=1.0, source="the curve's: Zhang 2020, eq. 3.20, 5e-5"
@@ -84,7 +90,7 @@ class Crater:
 
     speed_ratio: float = quantity(3.23, "speed_ratio", "1", at_least=0.0, at_most=1e6, source=SPEED_RATIO_SOURCE)
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", above=0.0, at_most=89.0, source="Zhang 2020, eq. 4.51: gamma"
+        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=89.0, source="Zhang 2020, eq. 4.51: gamma"
     )
     friction: float = quantity(
         0.5,

@@ -14,7 +14,7 @@ import itertools
 import math
 from dataclasses import dataclass, field
 
-from bristle_sim.quantity import choice, quantity, validate
+from bristle_sim.quantity import choice, quantity, shown, validate
 
 __all__ = [
     "Bar",
@@ -91,7 +91,12 @@ class Bristle:
         7.1e-4, "wire_diameter", "m", at_least=0.0, at_most=1e2, source="Zhang 2020, sec. 4.1: tip ellipse"
     )
     knee_position: float = quantity(
-        0.75, "knee_position", "1", above=0.0, at_most=0.99, source="assumed: share of the length; Zhang 2020, fig. 1.3"
+        0.75,
+        "knee_position",
+        "1",
+        at_least=0.01,
+        at_most=0.99,
+        source="assumed: share of the length; Zhang 2020, fig. 1.3",
     )
     knee_angle_deg: float = quantity(
         0.0, "knee_angle_deg", "deg", at_least=-90.0, at_most=90.0, source="straight as in Zhang 2020, fig. 2.5"
@@ -242,7 +247,7 @@ class Contact:
         None,
         "contact_duration",
         "s",
-        above=0.0,
+        at_least=1e-18,
         at_most=1.0,
         source="compliant law: time in touch; by default short enough for the rigid-body limit",
     )
@@ -271,6 +276,10 @@ class Tool:
 
     def __post_init__(self) -> None:
         validate(self)
+        for name, kinds in PARTS.items():
+            if not isinstance(getattr(self, name), kinds):
+                words = " or ".join("None" if kind is type(None) else f"a {kind.__name__}" for kind in kinds)
+                raise ValueError(f"{name} = {shown(getattr(self, name))}: {words} is allowed")
         if self.workpart is not None and self.workpart_depth <= self.hub.radius:
             allowed = self.workpart_depth + self.workpart.penetration - self.hub.radius
             raise ValueError(
@@ -290,26 +299,40 @@ class Tool:
 
         The tip circle of an undeflected straight bristle has the radius r_h + L.
         """
-        assert self.workpart is not None
+        if self.workpart is None:
+            raise ValueError("workpart = None: a Workpart is allowed where its depth is asked for")
         x, y = self.bristle.tip
         return math.hypot(x, self.hub.radius - y) - self.workpart.penetration
 
     @property
     def bar_reach(self) -> float:
         """Distance from the bar's centre at which the wire's centre line touches the bar, r_b + d/2, m."""
-        assert self.bar is not None
+        if self.bar is None:
+            raise ValueError("bar = None: a Bar is allowed where its reach is asked for")
         return self.bar.radius + self.bristle.wire_diameter / 2.0
 
     @property
     def bar_clearance(self) -> float:
         """Largest radius from the hub's centre that passes under the bar, S - r_b - d/2, m."""
-        assert self.bar is not None
+        if self.bar is None:
+            raise ValueError("bar = None: a Bar is allowed where its clearance is asked for")
         return math.hypot(self.bar.horizontal, self.bar.vertical) - self.bar_reach
 
     @property
     def belt_damping(self) -> float:
         """Torsional damping c = 2 zeta sqrt(k_T I), N m s/rad, zeta being the damping ratio of bristle on belt."""
         return 2.0 * self.belt.damping_ratio * math.sqrt(self.belt.stiffness * self.bristle.inertia_about_root)
+
+
+PARTS: dict[str, tuple[type, ...]] = {
+    "hub": (Hub,),
+    "belt": (Belt,),
+    "bristle": (Bristle,),
+    "bar": (Bar, type(None)),
+    "workpart": (Workpart, type(None)),
+    "contact": (Contact,),
+}
+"""What a tool is made of."""
 
 
 def operating_point() -> Tool:
@@ -342,7 +365,7 @@ class Strike:
         source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
     )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, sec. 2.3: gamma"
+        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=90.0, source="Zhang 2020, sec. 2.3: gamma"
     )
 
     def __post_init__(self) -> None:
@@ -360,7 +383,7 @@ class SinglePendulum:
         0.027, "rod_length", "m", at_least=1e-9, at_most=1e3, source="the bristle's: Zhang 2020, 2.4.1"
     )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", above=0.0, at_most=90.0, source="Zhang 2020, fig. 2.25: rod to the normal"
+        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=90.0, source="Zhang 2020, fig. 2.25: rod to the normal"
     )
     rate: float = quantity(
         -845.6, "rate", "rad/s", at_least=-1e9, at_most=1e9, source="Zhang 2020, fig. 2.30; negative approaches"
@@ -376,7 +399,7 @@ class DoublePendulum:
 
     mass: float = quantity(5.0, "rod_mass", "kg", at_least=1e-30, at_most=1e6, source="Zhang 2020, fig. 2.28: m_2")
     mass_ratio: float = quantity(
-        1.0, "mass_ratio", "1", at_least=1e-9, at_most=1e15, source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2"
+        1.0, "mass_ratio", "1", at_least=1e-9, at_most=1e12, source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2"
     )
     length: float = quantity(
         1.0, "rod_length", "m", at_least=1e-9, at_most=1e3, source="Zhang 2020, sec. 2.4.2: both rods"

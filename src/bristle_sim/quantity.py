@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
 
-__all__ = ["Choice", "Quantity", "check", "choice", "declaration", "quantity", "validate"]
+__all__ = ["Choice", "Quantity", "check", "choice", "declaration", "quantity", "shown", "validate"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,28 +42,29 @@ class Quantity:
             number = math.nan
         # float() also takes grouped digits and those of other scripts, which nobody types on purpose here.
         if "_" in text or not text.isascii() or not self._admits(number):
-            raise self._refusal(reprlib.repr(text))
+            raise self.refusal(text)
         return number + 0.0
 
     def check(self, value: Any) -> float:
         """Return the value as a float, or raise ValueError naming key, value, range and unit."""
         if isinstance(value, bool) or not isinstance(value, Real):
-            raise self._refusal(reprlib.repr(value))
+            raise self.refusal(value)
         try:
             number = float(value)
         except OverflowError:
             number = -math.inf if value < 0 else math.inf
         if not self._admits(number):
-            raise self._refusal(repr(number))
+            raise self.refusal(number)
         return number + 0.0  # no negative zero
 
     def _admits(self, number: float) -> bool:
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
         return math.isfinite(number) and above and number <= self.highest
 
-    def _refusal(self, shown: str) -> ValueError:
+    def refusal(self, value: Any) -> ValueError:
+        """What to raise for a value that is not allowed."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
-        return ValueError(f"{self.key} = {shown}: a finite number with {self.allowed} is allowed ({unit})")
+        return ValueError(f"{self.key} = {shown(value)}: a finite number with {self.allowed} is allowed ({unit})")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,8 +89,22 @@ class Choice:
     def check(self, value: Any) -> str:
         """Return the word, or raise ValueError naming key, value and the allowed words."""
         if not isinstance(value, str) or value not in self.options:
-            raise ValueError(f"{self.key} = {reprlib.repr(value)}: one word of {self.allowed} is allowed")
-        return value
+            raise ValueError(f"{self.key} = {shown(value)}: one word of {self.allowed} is allowed")
+        return str(value)
+
+
+LONGEST_SHOWN = 100
+"""Characters of a value in a message."""
+
+
+def shown(value: Any) -> str:
+    """Any value whatsoever in one short line, for messages."""
+    try:
+        text = reprlib.repr(value)
+    except ValueError:  # a whole number of thousands of digits, which Python does not write out
+        text = f"<{type(value).__name__}>"
+    line = " ".join(each.strip() for each in text.splitlines())
+    return line if len(line) <= LONGEST_SHOWN else f"{line[:LONGEST_SHOWN]}..."
 
 
 def quantity(

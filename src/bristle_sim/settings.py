@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bristle_sim.quantity import quantity, validate
+from bristle_sim.quantity import quantity, shown, validate
 
 __all__ = ["Settings"]
+
+
+MOST_SAMPLES = 1_000_000_000
+"""More than a run could hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +38,7 @@ class Settings:
     )
     maximum_steps: int = 1_000_000
     hub_turn: float = quantity(
-        4.71238898038469, "hub_turn", "rad", above=0.0, at_most=1e6, source="three quarters of a turn"
+        4.71238898038469, "hub_turn", "rad", at_least=1e-12, at_most=1e6, source="three quarters of a turn"
     )
     samples_per_period: int = 24
 
@@ -43,4 +47,8 @@ class Settings:
         for name in ("maximum_steps", "samples_per_period"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-                raise ValueError(f"{name} = {value!r}: a whole number of at least 1 is allowed")
+                raise ValueError(f"{name} = {shown(value)}: a whole number of at least 1 is allowed")
+        if self.samples_per_period > MOST_SAMPLES:
+            raise ValueError(
+                f"samples_per_period = {shown(self.samples_per_period)}: at most {MOST_SAMPLES:g} is allowed"
+            )

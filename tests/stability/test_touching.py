@@ -16,7 +16,7 @@ from bristle_sim.scene import contact_laws
 from bristle_sim.scene import run as scene_run
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.contact_laws import contact_at
-from bristle_sim.scene.hold import EngineHold, closing
+from bristle_sim.scene.hold import EngineHold, room
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Touch
 from bristle_sim.scene.tool import build_tool, simulate, tool_units
@@ -42,7 +42,7 @@ def kept(part: str) -> list[bool]:
 
 class TestPromisesNotice:
     def test_a_jam_that_is_not_seen(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(scene_run, "closing", lambda *_: False)
+        monkeypatch.setattr(scene_run, "room", lambda *_: math.inf)
         monkeypatch.setattr("bristle_sim.studies.hard_cases.touching.Settings", lambda **_: FEW)
         assert not any(kept("restitution 0.5"))
 
@@ -92,7 +92,7 @@ class TestWedge:
         )
 
 
-class TestClosing:
+class TestRoom:
     """Two contacts of a link on a joint: levers l, normal velocities v at the rate w, so drifts v - l w."""
 
     @staticmethod
@@ -101,14 +101,39 @@ class TestClosing:
 
     @pytest.mark.parametrize("rate", [-3.0, 0.0, 2.0])
     def test_by_hand(self, rate: float) -> None:
-        """Drifts -1 on the lever 0.5 and +1 on the lever -1: room -2 + 1 < 0; with +3: 1 > 0; on one side none."""
+        """Drifts -1 on the lever 0.5 and +1 on the lever -1: -2 + 1 = -1; with +3: 1; on one side there is no end of it."""
         pushes = self.touch(0.5, -1.0 + 0.5 * rate)
-        assert closing(pushes, self.touch(-1.0, 1.0 - rate), rate)
-        assert not closing(pushes, self.touch(-1.0, 3.0 - rate), rate)
-        assert not closing(pushes, self.touch(1.0, -1.0 + rate), rate)
+        # Rounding.
+        assert room(pushes, self.touch(-1.0, 1.0 - rate), rate) == pytest.approx(-1.0, rel=1e-14)
+        assert room(self.touch(-1.0, 3.0 - rate), pushes, rate) == pytest.approx(1.0, rel=1e-14)
+        assert room(pushes, self.touch(1.0, -1.0 + rate), rate) == math.inf
 
     def test_at_rest(self) -> None:
-        assert not closing(self.touch(0.5, 0.0), self.touch(-1.0, 0.0), 0.0)
+        assert room(self.touch(0.5, 0.0), self.touch(-1.0, 0.0), 0.0) == 0.0
+
+
+@pytest.mark.parametrize("step", [None, 1e-5])
+@pytest.mark.parametrize("rate", [-200.0, 0.0, 200.0])
+def test_pinned_whatever_restitution_and_start(rate: float, step: float | None) -> None:
+    """Without room between two obstacles at rest no rebound leads anywhere: it stays where it is, pressed on one."""
+    tool = replace(between(-0.3, 0.3, at=0.6), hub=Hub(speed=0.0))
+    assert tool.bar is not None
+    assert tool.workpart is not None
+    bar, part = (
+        replace(tool.bar, restitution=0.5, friction=0.3),
+        replace(tool.workpart, restitution=0.42, friction=0.31),
+    )
+    run = simulate(
+        replace(tool, bar=bar, workpart=part),
+        replace(FEW, step=step),
+        start_hub_angle=-0.3,
+        start_relative_angle=0.6,
+        start_relative_rate=rate,
+    )
+    assert run.stop_reason == "end of the planned time"
+    assert len(run.contacts) < 10
+    # Gaps below 1e-11 of the length are closed.
+    assert np.ptp(run.angles) < 1e-10
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])

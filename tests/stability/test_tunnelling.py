@@ -135,7 +135,7 @@ class TestNothingElseIsMissed:
         field = tool.bristle.mass * tool.hub.radius * 0.5 * tool.bristle.length * tool.hub.speed**2
         energy = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
         energy += 0.5 * tool.belt.stiffness * run.relative_angle**2 + field * (1.0 - np.cos(run.relative_angle))
-        assert len(run.events) >= 3
+        assert len(run.events) >= 1
         # First order: positions and velocities are half a step apart.
         assert np.abs(energy / energy[0] - 1.0).max() <= step
 

@@ -87,3 +87,8 @@ def test_script() -> None:
     done = subprocess.run([sys.executable, str(script), "--json", "-"], capture_output=True, text=True, check=True)
     names = {row["name"] for row in json.loads(done.stdout)["quantities"]}
     assert {"reverse_forward_slide", "straight_forward_slide", "forward_forward_slide"} <= names
+
+
+def test_a_spent_budget_is_no_result() -> None:
+    with pytest.raises(ValueError, match="step budget spent"):
+        bent_bristles(Tool(contact=Contact("compliant", 1e-4)), Settings(maximum_steps=100))

@@ -64,12 +64,14 @@ class TestInertia:
 
         def without(scene: Scene, length: float, count: int, act=None) -> None:
             hub, link, mechanism = scene.hub, scene.links[0], scene.mechanism
-            for _ in range(count):
+
+            def push(step: float) -> None:
                 if act is not None:
-                    act(length)
+                    act(step)
                 relative = link.angle - hub.angle
                 link.torque += 0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
-                true(scene, length, 1)
+
+            true(scene, length, count, push)
 
         monkeypatch.setattr(Scene, "step", without)
         assert {check_strike, check_retraction} <= failing()

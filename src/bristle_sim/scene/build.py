@@ -31,9 +31,11 @@ SOLVED = math.log(1e-17)
 MOST_ITERATIONS = 40_000
 """Of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
 
-WARM = 1e3
+WARM, ALONE = 1e3, 2.0
 """Steps up to so many times as long as the one before start from its impulses; the rounding of impulses that are scaled
-further would show."""
+further would show. A step on its own bears less: the engine scales the impulse that it applies, by s, but not the one that
+it remembers, which becomes 1 - s times what it was. Further steps of the same length put that right; one short and one long
+step in turn would make it grow without bound."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 _EVERYWHERE = pymunk.ShapeFilter()
@@ -173,7 +175,7 @@ class Scene:
 
     def step(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
         """Take ``count`` engine steps of one length; ``act`` is called before each of them with the length."""
-        if length > WARM * self._last_length:
+        if length > (WARM if count > 1 else ALONE) * self._last_length:
             self._start_cold(length)
         self._last_length = length
         advance = self._step

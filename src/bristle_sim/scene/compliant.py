@@ -61,6 +61,9 @@ PATIENCE = 10.0
 """A contact that lasts this many times longer than an impact of its speed would is no impact: something presses the
 point on. It ends as ``no rebound``, to be held."""
 
+SHORTEST = 1e-9
+"""Stretches shorter than this share of a contact mean that none is short enough: rounding exceeds the tolerance."""
+
 MOST_STRETCHES = 1000
 """A contact that takes more stretches than this is given up."""
 
@@ -72,15 +75,23 @@ class CompliantLaw:
         duration: time in touch, engine units; None is short enough for the rigid-body limit to ``accuracy``.
         accuracy: relative accuracy asked for.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
+        maximum_steps: engine steps after which a contact is given up.
     """
 
     name = "compliant"
 
-    def __init__(self, duration: float | None, accuracy: float, plain_steps: int | None = None) -> None:
+    def __init__(
+        self,
+        duration: float | None,
+        accuracy: float,
+        plain_steps: int | None = None,
+        maximum_steps: int = 1_000_000,
+    ) -> None:
         """See the class."""
         self.duration = duration
         self.accuracy = accuracy
         self.plain_steps = plain_steps
+        self.maximum_steps = maximum_steps
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
@@ -100,6 +111,7 @@ class CompliantLaw:
             coefficients.friction,
             coefficients.restitution,
             coefficients.restitution_friction,
+            space.stick_compliance,
         )
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
         way_out = coefficients.restitution or 1.0
@@ -114,7 +126,7 @@ class CompliantLaw:
         if self.plain_steps is not None:
             stepper = PlainSteps(duration / self.plain_steps)
         passage = _Passage(scene, state, spring, stepper, (duration, longest), rigid.outcome_name)
-        passage.go()
+        passage.go(scene.steps + self.maximum_steps)
         return passage.state, passage.record(obstacle, state)
 
     def _check(self, scene: Scene, restitution: float) -> None:
@@ -171,17 +183,22 @@ class _Passage:
         self.totals = np.zeros(4)
         self.at_compression_end: np.ndarray | None = None
         self.rows: list[tuple[float, ...]] = []
-        self.initial_slip = spring.slip
+        self.first_slip = spring.slip
         if not spring.slip:
             self._settle()
         self._note_phase()
         self._sample()
 
-    def go(self) -> None:
-        """Stretch after stretch until the contact is over."""
+    def go(self, last: int) -> None:
+        """Stretch after stretch until the contact is over, up to so many steps of the scene."""
         for _ in range(self.most_stretches):
             if self.done:
                 return
+            if self.scene.steps > last:
+                raise ValueError(
+                    "contact: step budget spent before it is over; more steps, less accuracy or a contact_duration that"
+                    " is shorter is allowed"
+                )
             self._stretch()
         raise ValueError(
             f"contact: not over after {self.most_stretches} stretches of its motion; friction below the jam is allowed"
@@ -191,6 +208,11 @@ class _Passage:
         length = self.stepper.propose(self.longest)
         result = self._advance(length)
         if not self.stepper.accepts(result, length):
+            if length < SHORTEST * self.duration:
+                raise ValueError(
+                    "contact: no stretch of its motion is short enough for the accuracy asked for; less accuracy, or"
+                    " friction further from the jam, is allowed"
+                )
             return
         act: Callable[[], None] | None = None
         for turn in self._turns():
@@ -263,7 +285,7 @@ class _Passage:
         first = math.copysign(1.0, spring.coupling)
         for direction in (first, -first):
             spring.slip = direction
-            after = self._advance(PROBE * self.duration)
+            after = self._advance(PROBE * min(self.duration, self._quickest()))
             if direction * self._velocity(after)[1] > SAME * abs(spring.coupling) * after.totals[0]:
                 break
         else:
@@ -272,6 +294,12 @@ class _Passage:
         if spring.loading and self.rows and (stopped or -self._now()[0] <= SAME * abs(self.rows[0][4])):
             # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
             self._end_compression()
+
+    def _quickest(self) -> float:
+        """Time scale of slip, much shorter than the contact where a heavy link lets the tip hardly out of stick."""
+        stiffness, _, _ = self.spring.line()
+        most = self.spring.inverse_mass[0, 0] + self.spring.friction * abs(self.spring.coupling)
+        return math.pi / math.sqrt(stiffness * most) if stiffness * most else math.inf
 
     def _now(self) -> Vector:
         return self.spring.components(self.scene.mechanism.poses(self.state)[-1].tip_velocity)
@@ -291,7 +319,8 @@ class _Passage:
         if self.done:
             return
         slip = self.spring.slip
-        motion = "stick" if not slip else "slip" if slip == self.initial_slip else "reverse slip"
+        self.first_slip = self.first_slip or slip
+        motion = "stick" if not slip else "slip" if slip == self.first_slip else "reverse slip"
         name = f"{'compression' if self.spring.loading else 'restitution'} {motion}"
         if not self.phases or self.phases[-1] != name:
             self.phases.append(name)

@@ -47,6 +47,9 @@ does: two digits are kept in any case."""
 SINGULAR = 64.0 * sys.float_info.epsilon
 """A way out of stick below this share of the normal column is rounding: the contact has one degree of freedom."""
 
+WEAK = 1e-2
+"""A way out of stick below this share of the normal column has lost digits worth getting back."""
+
 DEPENDENT = 1e-12
 """A joint whose scaled rows are shorter than this after orthogonalization repeats what other joints already say."""
 
@@ -221,10 +224,24 @@ def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
         return columns, basis, triangle
     pivots = np.abs(np.diagonal(triangle))[:constraints]
     if len(pivots) == constraints and pivots.min() > DEPENDENT * pivots.max():
+        if len(triangle) == constraints + 2 and abs(triangle[-1, -1]) < WEAK * abs(triangle[-2:, -1]).max():
+            _refine(basis, triangle, columns)
         basis, triangle = basis[:, constraints:], triangle[constraints:, constraints:]
         return basis @ triangle, basis, triangle
     free = _orthogonal(columns[:, constraints:], columns[:, :constraints])
     return free, *np.linalg.qr(free)
+
+
+def _refine(basis: Array, triangle: Array, columns: Array) -> None:
+    """Give the way out of stick, the last column of the basis, and its share of the normal column their digits back.
+
+    Nearly all of it is motion of the heavy bodies; what the light ones do is small beside rounding of the whole. It is
+    what the joints and stick, the other columns, make of it, and that correction is accurate (iterative refinement).
+    """
+    held, out = basis[:, :-1], basis[:, -1]
+    for _ in range(2):
+        out -= held @ np.linalg.solve(triangle[:-1, :-1].T, columns[:, :-1].T @ out)
+    triangle[-1, -1] = columns[:, -1] @ out
 
 
 def _orthogonal(vectors: Array, span: Array) -> Array:

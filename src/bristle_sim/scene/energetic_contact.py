@@ -13,7 +13,7 @@ from typing import Any
 
 import pymunk
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Quantity, shown
 from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.theory.impact import Impact, energetic_impact
 
@@ -22,6 +22,11 @@ __all__ = ["EnergeticContact"]
 ROUNDS = 10
 """Rounds over the contacts of a step: an impact at one can drive another into its surface again."""
 
+MOST_TYPES = 1 << 63
+"""Collision types are machine words."""
+
+DURATION = Quantity("duration", "time", 0.0, 1e9, True, "the engine lets NaN pass")
+"""Of a step."""
 
 ROUNDING = 1e-9
 """Share of a step's fastest approach below which a contact is at rest."""
@@ -48,7 +53,7 @@ class EnergeticContact:
         report: called with each Impact.
 
     Raises:
-        ValueError: for coefficients out of range.
+        ValueError: for coefficients out of range, and for anything but a space and collision types.
 
     Step the space with :meth:`step` instead of ``space.step``. Several contacts at one instant are resolved one after
     the other, the fastest approach first. Penetration is not corrected.
@@ -67,6 +72,14 @@ class EnergeticContact:
         report: Callable[[Impact], None] | None = None,
     ) -> None:
         """See the class."""
+        if not isinstance(space, pymunk.Space):
+            raise ValueError(f"space = {shown(space)}: a pymunk.Space is allowed")
+        types: dict[str, Any] = {"collision_type_a": collision_type_a, "collision_type_b": collision_type_b}
+        for name, kind in types.items():
+            if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind < MOST_TYPES:
+                raise ValueError(f"{name} = {shown(kind)}: a whole number from 0 to {MOST_TYPES - 1} is allowed")
+        if not (report is None or callable(report)):
+            raise ValueError(f"report = {shown(report)}: None or a function of one Impact is allowed")
         self.space = space
         self.friction = Quantity("friction", "1", 0.0, 1e9, True, "Coulomb").check(friction)
         self.restitution = Quantity("restitution", "1", 0.0, 1.0, True, "Stronge 1990").check(restitution)
@@ -81,10 +94,11 @@ class EnergeticContact:
         """One engine step, then the impacts of the contacts it found.
 
         Raises:
-            ValueError: if a body that is hit hangs on a joint that is neither pivot nor pin.
+            ValueError: for a duration that is negative or not finite, or if a body that is hit hangs on a joint that is
+                neither pivot nor pin.
         """
         self._touching.clear()
-        self.space.step(duration)
+        self.space.step(DURATION.check(duration))
         fastest = 0.0
         for _ in range(ROUNDS):
             approach = self._resolve_fastest(ROUNDING * fastest)

@@ -14,7 +14,7 @@ from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.watches import Watch
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["ELBOW", "MOST_GRIP", "EngineHold", "closing", "elbow", "ledger_of_hold", "locking", "set_back"]
+__all__ = ["ELBOW", "MOST_GRIP", "STILL", "EngineHold", "elbow", "ledger_of_hold", "locking", "room", "set_back"]
 
 MOMENT = 1e-6
 """In the scene's time unit."""
@@ -189,19 +189,17 @@ def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State, piece: int 
     return State(state.time, tuple(angles), tuple(rates))
 
 
-def closing(first: Touch, second: Touch, rate: float) -> bool:
-    """Whether two contacts of one link that turns about its joint close whatever its rate, as a wedge does.
+def room(first: Touch, second: Touch, rate: float) -> float:
+    """How fast the room between two contacts of a link that turns about its joint opens, whatever its rate.
 
-    Each normal velocity is drift + lever * rate: with levers of opposite signs both are positive for some rate only if
-    the sum of drift / abs(lever) is.
+    Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if
+    this sum of drift / abs(lever) is; below 0 they close on the link as a wedge does. Infinite for levers of one sign.
     """
-    room = 0.0
     levers = [_cross(touch.arm, touch.normal) for touch in (first, second)]
     if levers[0] * levers[1] >= 0.0:
-        return False
-    for touch, lever in zip((first, second), levers, strict=True):
-        room += (touch.velocity[0] - lever * rate) / abs(lever)
-    return room < -STILL
+        return math.inf
+    drifts = (touch.velocity[0] - lever * rate for touch, lever in zip((first, second), levers, strict=True))
+    return sum(drift / abs(lever) for drift, lever in zip(drifts, levers, strict=True))
 
 
 def ledger_of_hold(

@@ -18,7 +18,7 @@ from functools import partial
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.events import first_touch, interpolate, locate
-from bristle_sim.scene.hold import ELBOW, MOST_GRIP, EngineHold, closing, elbow, ledger_of_hold, locking, set_back
+from bristle_sim.scene.hold import ELBOW, MOST_GRIP, STILL, EngineHold, elbow, ledger_of_hold, locking, room, set_back
 from bristle_sim.scene.mechanism import Pose, State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -188,6 +188,8 @@ class _Runner:
                 self.force_slope = (result.totals[0] - self.before.totals[0]) / length
         self.state, self.before = state, result
         self._take_hold()
+        if self.departing is not None and self._gap(self.departing, state) > GAP_ROUNDING:
+            self.departing = None
         self.recording.error += result.error
         self._sample(state, result.totals[0] if result.totals else 0.0)
         if self.growth != math.inf:
@@ -218,10 +220,8 @@ class _Runner:
 
         length = result.state.time - self.state.time
         if obstacle is self.departing:
-            gap = self._gap(obstacle, result.state)
-            if gap > GAP_ROUNDING:
-                self.departing = None
-            elif gap < -GAP_ROUNDING and self._touch_of(obstacle, result.state).velocity[0] < 0.0:
+            gap, rate = self._gap_and_rate(obstacle, result.state)
+            if gap < -GAP_ROUNDING and rate < 0.0:
                 # It is back within the shortest stretch: too low a rebound to follow.
                 return result, lambda _: self._touch(obstacle, rests=True)
             return result, act
@@ -388,7 +388,8 @@ class _Runner:
         law = self.law if obstacle.name == "workpart" else EnergeticLaw()
         coefficients = Coefficients.of(obstacle)
         touch = self._touch_of(obstacle, self.state)
-        if rests or -touch.velocity[0] <= CAPTURE * self.mechanism.speed_bound(self.state):
+        left = self._room(obstacle)
+        if rests or left <= STILL or -touch.velocity[0] <= CAPTURE * self.mechanism.speed_bound(self.state):
             law, coefficients = EnergeticLaw(), Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
         first = not any(each.obstacle == obstacle.name for each in self.recording.contacts)
         after, record = law.resolve(self.scene, self.state, obstacle, coefficients)
@@ -398,7 +399,7 @@ class _Runner:
         self.state = after
         self._sample(after, 0.0)
         self._event(_touch_event(obstacle.name, first), record.time)
-        if record.outcome == "jam" or self._wedged(obstacle):
+        if record.outcome == "jam" or left < -STILL:
             self._event("jam", after.time)
             self._stop("jam")
         elif record.outcome != "rebound" or self._stays(record):
@@ -407,14 +408,14 @@ class _Runner:
             self.departure = obstacle.name, after.time, record.velocity_after[0]
             self._depart(obstacle)
 
-    def _wedged(self, obstacle: Obstacle) -> bool:
-        """Whether the link touches another obstacle, too, and no rate would keep it out of both."""
+    def _room(self, obstacle: Obstacle) -> float:
+        """How fast the room between an obstacle that a single link touches and another one that it touches opens."""
+        if len(self.mechanism.links) > 1:
+            return math.inf
+        touch, rate = self._touch_of(obstacle, self.state), self.state.rates[-1]
         others = [each for each in self.scene.effects.obstacles if each is not obstacle]
         closed = [each for each in others if self._gap(each, self.state) <= GAP_ROUNDING]
-        if len(self.mechanism.links) > 1 or not closed:
-            return False
-        (rate,), touch = self.state.rates, self._touch_of(obstacle, self.state)
-        return any(closing(touch, self._touch_of(each, self.state), rate) for each in closed)
+        return min((room(touch, self._touch_of(each, self.state), rate) for each in closed), default=math.inf)
 
     def _stays(self, record: ContactRecord) -> bool:
         """Whether a rebound is too slow to be followed, or so low that fixed steps would repeat it for ever.

@@ -284,7 +284,9 @@ class Extrapolation:
             if row + 2 >= self.rows and row:
                 columns = list(zip(*runs, strict=True))[: 2 * size]
                 differences = table.differences[row]
-                error = self._errors[row] = max(abs(sum(map(mul, differences, column))) for column in columns)
+                errors = [abs(sum(map(mul, differences, column))) for column in columns]
+                # The largest of numbers one of which is NaN depends on their order.
+                error = self._errors[row] = max(errors) if sum(errors) < math.inf else math.inf
                 if row + 1 >= self.rows and error <= self.limit:
                     break
         best = [sum(map(mul, table.weights[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
@@ -305,7 +307,7 @@ class Extrapolation:
             # Still getting cheaper: one more repetition, with the stretch that would keep the price.
             self.length *= costs[best + 1] / costs[best]
             self.rows += 1
-        if result.error > self.limit:
+        if not result.error <= self.limit:
             self.length = min(self.length, 0.5 * duration)
             return False
         return True

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import time as clock
 from dataclasses import dataclass
 
 from bristle_sim.parameters import Contact, Surface
+from bristle_sim.quantity import Quantity, shown
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -24,6 +26,9 @@ class Chain:
 
     Angles are measured from the direction that points at the surface, rates are absolute, both positive in the hub's
     sense of rotation; a root on a hub stands at ``hub_angle``.
+
+    Raises:
+        ValueError: for numbers out of range, or masses, lengths, angles and rates that are not equally many.
     """
 
     masses: tuple[float, ...]
@@ -33,6 +38,43 @@ class Chain:
     hub_radius: float = 0.0
     hub_speed: float = 0.0
     hub_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        """A mass that is no number ends the process inside the engine: nothing gets there unchecked."""
+        for name in ("masses", "lengths", "angles", "rates"):
+            if not isinstance(getattr(self, name), tuple | list):
+                raise ValueError(f"{name} = {shown(getattr(self, name))}: one number for each rod is allowed")
+        counts = [len(column) for column in (self.masses, self.lengths, self.angles, self.rates)]
+        if len(set(counts)) > 1 or not counts[0]:
+            raise ValueError(
+                f"masses, lengths, angles, rates: {', '.join(map(str, counts))} of them; equally many of each, at least"
+                " one, are allowed"
+            )
+        for declared, column in zip(_RODS, (self.masses, self.lengths, self.angles, self.rates), strict=True):
+            for value in column:
+                declared.check(value)
+        for declared, value in zip(_HUB, (self.hub_radius, self.hub_speed, self.hub_angle), strict=True):
+            declared.check(value)
+        for mass, following in itertools.pairwise(self.masses):
+            _RATIO.check(mass / following)
+
+
+_RODS = (
+    Quantity("mass", "kg", 1e-60, 1e21, lowest_allowed=True, source="chosen: 1e15 times the heaviest bristle"),
+    Quantity("length", "m", 1e-30, 1e3, lowest_allowed=True, source="chosen: the longest bristle"),
+    Quantity(
+        "angle", "rad", -1e6, 1e6, lowest_allowed=True, source="chosen: beyond it an angle has no digits to spare"
+    ),
+    Quantity("rate", "rad/s", -1e15, 1e15, lowest_allowed=True, source="chosen: beyond any hub's"),
+)
+_HUB = (
+    Quantity("hub_radius", "m", 0.0, 1e3, lowest_allowed=True, source="chosen: the largest hub"),
+    Quantity("hub_speed", "rad/s", -1e9, 1e9, lowest_allowed=True, source="chosen: beyond any hub's, in either sense"),
+    Quantity("hub_angle", "rad", -1e6, 1e6, lowest_allowed=True, source="as for the rods"),
+)
+_RATIO = Quantity(
+    "mass_ratio", "1", 1e-9, 1e15, lowest_allowed=True, source="chosen: 1e15 is the last at which the heavier yields"
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +101,15 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     Raises:
         ValueError: if a compliant contact comes to no end.
     """
+    kinds: dict[str, tuple[object, type]] = {
+        "chain": (chain, Chain),
+        "surface": (surface, Surface),
+        "contact": (contact, Contact),
+        "settings": (settings, Settings),
+    }
+    for name, (value, kind) in kinds.items():
+        if not isinstance(value, kind):
+            raise ValueError(f"{name} = {shown(value)}: {kind.__name__} is allowed")
     begin = clock.perf_counter()
     scene, start, obstacle, units = build_strike(chain, surface)
     approach = obstacle.touch(scene.mechanism.poses(start)[-1], start.rates[-1]).velocity[0]
@@ -73,10 +124,14 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     )
 
 
+SLOWEST = 1e-300
+"""In rad/s: rates below this have no reciprocal to serve as a unit of time, and are small in that of this one."""
+
+
 def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
     """The chain's scene with its tip on the surface, the state at that instant, and the units the scene runs in."""
-    fastest = max(*(abs(rate) for rate in chain.rates), chain.hub_speed)
-    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / fastest if fastest else 1.0)
+    fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
+    units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST) if fastest else 1.0)
     links = tuple(
         Link.rod(mass / units.mass, length / units.length)
         for mass, length in zip(chain.masses, chain.lengths, strict=True)

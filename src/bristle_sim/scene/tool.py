@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.parameters import Bristle, Contact, Tool
-from bristle_sim.quantity import quantity, validate
+from bristle_sim.quantity import quantity, shown, validate
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
@@ -124,10 +124,14 @@ def simulate(
         ValueError: if the start is out of range or overlaps an obstacle, no event has that name, a fixed step is too long
             for this tool, rounding hides the accuracy, or a contact resolved in time comes to no end.
     """
+    if not isinstance(tool, Tool):
+        raise ValueError(f"tool = {shown(tool)}: a Tool is allowed")
+    if not isinstance(settings, Settings | None):
+        raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
     settings = settings or Settings()
     begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
-    if stop_after is not None and stop_after not in EVENTS:
-        raise ValueError(f"stop_after = {stop_after!r}: None or one of {', '.join(EVENTS)} is allowed")
+    if stop_after is not None and shown(stop_after) not in map(shown, EVENTS):
+        raise ValueError(f"stop_after = {shown(stop_after)}: None or one of {', '.join(EVENTS)} is allowed")
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
     _check_start(scene, tool, begin.hub_angle + begin.relative_angle)
     start = State(
@@ -189,11 +193,15 @@ REST_PERIODS = 3.0
 """Length of a run on a hub at rest, in the scene's periods."""
 
 
+ONE_CONTACT = 20_000
+"""Engine steps that a contact resolved in time may take, whatever the budget: it counts as one stretch."""
+
+
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
     """The contact law that the parameters name."""
     if contact.law == "compliant":
         duration = None if contact.duration is None else contact.duration / units.time
-        return CompliantLaw(duration, settings.accuracy)
+        return CompliantLaw(duration, settings.accuracy, maximum_steps=max(settings.maximum_steps, ONE_CONTACT))
     return EngineLaw() if contact.law == "engine" else EnergeticLaw()
 
 

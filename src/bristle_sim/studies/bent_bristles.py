@@ -19,6 +19,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 __all__ = ["BentBristles", "Slide", "bent_bristles", "slide_of"]
@@ -81,7 +82,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     """Simulate a pass with the tool's knee bent backwards, straightened, and bent forwards.
 
     Raises:
-        ValueError: if the tool's contact is not resolved in time.
+        ValueError: if the tool's contact is not resolved in time, or a pass does not end within the settings' steps.
     """
     knee = abs(tool.bristle.knee_angle_deg)
     tools, runs, slides = {}, {}, {}
@@ -90,6 +91,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         bristle = dataclasses.replace(tool.bristle, knee_angle_deg=sign * knee)
         tools[shape] = dataclasses.replace(tool, bristle=bristle)
         runs[shape] = simulate(tools[shape], settings)
+        require_result(runs[shape], settings)
         contact = runs[shape].first_contact("workpart")
         slides[shape] = None if contact is None else slide_of(contact)
         rows += _rows(shape, contact, slides[shape])

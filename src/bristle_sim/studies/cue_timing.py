@@ -15,6 +15,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
@@ -80,7 +81,8 @@ def cue_timing(
     ``stands_at`` is the direction (deg) of the bar that the readings of the belt stiffness are tried on.
 
     Raises:
-        ValueError: if nothing drives the bristle, or the tip cannot reach the workpart radially.
+        ValueError: if nothing drives the bristle, the tip cannot reach the workpart radially, or the release is not
+            computed within the settings' steps.
     """
     trajectory = _release(tool, retraction, settings)
     simulated = _placed(tool, retraction, trajectory)
@@ -97,7 +99,7 @@ def cue_timing(
             stop_after="highest relative speed",
         )
         reference = _placed(tool, retraction, referred)
-    tolerance = max(1e-8, 10.0 * settings.accuracy) if reference else None
+    tolerance = _tolerance(settings) if reference else None
     default = Tool()
     parts = (tool.hub, tool.belt, tool.bristle, tool.workpart)
     at_print = parts == (default.hub, default.belt, default.bristle, default.workpart) and retraction == math.radians(
@@ -106,7 +108,7 @@ def cue_timing(
     rows = []
     for name, unit in UNITS.items():
         judged, printed = reference.get(name), PRINTED.get(name) if at_print else None
-        allowed = None if tolerance is None or judged is None else tolerance * _conditioning(name, reference)
+        allowed = None if tolerance is None or judged is None else tolerance * _conditioning(name, reference, tool)
         rows.append(Quantity(name, unit, simulated[name], theory[name], judged, printed, allowed))
     readings, verdicts = _readings(tool, retraction, settings, stands_at)
     return Report(
@@ -129,31 +131,58 @@ LEFT_OUT = (
 )
 
 
-def _conditioning(name: str, values: dict[str, float | None]) -> float:
-    """By how much a coordinate of the bar magnifies a relative error: its distance from the hub over the coordinate."""
-    if name not in ("bar_horizontal", "bar_vertical"):
+def _conditioning(name: str, values: dict[str, float | None], tool: Tool) -> float:
+    """By how much a quantity magnifies a relative error of the motion.
+
+    Highest is the rate where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
+    error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
+    of the bar magnifies what turns the bar, some delta of its direction, by the other coordinate over this one.
+    """
+    time = values["cue_time"]
+    if name == "highest_relative_speed" or not time:
         return 1.0
+    bristle, hub = tool.bristle, tool.hub
+    field = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
+    timing = max(1.0, tool.belt_damping / ((tool.belt.stiffness + float(field)) * time))
+    if name not in ("bar_horizontal", "bar_vertical"):
+        return timing
     pair = (values["bar_horizontal"] or 0.0, values["bar_vertical"] or 0.0)
-    return math.hypot(*pair) / max(abs(values[name] or 0.0), 1e-300)
+    turned = max(1.0, math.radians(values["bar_direction_deg"] or 0.0))
+    return timing * turned * math.hypot(*pair) / max(abs(values[name] or 0.0), 1e-300)
 
 
 def _bare(tool: Tool) -> Tool:
-    """The tool without bar and workpart."""
+    """The tool without the bar and the workpart that it must have."""
+    if tool.bar is None or tool.workpart is None:
+        raise ValueError("bar, workpart: a tool that has both is allowed")
     return dataclasses.replace(tool, bar=None, workpart=None)
 
 
 def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi)
-    return simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
+    run = simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
+    require_result(run, settings)
+    estimate, allowed = run.cost.error_estimate, _tolerance(settings)
+    if estimate is not None and estimate > allowed:
+        raise ValueError(
+            f"accuracy = {settings.accuracy:g}: at least {0.1 * estimate:.2g} is allowed for this release, in whose"
+            f" {math.degrees(tool.hub.speed * run.time[-1]):.3g} deg of hub turn errors of {estimate:.2g} add up"
+            " (dimensionless)"
+        )
+    return run
+
+
+def _tolerance(settings: Settings) -> float:
+    """Relative difference from the reference that a release may have."""
+    return max(1e-8, 10.0 * settings.accuracy)
 
 
 def _placed(tool: Tool, retraction: float, run: Trajectory) -> dict[str, float | None]:
     """Cue time and speed of a run, and the bar position that follows from them (Zhang 2020, eq. 2.1)."""
     time = run.event_time("highest relative speed")
-    if time is None:
+    if time is None or tool.workpart is None:
         return dict.fromkeys(UNITS)
     geometry = (tool.hub.radius, tool.bristle.length)
-    assert tool.workpart is not None
     turn = tool.hub.speed * time
     direction = (
         float(cueing.tip_lag(*geometry, retraction))

@@ -18,7 +18,7 @@ from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["WholePass", "contact_quantities", "whole_pass"]
+__all__ = ["WholePass", "contact_quantities", "require_result", "whole_pass"]
 
 PRINTED = {
     "release_retraction_deg": 44.5,
@@ -54,12 +54,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         ValueError: if the bristle overlaps an obstacle at the start.
     """
     trajectory = simulate(tool, settings)
-    if trajectory.stop_reason in GIVEN_UP:
-        raise ValueError(
-            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
-            f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; a motion less fast, a larger step or less"
-            " accuracy is allowed"
-        )
+    require_result(trajectory, settings)
     reference = None
     if with_reference:
         from bristle_sim.reference import simulate_reference
@@ -78,6 +73,16 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         remarks=_remarks(trajectory),
         subject=WholePass(tool, trajectory, reference),
     )
+
+
+def require_result(trajectory: Trajectory, settings: Settings) -> None:
+    """Raise ValueError for a run that was given up."""
+    if trajectory.stop_reason in GIVEN_UP:
+        raise ValueError(
+            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
+            f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; a motion less fast, a larger step or less"
+            " accuracy is allowed"
+        )
 
 
 def _outcome(contact: ContactRecord | None) -> str:

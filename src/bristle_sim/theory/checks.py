@@ -2,44 +2,130 @@
 
 from __future__ import annotations
 
-from typing import Any
+import functools
+import inspect
+import math
+from collections.abc import Callable
+from numbers import Real
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["finite", "not_negative", "positive", "require", "whole"]
+from bristle_sim.quantity import Quantity, shown
+
+__all__ = ["checked", "finite", "not_negative", "numbers", "positive", "ranges", "require", "single", "whole"]
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+def ranges(*allowed: Quantity) -> Callable[[Callable[P, T]], Callable[P, T]]:
+    """Decorate a function to check its arguments before it runs, and to get them as floats or arrays of floats.
+
+    A quantity is for the argument of its key; an argument that is None by default may be None.
+    """
+    by_key = {each.key: each for each in allowed}
+
+    def decorate(function: Callable[P, T]) -> Callable[P, T]:
+        signature = inspect.signature(function)
+        given = {name: by_key[name] for name in signature.parameters if name in by_key}
+        optional = {name for name in given if signature.parameters[name].default is None}
+
+        @functools.wraps(function)
+        def call(*args: P.args, **kwargs: P.kwargs) -> T:
+            bound = signature.bind(*args, **kwargs)
+            for name, value in bound.arguments.items():
+                if name in given and not (value is None and name in optional):
+                    bound.arguments[name] = checked(given[name], value)
+            return function(*bound.args, **bound.kwargs)
+
+        return call
+
+    return decorate
+
+
+def checked(declared: Quantity, value: Any) -> Any:
+    """The value as a float or an array of floats, or ValueError for the first that is out of range."""
+    number = _floats(value)
+    if number is None or value is None or np.asarray(value).dtype == bool:
+        raise declared.refusal(value)
+    above = number >= declared.lowest if declared.lowest_allowed else number > declared.lowest
+    outside = ~(above & (number <= declared.highest))
+    if outside.any():
+        raise declared.refusal(float(number[outside].flat[0]))
+    return number[()]
+
+
+def numbers(name: str, value: Any, allowed: str) -> NDArray[np.float64]:
+    """The value as an array of floats, infinities and NaN included, or ValueError."""
+    found = _floats(value)
+    if found is None:
+        raise ValueError(f"{name} = {shown(value)}: {allowed}")
+    return found
 
 
 def require(name: str, value: Any, holds: Any, allowed: str) -> None:
     """Raise ValueError with the first value for which ``holds`` is false; value and holds broadcast."""
-    values, passed = np.broadcast_arrays(np.asarray(value, dtype=float), np.asarray(holds, dtype=bool))
+    values, passed = np.broadcast_arrays(numbers(name, value, allowed), np.asarray(holds, dtype=bool))
     if not passed.all():
         raise ValueError(f"{name} = {values[~passed][0]:g}: {allowed}")
 
 
 def finite(name: str, value: Any, unit: str) -> None:
     """Refuse infinities and NaN."""
-    require(name, value, np.isfinite(np.asarray(value, dtype=float)), f"finite numbers are allowed ({_in(unit)})")
+    allowed = f"finite numbers are allowed ({_in(unit)})"
+    array = numbers(name, value, allowed)
+    require(name, array, np.isfinite(array), allowed)
 
 
 def positive(name: str, value: Any, unit: str) -> None:
     """Refuse what is not finite and above zero."""
-    array = np.asarray(value, dtype=float)
-    holds = np.isfinite(array) & (array > 0.0)
-    require(name, array, holds, f"a finite number with {name} > 0 is allowed ({_in(unit)})")
+    allowed = f"a finite number with {name} > 0 is allowed ({_in(unit)})"
+    array = numbers(name, value, allowed)
+    require(name, array, np.isfinite(array) & (array > 0.0), allowed)
 
 
 def not_negative(name: str, value: Any, unit: str) -> None:
     """Refuse what is not finite and at least zero."""
-    array = np.asarray(value, dtype=float)
-    holds = np.isfinite(array) & (array >= 0.0)
-    require(name, array, holds, f"a finite number with {name} >= 0 is allowed ({_in(unit)})")
+    allowed = f"a finite number with {name} >= 0 is allowed ({_in(unit)})"
+    array = numbers(name, value, allowed)
+    require(name, array, np.isfinite(array) & (array >= 0.0), allowed)
+
+
+def single(name: str, value: Any) -> float:
+    """Refuse what is not one number."""
+    if np.ndim(value):
+        raise ValueError(f"{name} = {shown(value)}: a single number is allowed")
+    return float(np.asarray(value).item())
 
 
 def whole(name: str, value: Any, highest: int) -> None:
     """Refuse what is not a whole number from 1 on."""
-    array = np.asarray(value, dtype=float)
+    allowed = f"a whole number with 1 <= {name} <= {highest} is allowed"
+    array = numbers(name, value, allowed)
     holds = (array >= 1) & (array <= highest) & (array == np.floor(array)) & (np.asarray(value).dtype != bool)
-    require(name, array, holds, f"a whole number with 1 <= {name} <= {highest} is allowed")
+    require(name, array, holds, allowed)
+
+
+def _floats(value: Any) -> NDArray[np.float64] | None:
+    """An array of floats; None for what does not consist of real numbers, e.g. text, complex numbers, ragged lists."""
+    try:
+        array = np.asarray(value)
+    except ValueError:
+        return None
+    if array.dtype.kind == "O":  # whole numbers beyond 64 bits, fractions, nothing at all
+        known = all(isinstance(each, Real | None) for each in array.flat)
+        return np.array([_float(each) for each in array.flat], dtype=float).reshape(array.shape) if known else None
+    with np.errstate(over="ignore"):
+        return array.astype(float) if array.dtype.kind in "biuf" else None
+
+
+def _float(number: Any) -> float:
+    try:
+        return math.nan if number is None else float(number)
+    except OverflowError:
+        return -math.inf if number < 0 else math.inf
 
 
 def _in(unit: str) -> str:

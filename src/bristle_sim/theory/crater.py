@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import finite, positive, require, whole
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import finite, positive, ranges, require, single, whole
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, IMPACT_ANGLE, PRINTED_WIDTH
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
@@ -45,10 +46,24 @@ PLIES = 300
 NODES = 64
 """Gauss-Legendre nodes; the integrand is smooth once the root is substituted away, 20 would reach rounding."""
 
+LEAST = 1e-60
+"""Of a yield stress, Pa: less makes depths that are no number."""
+
 MOST_PLIES = 10_000_000
 """Plies are summed in one array."""
 
 
+_arguments = ranges(
+    Quantity("depth", "m", -1e6, 1e6, True, "Zhang 2020, fig. 4.16"),
+    Quantity("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
+    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
+    Quantity("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Quantity("compression_time", "s", 1e-30, 1e-2, True, "Zhang 2020, eq. 3.20"),
+)
+"""What is allowed for the arguments of these names; functions narrow it where they must."""
+
+
+@_arguments
 def merchant_crater_depth(
     friction: ArrayLike = CUTTING_FRICTION,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -83,6 +98,7 @@ def merchant_crater_depth(
     return ratio * sums
 
 
+@_arguments
 def merchant_crater_depth_limit(
     friction: ArrayLike = CUTTING_FRICTION,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -99,11 +115,13 @@ def merchant_crater_depth_limit(
     """
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     u = 0.5 * (nodes + 1.0)
-    time = compression_time * u**2
-    growth = float(np.sum(weights * compression_time * u * force.rate(time) / width(time)))
+    end = single("compression_time", compression_time)
+    time = end * u**2
+    growth = float(np.sum(weights * end * u * force.rate(time) / width(time)))
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
 
 
+@_arguments
 def friction_for_crater_depth(
     depth: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -122,6 +140,9 @@ def friction_for_crater_depth(
         ValueError: for a depth that no mu >= tan(gamma) gives.
     """
     gamma, stress = np.asarray(impact_angle, dtype=float), np.asarray(shear_yield_stress, dtype=float)
+    whole("plies", plies, MOST_PLIES)
+    single("plies", plies)
+    _check_stress(stress)
     deepest = np.cos(gamma) / stress * _ply_sum(plies, force, width, compression_time)
     sine = 1.0 - 2.0 * np.asarray(depth, dtype=float) / deepest
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
@@ -135,13 +156,18 @@ def _depth_ratio(
 ) -> Number:
     """Crater depth per sum of dR/b, 1/Pa; cos(beta - alpha) of F_c cancels against the one below (4.50)."""
     stress = np.asarray(shear_yield_stress, dtype=float)
-    positive("shear_yield_stress", stress, "Pa")
+    _check_stress(stress)
     finite("impact_angle", impact_angle, "rad")
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
     return chosen.resultant_ratio * np.cos(impact_angle) / stress
 
 
+def _check_stress(stress: Number) -> None:
+    positive("shear_yield_stress", stress, "Pa")
+    require("shear_yield_stress", stress, stress > LEAST, f"more than {LEAST:g} is allowed (in Pa)")
+
+
 def _ply_sum(plies: int, force: ForceCurve, width: Width, compression_time: float) -> float:
     """Sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
-    time: NDArray[np.float64] = np.linspace(0.0, compression_time, plies + 1)
+    time: NDArray[np.float64] = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
     return float(np.sum(np.diff(force(time)) / width(time[1:])))

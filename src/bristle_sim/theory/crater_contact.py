@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import finite, require
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import finite, ranges, require, single
 from bristle_sim.theory.crater_cutting import Surface, depth_from_energy, depth_from_force, specific_cutting_energy
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, TipFace
 from bristle_sim.theory.merchant import API_5L
@@ -58,6 +59,16 @@ class ContactCrater:
     shear_plane_emerges: bool
 
 
+COLUMN = ranges(*(Quantity(name, "SI units", -1e30, 1e30, True, "simulated") for name in COLUMNS))
+SCALARS = ranges(
+    Quantity("impact_angle", "rad", 1e-30, 1.57, True, "Zhang 2020, eq. 4.51"),
+    Quantity("shear_yield_stress", "Pa", 1e-30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Quantity("friction", "1", 0.0, 1e300, False, "Zhang 2020, eq. 4.51"),
+)
+
+
+@COLUMN
+@SCALARS
 def crater_depth_from_contact(
     time: ArrayLike,
     normal_force: ArrayLike,
@@ -90,6 +101,10 @@ def crater_depth_from_contact(
         ValueError: for arrays of unequal length, values that are not finite, times that do not increase, or a contact
             without a pressing force.
     """
+    for name, value in (("impact_angle", impact_angle), ("shear_yield_stress", shear_yield_stress)):
+        single(name, value)
+    if friction is not None:
+        single("friction", friction)
     given = (time, normal_force, tangential_force, penetration, normal_velocity, tangential_velocity)
     t, normal, tangential, inside, v_n, v_t = _compression(given)
     along = math.sin(impact_angle) * normal + math.cos(impact_angle) * np.abs(tangential)

@@ -36,7 +36,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import not_negative, positive, require
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import not_negative, positive, ranges, require, single
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, TipFace
 from bristle_sim.theory.merchant import API_5L, oblique_angles
 
@@ -64,6 +65,23 @@ NEWTON_STEPS = 60
 """Steps allowed; from the start values given, about ten suffice."""
 
 
+_arguments = ranges(
+    Quantity("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
+    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
+    Quantity("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Quantity("path", "m", -1e30, 1e30, True, "Zhang 2020, eq. 4.4"),
+    Quantity("energy", "J", -1e30, 1e30, True, "Zhang 2020, eq. 4.59"),
+    Quantity("cutting_force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.31"),
+    Quantity("specific_energy", "J/m^3", -1e60, 1e60, True, "Zhang 2020, eq. 4.46"),
+    Quantity("speed", "m/s", -1e15, 1e15, True, "Zhang 2020, eq. 4.5"),
+    Quantity("effective_mass", "kg", -1e30, 1e30, True, "I/L^2"),
+)
+"""What is allowed for the arguments of these names; functions narrow it where they must."""
+
+LEAST = 1e-60
+"""Of angles, stresses, masses, speeds and specific energies: less makes depths that are no number."""
+
+
 @dataclass(frozen=True, slots=True)
 class CuttingStroke:
     """A tip stopped by cutting alone: crater depth and path in m, duration in s, largest force along the path in N."""
@@ -74,6 +92,7 @@ class CuttingStroke:
     peak_cutting_force: float
 
 
+@_arguments
 def specific_cutting_energy(
     friction: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -87,6 +106,12 @@ def specific_cutting_energy(
             one of the two words.
     """
     positive("shear_yield_stress", shear_yield_stress, "Pa")
+    require(
+        "shear_yield_stress",
+        shear_yield_stress,
+        np.greater(shear_yield_stress, LEAST),
+        f"more than {LEAST:g} is allowed (in Pa)",
+    )
     angles = oblique_angles(friction, impact_angle, check=False)
     if surface == "parallel":
         return np.asarray(shear_yield_stress, dtype=float) / angles.cutting_ratio
@@ -96,6 +121,7 @@ def specific_cutting_energy(
     return np.asarray(shear_yield_stress) * np.cos(impact_angle) * np.cos(angles.resultant_angle) / room
 
 
+@_arguments
 def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace | None = None) -> Number:
     """Volume V(S) that the face sweeps below the surface, integral of b(S' sin(gamma)) S' tan(gamma) dS', m^3.
 
@@ -113,6 +139,7 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: 
     return (inner + outer) * np.tan(gamma)
 
 
+@_arguments
 def depth_from_energy(
     energy: ArrayLike,
     specific_energy: ArrayLike,
@@ -133,6 +160,12 @@ def depth_from_energy(
     face = TipFace() if face is None else face
     not_negative("energy", energy, "J")
     positive("specific_energy", specific_energy, "J/m^3")
+    require(
+        "specific_energy",
+        specific_energy,
+        np.greater(specific_energy, LEAST),
+        f"more than {LEAST:g} is allowed (in J/m^3)",
+    )
     _check_angle(impact_angle)
     volume, slope = np.asarray(energy, dtype=float) / specific_energy, np.tan(impact_angle)
 
@@ -144,6 +177,7 @@ def depth_from_energy(
     return np.sin(impact_angle) * _root(excess, np.sqrt(2.0 * volume / (face.short_axis * slope)))
 
 
+@_arguments
 def depth_from_force(
     cutting_force: ArrayLike,
     specific_energy: ArrayLike,
@@ -157,6 +191,12 @@ def depth_from_force(
     face = TipFace() if face is None else face
     not_negative("cutting_force", cutting_force, "N")
     positive("specific_energy", specific_energy, "J/m^3")
+    require(
+        "specific_energy",
+        specific_energy,
+        np.greater(specific_energy, LEAST),
+        f"more than {LEAST:g} is allowed (in J/m^3)",
+    )
     _check_angle(impact_angle)
     area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / np.asarray(specific_energy, dtype=float)
     # Beyond the full depth the width is constant, and b(depth) depth = area is linear.
@@ -172,6 +212,7 @@ def depth_from_force(
     return np.where(wide >= face.full_depth, wide, narrow)[()]
 
 
+@_arguments
 def cutting_stroke(
     speed: float,
     effective_mass: float,
@@ -192,8 +233,12 @@ def cutting_stroke(
         ValueError: if speed, mass or u is not positive or gamma not within 0 < gamma < pi/2.
     """
     face = TipFace() if face is None else face
-    positive("speed", speed, "m/s")
-    positive("effective_mass", effective_mass, "kg")
+    for name, value, unit in (("speed", speed, "m/s"), ("effective_mass", effective_mass, "kg")):
+        positive(name, value, unit)
+        require(name, value, value > LEAST, f"more than {LEAST:g} is allowed (in {unit})")
+    for name, value in (("speed", speed), ("effective_mass", effective_mass), ("specific_energy", specific_energy)):
+        single(name, value)
+    single("impact_angle", impact_angle)
     depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle, face))
     path = depth / math.sin(impact_angle)
     # v = speed sqrt(1 - V/V_end) vanishes like a root at the end: S = path (1 - w^2) takes it away.
@@ -206,7 +251,9 @@ def cutting_stroke(
 
 def _check_angle(impact_angle: ArrayLike) -> None:
     gamma = np.asarray(impact_angle, dtype=float)
-    require("impact_angle", gamma, (gamma > 0.0) & (gamma < 0.5 * math.pi), "0 < impact_angle < pi/2 (in rad)")
+    require(
+        "impact_angle", gamma, (gamma > LEAST) & (gamma < 0.5 * math.pi), "0 < impact_angle < pi/2 is allowed (in rad)"
+    )
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.parameters import Bristle
-from bristle_sim.theory.checks import whole
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import ranges, single, whole
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
@@ -54,6 +55,15 @@ NODES = 64
 """Gauss-Legendre nodes for smooth integrands over the compression; 20 would reach rounding."""
 
 
+_arguments = ranges(
+    Quantity("time", "s", 0.0, 1e3, True, "Zhang 2020, eq. 4.59"),
+    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.65"),
+    Quantity("decay", "1/s", 0.0, 1e15, True, "Zhang 2020, eq. 4.1: lambda"),
+    Quantity("compression_time", "s", 1e-30, 1e-2, True, "Zhang 2020, eq. 3.20"),
+)
+"""What is allowed for the arguments of these names."""
+
+
 def energy_coefficients(
     kinematics: CraterKinematics = PRINTED_KINEMATICS, bristle: Bristle | None = None
 ) -> tuple[float, float, float]:
@@ -68,6 +78,7 @@ def energy_coefficients(
     )
 
 
+@_arguments
 def kinetic_energy(
     time: ArrayLike,
     coefficients: tuple[float, float, float] = PRINTED_ENERGY,
@@ -78,6 +89,7 @@ def kinetic_energy(
     return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]
 
 
+@_arguments
 def energy_crater_depth(
     plies: int = 300,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -92,6 +104,7 @@ def energy_crater_depth(
     return np.cos(impact_angle) * np.sum(lost / resisted)
 
 
+@_arguments
 def energy_crater_depth_ratio(
     plies: int = 300,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -106,17 +119,20 @@ def energy_crater_depth_ratio(
     return np.cos(impact_angle) * np.sum(lost) / np.sum(resisted)
 
 
+@_arguments
 def work_along_path(
     force: ForceCurve = BRISTLE,
     kinematics: CraterKinematics = PRINTED_KINEMATICS,
     compression_time: float = COMPRESSION_TIME,
 ) -> float:
     """Integral of R v_C over the compression, J: an upper bound of what that force does along that motion."""
+    single("compression_time", compression_time)
     nodes, weights = np.polynomial.legendre.leggauss(NODES)
     time = 0.5 * compression_time * (nodes + 1.0)
     return float(0.5 * compression_time * np.sum(weights * force(time) * kinematics.tip_velocity(time)))
 
 
+@_arguments
 def path_force(
     time: ArrayLike, kinematics: CraterKinematics = PRINTED_KINEMATICS, bristle: Bristle | None = None
 ) -> Number:
@@ -138,5 +154,5 @@ def _plies(
 ) -> tuple[Any, Any]:
     """Energy given up in each ply, J, and the force at its end, N."""
     whole("plies", plies, MOST_PLIES)
-    time = np.linspace(0.0, compression_time, int(plies) + 1)
+    time = np.linspace(0.0, single("compression_time", compression_time), int(single("plies", plies)) + 1)
     return -np.diff(kinetic_energy(time, coefficients, decay)), force(time[1:])

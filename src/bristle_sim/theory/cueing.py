@@ -26,7 +26,8 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
-from bristle_sim.theory.checks import not_negative, positive, require
+from bristle_sim.quantity import Quantity, shown
+from bristle_sim.theory.checks import not_negative, positive, ranges, require
 
 __all__ = [
     "Cue",
@@ -53,29 +54,63 @@ __all__ = [
 Number = Any
 """A float or an array of floats; results have the arguments' broadcast shape."""
 
+_RETRACTION = Quantity("retraction", "rad", -2.0 * np.pi, 2.0 * np.pi, True, "Zhang 2020, eq. 2.2: theta_p")
+_arguments = ranges(
+    _RETRACTION,
+    Quantity("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, fig. 2.2"),
+    Quantity("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
+    Quantity("penetration", "m", -2e3, 2e3, True, "Zhang 2020, eq. 2.2: Delta"),
+    Quantity("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
+    Quantity("tip_radius", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
+    Quantity("distance", "m", 0.0, 1e5, True, "Zhang 2020, eq. 2.1: S"),
+    Quantity("direction", "rad", -1e300, 1e300, True, "Zhang 2020, eq. 2.1: A + theta_1 + gamma"),
+    Quantity("mass", "kg", 0.0, 1e6, False, "Zhang 2020, eq. 2.20"),
+    Quantity("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.2"),
+    Quantity("stiffness", "N m/rad", 0.0, 1e100, True, "Zhang 2020, eq. 2.2: k_T"),
+    Quantity("centrifugal", "N m/rad", 0.0, 1e100, True, "g"),
+    Quantity("inertia", "kg m^2", -1e100, 1e100, True, "about the root"),
+    Quantity("natural_rate", "rad/s", 1e-150, 1e150, True, "sqrt(k/I)"),
+    Quantity("damping_ratio", "1", -1e9, 1e9, True, "zeta"),
+    Quantity("speed_share", "1", -1e9, 1e9, True, "of the undamped speed"),
+)
+"""What is allowed for the arguments of these names; functions narrow it where they must."""
+
+_bar_arguments = ranges(
+    Quantity("bar_horizontal", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_H"),
+    Quantity("bar_vertical", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_V"),
+    Quantity("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
+    Quantity("hub_radius", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
+    Quantity("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
+)
+"""On a hub without radius any retraction reaches as far."""
+
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""
 
 
+@_arguments
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
     """gamma of a radial bristle whose tip touches the workpart: cos gamma = (r_h + L - Delta)/(r_h + L), rad."""
     reach = hub_radius + length
-    inside = np.greater_equal(penetration, 0.0) & np.less_equal(penetration, reach)
+    inside = (penetration >= 0.0) & (penetration <= reach)
     require("penetration", penetration, inside, "0 to hub_radius + length is allowed (in m)")
     # arccos of nearly 1 loses half of the digits; 1 - cos gamma = 2 sin^2(gamma/2) keeps them.
     return 2.0 * np.arcsin(np.sqrt(penetration / (2.0 * reach)))
 
 
+@_arguments
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """Distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos theta_p), m."""
     return np.hypot(hub_radius + length * np.cos(retraction), length * np.sin(retraction))
 
 
+@_arguments
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """A, the angle by which the tip lags the root as seen from the hub's centre, rad (fig. 2.3)."""
     return np.arctan2(length * np.sin(retraction), hub_radius + length * np.cos(retraction))
 
 
+@_arguments
 def bar_distance(bar_reach: Number, tip_radius: Number) -> Number:
     """Distance S of the bar's centre from the hub's, m (2.1).
 
@@ -84,11 +119,13 @@ def bar_distance(bar_reach: Number, tip_radius: Number) -> Number:
     return bar_reach + tip_radius
 
 
+@_arguments
 def bar_position(distance: Number, direction: Number) -> tuple[Number, Number]:
     """(S_H, S_V) = S (sin, cos)(A + theta_1 + gamma), m, along and normal to the workpart (2.1)."""
     return distance * np.sin(direction), distance * np.cos(direction)
 
 
+@_bar_arguments
 def retraction_at_bar(
     bar_horizontal: Number, bar_vertical: Number, bar_reach: Number, hub_radius: Number, length: Number
 ) -> Number:
@@ -99,10 +136,11 @@ def retraction_at_bar(
     require("bar_horizontal, bar_vertical: tip radius", radius, reaches, allowed)
     # Half-angle form of the law of cosines, exact also near the radial bristle.
     beyond = (hub_radius + length - radius) * (hub_radius + length + radius)
-    half = np.sqrt(beyond / (4.0 * hub_radius * length))
+    half = np.sqrt(beyond / (4.0 * hub_radius) / length)
     return 2.0 * np.arcsin(np.minimum(half, 1.0))
 
 
+@_arguments
 def natural_rate(stiffness: Number, inertia: Number) -> Number:
     """sqrt(k/I), rad/s, of a belt stiffness in N m/rad and the inertia about the root in kg m^2.
 
@@ -110,30 +148,36 @@ def natural_rate(stiffness: Number, inertia: Number) -> Number:
     """
     positive("stiffness", stiffness, "N m/rad")
     positive("inertia", inertia, "kg m^2")
-    return np.sqrt(np.asarray(stiffness, dtype=float) / inertia)
+    return np.sqrt(stiffness) / np.sqrt(inertia)
 
 
+@_arguments
 def centrifugal_stiffness(mass: Number, hub_radius: Number, length: Number, hub_speed: Number) -> Number:
     """g = m r_h (L/2) omega^2, N m/rad."""
     return 0.5 * mass * hub_radius * length * hub_speed**2
 
 
+@_arguments
 def cue_time(natural_rate: Number) -> Number:
     """t_c, a quarter of the oscillation's period, s."""
     return 0.5 * np.pi / natural_rate
 
 
+@_arguments
 def highest_relative_speed(retraction: Number, natural_rate: Number) -> Number:
     """Speed of the bristle relative to the hub as it passes the radial direction, theta_p sqrt(k/I), rad/s."""
     return retraction * natural_rate
 
 
+@_arguments
 def stiffened_highest_speed(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
     """sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), rad/s: the energy integral of the undamped motion."""
     chord = 2.0 * np.sin(0.5 * retraction)
-    return np.sqrt((stiffness * retraction**2 + centrifugal * chord**2) / inertia)
+    positive("inertia", inertia, "kg m^2")
+    return np.sqrt(stiffness * retraction**2 + centrifugal * chord**2) / np.sqrt(inertia)
 
 
+@_arguments
 def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
     """Time from rest at theta_p to the radial direction, undamped, s; |theta_p| < pi.
 
@@ -146,13 +190,14 @@ def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Numbe
     require("retraction", retraction, np.abs(retraction) < np.pi, "less than pi in magnitude is allowed (in rad)")
     natural_rate(stiffness + centrifugal, inertia)
     amplitude, stiff, extra, heavy = (
-        np.asarray(each, dtype=float)[..., np.newaxis] for each in (retraction, stiffness, centrifugal, inertia)
+        np.asarray(each)[..., np.newaxis] for each in (retraction, stiffness, centrifugal, inertia)
     )
     alpha = amplitude * np.sin(np.pi / 4.0 * (_NODES + 1.0))
     shape = _sinc(0.5 * (amplitude + alpha)) * _sinc(0.5 * (amplitude - alpha))
-    return np.pi / 4.0 * np.sum(_WEIGHTS * np.sqrt(heavy / (stiff + extra * shape)), axis=-1)
+    return np.pi / 4.0 * np.sum(_WEIGHTS * np.sqrt(heavy) / np.sqrt(stiff + extra * shape), axis=-1)
 
 
+@_arguments
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
     """Time from release at rest to the highest speed, s, without g.
 
@@ -164,23 +209,25 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
     return _phase(damping_ratio) / natural_rate
 
 
+@_arguments
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
     """The speed relative to the hub at that time, theta_p Omega e^(-zeta f(zeta)), rad/s."""
     return highest_relative_speed(retraction, natural_rate) * np.exp(-_phase(damping_ratio) * damping_ratio)
 
 
+@_arguments
 def damped_radial_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
     """The speed relative to the hub as the bristle passes the radial direction, rad/s; 0 <= zeta < 1.
 
     Radial is where tan(Omega_d t) = -sqrt(1 - zeta^2)/zeta: f(zeta) as above with pi - arccos(zeta).
     """
     require("damping_ratio", damping_ratio, np.less(damping_ratio, 1.0), "less than 1 is allowed (dimensionless)")
+    phase = _phase(damping_ratio)
     half_turn = np.pi / np.sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio))
-    return highest_relative_speed(retraction, natural_rate) * np.exp(
-        (_phase(damping_ratio) - half_turn) * damping_ratio
-    )
+    return highest_relative_speed(retraction, natural_rate) * np.exp((phase - half_turn) * damping_ratio)
 
 
+@_arguments
 def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
     """zeta with which the highest speed, or the speed at the radial direction, is this share of the undamped one.
 
@@ -188,10 +235,9 @@ def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
     starts. Shares from 0.368 (1/e at zeta = 1), radial ones from 0.001, to 1 are allowed.
     """
     least, sign = (0.001, 1.0) if radial else (0.368, -1.0)
-    share = np.asarray(speed_share, dtype=float)
-    inside = (share >= least) & (share <= 1.0)
-    require("speed_share", share, inside, f"{least:g} to 1 is allowed (dimensionless)")
-    loss = -np.log(share)
+    inside = (speed_share >= least) & (speed_share <= 1.0)
+    require("speed_share", speed_share, inside, f"{least:g} to 1 is allowed (dimensionless)")
+    loss = -np.log(speed_share)
     x = loss * 2.0 / np.pi if radial else np.zeros_like(loss)
     for _ in range(60):
         slope = np.pi / 2.0 + sign * (np.arctan(x) + x / (1.0 + x**2))
@@ -202,7 +248,7 @@ def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
 def _phase(damping_ratio: Number) -> Number:
     """f(zeta); 1 at zeta = 1."""
     not_negative("damping_ratio", damping_ratio, "1")
-    zeta = np.asarray(damping_ratio, dtype=float)
+    zeta = damping_ratio
     root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
     return np.where(root > 0.0, angle / np.where(root > 0.0, root, 1.0), 1.0)[()]
@@ -243,6 +289,7 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     Raises:
         ValueError: if the tool lacks bar, workpart or belt stiffness.
     """
+    retraction = _retraction(tool, retraction)
     rate, damping = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root), tool.belt.damping_ratio
     speed = damped_highest_speed(retraction, rate, damping)
     return _placed(tool, retraction, damped_cue_time(rate, damping), speed)
@@ -254,10 +301,18 @@ def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     Raises:
         ValueError: if the tool lacks bar or workpart, or nothing drives the bristle.
     """
+    retraction = _retraction(tool, retraction)
     bristle, hub = tool.bristle, tool.hub
     g = centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
     swing = (retraction, tool.belt.stiffness, g, bristle.inertia_about_root)
     return _placed(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
+
+
+def _retraction(tool: Tool, retraction: float) -> float:
+    """The retraction, once the arguments of a cue are such."""
+    if not isinstance(tool, Tool):
+        raise ValueError(f"tool = {shown(tool)}: a Tool is allowed")
+    return _RETRACTION.check(retraction)
 
 
 def _placed(tool: Tool, retraction: float, time: Number, speed: Number) -> Cue:

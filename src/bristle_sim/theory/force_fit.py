@@ -14,12 +14,16 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import positive, whole
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import numbers, positive, ranges, require, single, whole
 from bristle_sim.theory.force_history import ForceCurve
 
 __all__ = ["ForceFit", "fit_force_history", "read_force_csv"]
 
 Array = NDArray[np.float64]
+
+MOST_FORCE = 1e30
+"""Beyond this squares of residuals overflow; likewise times."""
 
 FEWEST_POINTS = 4
 """A file with fewer points than this determines no curve: one term has three unknowns."""
@@ -65,6 +69,11 @@ class ForceFit:
         return float(np.sqrt(np.mean(self.residuals**2)))
 
 
+@ranges(
+    Quantity("duration", "s", -1e30, 1e30, True, "given"),
+    Quantity("peak_force", "N", -1e30, 1e30, True, "given"),
+    Quantity("noise", "N", -1e30, 1e30, True, "given"),
+)
 def fit_force_history(
     time: ArrayLike,
     force: ArrayLike,
@@ -90,7 +99,7 @@ def fit_force_history(
     """
     time, force = _checked_points(time, force)
     _check_settings(time, force, terms, duration, peak_force, noise)
-    problem = _Problem(time, force, terms, duration, float(force.max()) if peak_force is None else peak_force)
+    problem = _Problem(time, force, int(terms), duration, float(force.max()) if peak_force is None else peak_force)
     return problem.solve(noise)
 
 
@@ -196,8 +205,10 @@ def read_force_csv(path: str | Path) -> tuple[Array, Array]:
         lines = Path(path).read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError:
         raise ValueError(f"{path}: text in UTF-8 is allowed") from None
-    except OSError as error:
-        raise ValueError(f"{path}: a readable file is allowed ({error.strerror})") from None
+    except (OSError, TypeError, ValueError) as error:
+        told = getattr(error, "strerror", None) or "no name of a file"
+        name = " ".join(str(path).split())[-100:]
+        raise ValueError(f"{name}: a readable file is allowed ({told})") from None
     rows: list[tuple[float, float]] = []
     header_allowed = True
     for number, line in enumerate(lines, start=1):
@@ -248,11 +259,14 @@ def _check_time(where: str, time: float, previous: float | None) -> None:
 
 
 def _checked_points(time: ArrayLike, force: ArrayLike) -> tuple[Array, Array]:
-    time, force = np.asarray(time, dtype=float), np.asarray(force, dtype=float)
+    time = numbers("time", time, "increasing numbers from 0 on are allowed (in s)")
+    force = numbers("force", force, "numbers, the largest above 0, are allowed (in N)")
     if time.ndim != 1 or time.shape != force.shape:
         raise ValueError(f"time, force of shapes {time.shape}, {force.shape}: one row of equal lengths is allowed")
     if not (np.isfinite(time).all() and np.isfinite(force).all()):
         raise ValueError("time, force: finite numbers are allowed (in s, N)")
+    require("force", force, np.abs(force) <= MOST_FORCE, f"at most {MOST_FORCE:g} is allowed (in N)")
+    require("time", time, time <= MOST_FORCE, f"at most {MOST_FORCE:g} is allowed (in s)")
     if time.size and (time[0] < 0.0 or (np.diff(time) <= 0.0).any()):
         raise ValueError("time: increasing values from 0 on are allowed (in s)")
     if not (force > 0.0).any():
@@ -264,9 +278,12 @@ def _check_settings(
     time: Array, force: Array, terms: int, duration: float | None, peak_force: float | None, noise: float | None
 ) -> None:
     whole("terms", terms, MOST_TERMS)
+    single("terms", terms)
     for name, value, unit in (("duration", duration, "s"), ("peak_force", peak_force, "N"), ("noise", noise, "N")):
         if value is not None:
             positive(name, value, unit)
+            require(name, value, value > 1e-30, f"more than 1e-30 is allowed (in {unit})")
+            single(name, value)
     unknowns = 2 * terms + (duration is None)
     if force.size <= unknowns:
         raise ValueError(f"force: {force.size} points; more than the {unknowns} unknowns are allowed")

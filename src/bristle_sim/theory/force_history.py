@@ -23,7 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import finite, positive, whole
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import finite, positive, ranges, single, whole
 
 __all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "ForceCurve", "segment_impulses"]
 
@@ -180,6 +181,7 @@ BRISTLE = ForceCurve((1.0160,), (5.4990,), offset=26.0, swing=30.0, lead=1e-5, p
 """Resultant force on the bristle tip (Zhang 2020, eq. 3.19): t_f = 0.1 ms, F* = 60 N."""
 
 
+@ranges(Quantity("compression_time", "s", 1e-30, 1e3, True, "Zhang 2020, eq. 3.15"))
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> NDArray[np.float64]:
@@ -198,8 +200,9 @@ def segment_impulses(
         ValueError: if segments is not a positive whole number or impulse is not finite.
     """
     whole("segments", segments, MOST_SEGMENTS)
+    single("segments", segments)
     finite("impulse", impulse, "N s")
-    end = curve.peak_time() if compression_time is None else compression_time
+    end = curve.peak_time() if compression_time is None else single("compression_time", compression_time)
     edges = np.linspace(0.0, end, int(segments) + 1)
     parts = curve.impulse(edges[1:], edges[:-1])
     return np.asarray(np.asarray(impulse, dtype=float)[..., np.newaxis] * parts / curve.impulse(end))

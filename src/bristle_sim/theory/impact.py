@@ -32,6 +32,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bristle_sim.theory.checks import numbers, require
+
 __all__ = ["OUTCOMES", "PHASES", "Impact", "energetic_impact", "newton_impact", "poisson_impact", "stick_threshold"]
 
 Number = Any
@@ -41,7 +43,8 @@ NO_CONTACT, REBOUND, NO_REBOUND, STICTION, JAM = range(5)
 OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
 """What an outcome code means.
 
-``no contact``: the point does not approach. ``rebound``: restitution ends with v_n > 0. ``no rebound``: e = 0.
+``no contact``: the point does not approach. ``rebound``: restitution ends with v_n > 0. ``no rebound``: e = 0, or
+Poisson's impulse of restitution is spent while the point still slips at rest.
 ``stiction``: compression ends, but no impulse can part the point from the surface again (the jam of one degree of
 freedom, mu >= tan gamma). ``jam``: the point sticks before compression ends and no impulse can end it; the rigid-body
 law has no solution.
@@ -51,6 +54,10 @@ PHASES = ("compression", "compression after slip", "restitution", "restitution a
 """The four phases an impact can have; one that does not occur has a normal impulse of zero."""
 
 INFINITE = math.inf
+
+MOST_FRICTION = 1e150
+"""More makes impulses that overflow."""
+
 BLOCK = 1 << 13
 
 KNIFE_EDGE = 1e-6
@@ -192,8 +199,13 @@ def newton_impact(
 
 def stick_threshold(inverse_mass: ArrayLike) -> Number:
     """Least friction at which a point that has stopped sticks, mu_bar = |K_nt| / K_tt (Zhang 2020, eq. 2.90)."""
-    matrix = np.asarray(inverse_mass, dtype=float)
-    return np.abs(matrix[..., 0, 1]) / matrix[..., 1, 1]
+    matrix = numbers("inverse_mass", inverse_mass, "real numbers are allowed (1/kg)")
+    if matrix.shape[-2:] != (2, 2):
+        raise ValueError(f"inverse_mass of shape {matrix.shape}: (..., 2, 2) is allowed")
+    coupling, tangential = np.abs(matrix[..., 0, 1]), matrix[..., 1, 1]
+    holds = np.isfinite(matrix).all(axis=(-2, -1)) & (tangential > sys.float_info.min * coupling) & (tangential > 0.0)
+    require("inverse_mass", tangential, holds, "finite entries, the tangential one above 0, are allowed (1/kg)")
+    return coupling / tangential
 
 
 @dataclass(slots=True)
@@ -322,7 +334,8 @@ def _walk(
     rows = (first, second, third, fourth)
     # Poisson's restitution ends at an impulse, even where one degree of freedom lets no impulse part the point.
     stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
-    ending = _select(e == 0.0, NO_REBOUND, _select(stuck, STICTION, REBOUND))
+    spent = (state.normal <= 0.0) & (third.impulse + fourth.impulse > 0.0)
+    ending = _select(e == 0.0, NO_REBOUND, _select(stuck, STICTION, _select(spent, NO_REBOUND, REBOUND)))
     return Impact(
         impulse_normal=state.impulse,
         impulse_tangential=state.impulse_tangential,
@@ -433,12 +446,11 @@ def _unpack(
     inverse_mass: ArrayLike, velocity: ArrayLike, *others: ArrayLike
 ) -> tuple[list[Number], tuple[int, ...] | None]:
     """K's entries, the velocities and all other arguments: floats for one impact (shape None), else broadcast arrays."""
-    matrix, velocity = np.asarray(inverse_mass, dtype=float), np.asarray(velocity, dtype=float)
+    matrix, velocity, *coefficients = _arrays(inverse_mass, velocity, *others)
     if matrix.shape[-2:] != (2, 2) or velocity.shape[-1:] != (2,):
         raise ValueError(
             f"inverse_mass, velocity of shapes {matrix.shape}, {velocity.shape}: (..., 2, 2) and (..., 2) are allowed"
         )
-    coefficients = [np.asarray(each, dtype=float) for each in others]
     shape: tuple[int, ...] | None = None
     if matrix.ndim == 2 and velocity.ndim == 1 and not any(each.ndim for each in coefficients):
         (k_nn, k_nt), (k_tn, k_tt) = matrix.tolist()
@@ -452,6 +464,18 @@ def _unpack(
     return values, shape
 
 
+NAMES = ("inverse_mass", "velocity", "friction", "restitution", "restitution_friction", "stick_compliance")
+
+
+def _arrays(*arguments: ArrayLike) -> list[NDArray[np.float64]]:
+    """All of them as floats; which of them is not is only looked for where one is not."""
+    try:
+        with np.errstate(over="ignore"):
+            return [np.asarray(each, dtype=float) for each in arguments]
+    except (TypeError, ValueError, OverflowError):
+        return [numbers(name, each, "real numbers are allowed") for name, each in zip(NAMES, arguments, strict=False)]
+
+
 def _check(values: list[Number], k_tn: Number) -> None:
     k_nn, k_nt, k_tt, normal, tangential, mu_1, e, mu_2, *given = values
     rules = [
@@ -463,8 +487,8 @@ def _check(values: list[Number], k_tn: Number) -> None:
             (k_nn >= 0.0) & (k_tt >= 0.0) & (k_nt * k_nt <= k_nn * k_tt * (1.0 + 1e-9)),
         ),
         ("velocity", "finite components (m/s)", _finite(normal) & _finite(tangential)),
-        ("friction", "finite and >= 0 (dimensionless)", _finite(mu_1) & (mu_1 >= 0.0)),
-        ("restitution_friction", "finite and >= 0 (dimensionless)", _finite(mu_2) & (mu_2 >= 0.0)),
+        ("friction", "finite and >= 0 (dimensionless)", (mu_1 >= 0.0) & (mu_1 <= MOST_FRICTION)),
+        ("restitution_friction", "finite and >= 0 (dimensionless)", (mu_2 >= 0.0) & (mu_2 <= MOST_FRICTION)),
         ("restitution", "0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0)),
     ]
     rules += [("stick_compliance", "finite and >= 0 (1/kg)", _finite(each) & (each >= 0.0)) for each in given]

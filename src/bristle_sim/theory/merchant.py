@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import require
+from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import ranges, require
 
 __all__ = [
     "API_5L",
@@ -46,6 +47,22 @@ GAMMA_ALLOWED = "0 <= impact_angle < pi/2 is allowed (in rad)"
 
 LEAST_WORK = 0.5 * math.pi
 """The constant C of (4.45) for which it is the shear angle of least work (4.25)."""
+
+
+_arguments = ranges(
+    Quantity("resultant_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.25"),
+    Quantity("constant", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.45"),
+    Quantity("slope", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.44"),
+    Quantity("rake", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
+    Quantity("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.40"),
+    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
+    Quantity("rake_offset", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
+    Quantity("depth", "m", 0.0, 1e6, True, "Zhang 2020, eq. 4.30"),
+    Quantity("width", "m", 1e-30, 1e6, True, "Zhang 2020, eq. 4.16"),
+    Quantity("shear_yield_stress", "Pa", 1e-30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Quantity("force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.46"),
+)
+"""What is allowed for the arguments of these names; functions narrow it where they must."""
 
 
 class ShearAngleError(ValueError):
@@ -83,6 +100,7 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 """Angles at mu = 0.5, gamma = 23.4 deg as rounded in print (Zhang 2020, eqs. 4.36, 4.52)."""
 
 
+@_arguments
 def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) -> Number:
     """Shear angle eta = (C - (beta - alpha))/2 (4.45); by default that of least work, pi/4 - (beta - alpha)/2 (4.25).
 
@@ -95,6 +113,7 @@ def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) ->
     return 0.5 * (constant - angle)
 
 
+@_arguments
 def shear_constant(slope: ArrayLike) -> Number:
     """The constant C of (4.45) for tau_s = tau_o + k sigma_s (4.44), k = ``slope``: C = arccot k (Merchant 1951).
 
@@ -106,6 +125,7 @@ def shear_constant(slope: ArrayLike) -> Number:
     return LEAST_WORK - np.arctan(slope)
 
 
+@_arguments
 def orthogonal_angles(rake: ArrayLike, friction: ArrayLike, constant: ArrayLike = LEAST_WORK) -> CuttingAngles:
     """Classical circle: rake angle and Coulomb's friction coefficient on the rake face, beta = arctan(friction) (4.25).
 
@@ -119,6 +139,7 @@ def orthogonal_angles(rake: ArrayLike, friction: ArrayLike, constant: ArrayLike 
     return CuttingAngles(rake, angle, shear_angle(angle - rake, constant))
 
 
+@_arguments
 def oblique_angles(
     friction: ArrayLike,
     impact_angle: ArrayLike,
@@ -166,6 +187,7 @@ def _least(impact_angle: Number, constant: ArrayLike) -> Number:
     return np.divide(1.0, np.tan(room), out=np.full(np.shape(room), np.inf), where=room > 0.0)
 
 
+@_arguments
 def resultant_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
     """Resultant R = tau_s b d_u/(sin(eta) cos(eta + beta - alpha)) (4.20, 4.30), N."""
     pressed = (
@@ -174,11 +196,13 @@ def resultant_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: Arra
     return pressed / angles.resultant_ratio
 
 
+@_arguments
 def cutting_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
     """Force along the cutting velocity, F_c = R cos(beta - alpha) (4.17a, 4.21, 4.31), N."""
     return resultant_force(depth, width, shear_yield_stress, angles) * np.cos(angles.resultant_angle)
 
 
+@_arguments
 def depth_of_cut(force: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
     """Uncut depth d_u that a cutting force F_c shears off at a width b (4.46), m."""
     yielding = np.asarray(width, dtype=float) * np.asarray(shear_yield_stress, dtype=float)

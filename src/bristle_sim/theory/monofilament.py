@@ -27,9 +27,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import ranges
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
 
 __all__ = [
@@ -52,16 +52,21 @@ __all__ = [
 Number = Any
 """A float, or an array of the arguments' broadcast shape."""
 
-_MASS = Quantity("mass", "kg", 0.0, 1e6, lowest_allowed=False, source="Zhang 2020, eq. 2.20")
-_LENGTH = Quantity("length", "m", 0.0, 1e3, lowest_allowed=False, source="Zhang 2020, eq. 2.19")
-_HUB_RADIUS = Quantity("hub_radius", "m", 0.0, 1e3, lowest_allowed=True, source="Zhang 2020, eq. 2.19")
-_HUB_SPEED = Quantity("hub_speed", "rad/s", 0.0, 1e6, lowest_allowed=True, source="Zhang 2020, eq. 2.19")
-_SPEED_RATIO = Quantity("speed_ratio", "1", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.33")
-_TIP_SPEED = Quantity("tip_speed", "m/s", -1e12, 1e12, lowest_allowed=True, source="Zhang 2020, eq. 2.24")
-_IMPACT_ANGLE = Quantity("impact_angle", "rad", 0.0, math.pi / 2.0, lowest_allowed=False, source="Zhang 2020, fig. 2.5")
-_FRICTION = Quantity("friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.28")
-_LATER_FRICTION = Quantity("restitution_friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.28")
-_RESTITUTION = Quantity("restitution", "1", 0.0, 1.0, lowest_allowed=True, source="Zhang 2020, eq. 2.47")
+_arguments = ranges(
+    Quantity("mass", "kg", 1e-30, 1e6, True, "Zhang 2020, eq. 2.20"),
+    Quantity("length", "m", 1e-9, 1e3, True, "Zhang 2020, eq. 2.19"),
+    Quantity("impulse", "N s", -1e30, 1e30, True, "Zhang 2020, eq. 2.34"),
+    Quantity("initial_rate", "rad/s", -1e15, 1e15, True, "Zhang 2020, eq. 2.34"),
+    Quantity("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, eq. 2.19"),
+    Quantity("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.19"),
+    Quantity("speed_ratio", "1", -1e9, 1e9, True, "Zhang 2020, eq. 2.33"),
+    Quantity("tip_speed", "m/s", -1e12, 1e12, True, "Zhang 2020, eq. 2.24"),
+    Quantity("impact_angle", "rad", 0.0, math.pi / 2.0, False, "Zhang 2020, fig. 2.5"),
+    Quantity("friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
+    Quantity("restitution_friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
+    Quantity("restitution", "1", 0.0, 1.0, True, "Zhang 2020, eq. 2.47"),
+)
+"""What is allowed for the arguments of these names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,16 +103,17 @@ class MonofilamentImpact:
         return OUTCOMES[int(self.outcome)]
 
 
+@_arguments
 def monofilament_impact(
-    mass: ArrayLike,
-    length: ArrayLike,
-    hub_radius: ArrayLike,
-    hub_speed: ArrayLike,
-    speed_ratio: ArrayLike,
-    impact_angle: ArrayLike,
-    friction: ArrayLike,
-    restitution: ArrayLike,
-    restitution_friction: ArrayLike | None = None,
+    mass: Number,
+    length: Number,
+    hub_radius: Number,
+    hub_speed: Number,
+    speed_ratio: Number,
+    impact_angle: Number,
+    friction: Number,
+    restitution: Number,
+    restitution_friction: Number | None = None,
 ) -> MonofilamentImpact:
     """All results of one strike; kg, m, rad/s, rad.
 
@@ -130,101 +136,104 @@ def monofilament_impact(
     )
 
 
-def tip_speed(length: ArrayLike, hub_radius: ArrayLike, hub_speed: ArrayLike, speed_ratio: ArrayLike) -> Number:
+@_arguments
+def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
     """Speed of the tip towards the workpart before the impact, v_C = (R L + r_h) omega, m/s (2.24, 2.33)."""
-    reach = _checked(_SPEED_RATIO, speed_ratio) * _checked(_LENGTH, length) + _checked(_HUB_RADIUS, hub_radius)
-    return _checked(_HUB_SPEED, hub_speed) * reach
+    reach = speed_ratio * length + hub_radius
+    return hub_speed * reach
 
 
-def stiction_friction(impact_angle: ArrayLike) -> Number:
+@_arguments
+def stiction_friction(impact_angle: Number) -> Number:
     """Least mu_2 with which no impulse can part the tip from the workpart, tan gamma (2.51)."""
     # The tangent of the float next to pi/2 is 1.6e16: more than any friction allowed.
-    return np.tan(_checked(_IMPACT_ANGLE, impact_angle))
+    return np.tan(impact_angle)
 
 
-def rest_rate(length: ArrayLike, hub_radius: ArrayLike, hub_speed: ArrayLike) -> Number:
+@_arguments
+def rest_rate(length: Number, hub_radius: Number, hub_speed: Number) -> Number:
     """phi'(p_cy) = -(r_h/L) omega, the rate at which the tip is at rest, rad/s (2.36)."""
-    radius_ratio = _checked(_HUB_RADIUS, hub_radius) / _checked(_LENGTH, length)
-    return -radius_ratio * _checked(_HUB_SPEED, hub_speed)
+    radius_ratio = hub_radius / length
+    return -radius_ratio * hub_speed
 
 
+@_arguments
 def rate_in_compression(
-    impulse: ArrayLike,
-    initial_rate: ArrayLike,
-    mass: ArrayLike,
-    length: ArrayLike,
-    impact_angle: ArrayLike,
-    friction: ArrayLike,
+    impulse: Number,
+    initial_rate: Number,
+    mass: Number,
+    length: Number,
+    impact_angle: Number,
+    friction: Number,
 ) -> Number:
     """phi'(p) = R omega - 3 s_1 p/(m L), rad/s, after a normal impulse 0 <= p <= p_cy in N s (2.34)."""
-    inertia = _checked(_MASS, mass) * _checked(_LENGTH, length)
+    inertia = mass * length
     return initial_rate - 3.0 * _lever(impact_angle, friction) * impulse / inertia
 
 
+@_arguments
 def rate_in_restitution(
-    impulse: ArrayLike,
-    mass: ArrayLike,
-    length: ArrayLike,
-    hub_radius: ArrayLike,
-    hub_speed: ArrayLike,
-    impact_angle: ArrayLike,
-    restitution_friction: ArrayLike,
+    impulse: Number,
+    mass: Number,
+    length: Number,
+    hub_radius: Number,
+    hub_speed: Number,
+    impact_angle: Number,
+    restitution_friction: Number,
 ) -> Number:
     """phi' = -(r_h/L) omega - 3 s_2 p/(m L), rad/s, after a normal impulse p = p_y - p_cy in N s (2.43).
 
     For mu_2 < tan gamma; beyond that the tip stays at rest whatever the impulse.
     """
-    inertia = _checked(_MASS, mass) * _checked(_LENGTH, length)
+    inertia = mass * length
     lever = _later_lever(impact_angle, restitution_friction)
     return rest_rate(length, hub_radius, hub_speed) - 3.0 * lever * impulse / inertia
 
 
-def normal_compressive_impulse(
-    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
-) -> Number:
+@_arguments
+def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """p_cy = m v_C/(3 s_1), N s (2.37)."""
-    momentum = _checked(_MASS, mass) * np.maximum(_checked(_TIP_SPEED, tip_speed), 0.0)
+    momentum = mass * np.maximum(tip_speed, 0.0)
     return momentum / (3.0 * _lever(impact_angle, friction))
 
 
+@_arguments
 def normal_work_in_compression(
-    impulse: ArrayLike, mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
+    impulse: Number, mass: Number, tip_speed: Number, impact_angle: Number, friction: Number
 ) -> Number:
     """W_y(p) = -v_C sin gamma p + 3 s_1 sin gamma p^2/(2 m), J, for a normal impulse 0 <= p <= p_cy in N s (2.40)."""
-    slowing = 3.0 * _lever(impact_angle, friction) * impulse / (2.0 * _checked(_MASS, mass))
-    return (slowing - _checked(_TIP_SPEED, tip_speed)) * np.sin(impact_angle) * impulse
+    slowing = 3.0 * _lever(impact_angle, friction) * impulse / (2.0 * mass)
+    return (slowing - tip_speed) * np.sin(impact_angle) * impulse
 
 
-def normal_compressive_work(
-    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
-) -> Number:
+@_arguments
+def normal_compressive_work(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """W_y(p_cy) = -v_C sin gamma p_cy/2, J (2.40)."""
     impulse = normal_compressive_impulse(mass, tip_speed, impact_angle, friction)
     return -0.5 * np.multiply(tip_speed, np.sin(impact_angle)) * impulse
 
 
-def tangential_compressive_impulse(
-    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
-) -> Number:
+@_arguments
+def tangential_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """p_cx = -m v_C/(3 (cos gamma + sin gamma/mu_1)) = -mu_1 p_cy, N s (2.56); zero for mu_1 = 0."""
     return 0.0 - np.multiply(friction, normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
 
 
-def tangential_compressive_work(
-    mass: ArrayLike, tip_speed: ArrayLike, impact_angle: ArrayLike, friction: ArrayLike
-) -> Number:
+@_arguments
+def tangential_compressive_work(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """W_x(p_cx) = v_C cos gamma p_cx/2, J (2.58)."""
     impulse = tangential_compressive_impulse(mass, tip_speed, impact_angle, friction)
     return 0.5 * np.multiply(tip_speed, np.cos(impact_angle)) * impulse
 
 
+@_arguments
 def normal_final_impulse(
-    mass: ArrayLike,
-    tip_speed: ArrayLike,
-    impact_angle: ArrayLike,
-    friction: ArrayLike,
-    restitution: ArrayLike,
-    restitution_friction: ArrayLike | None = None,
+    mass: Number,
+    tip_speed: Number,
+    impact_angle: Number,
+    friction: Number,
+    restitution: Number,
+    restitution_friction: Number | None = None,
 ) -> Number:
     """p_fy = (m v_C/3) (s_2 + e* sqrt(s_1 s_2))/(s_1 s_2) = p_cy (1 + e* sqrt(s_1/s_2)), N s (2.48, 2.64).
 
@@ -234,48 +243,36 @@ def normal_final_impulse(
     impulse = normal_compressive_impulse(mass, tip_speed, impact_angle, friction)
     later = _later_lever(impact_angle, friction if restitution_friction is None else restitution_friction)
     root = np.sqrt(_lever(impact_angle, friction) / np.where(later > 0.0, later, np.inf))
-    return impulse * (1.0 + _checked(_RESTITUTION, restitution) * root)
+    return impulse * (1.0 + restitution * root)
 
 
+@_arguments
 def final_rate(
-    tip_speed: ArrayLike,
-    length: ArrayLike,
-    hub_radius: ArrayLike,
-    hub_speed: ArrayLike,
-    impact_angle: ArrayLike,
-    friction: ArrayLike,
-    restitution: ArrayLike,
-    restitution_friction: ArrayLike | None = None,
+    tip_speed: Number,
+    length: Number,
+    hub_radius: Number,
+    hub_speed: Number,
+    impact_angle: Number,
+    friction: Number,
+    restitution: Number,
+    restitution_friction: Number | None = None,
 ) -> Number:
     """phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1), rad/s: eq. 2.43 at the p_fy of eq. 2.48, as in eq. 2.65.
 
     With mu_2 >= tan gamma or e* = 0 the tip stays at rest, phi'_f = -(r_h/L) omega; where v_C <= 0 it keeps its rate.
     """
     later = _later_lever(impact_angle, friction if restitution_friction is None else restitution_friction)
-    thrown = _checked(_RESTITUTION, restitution) * np.sqrt(later / _lever(impact_angle, friction))
-    speed = _checked(_TIP_SPEED, tip_speed)
-    share = np.where(speed > 0.0, -thrown, 1.0)
-    return rest_rate(length, hub_radius, hub_speed) + share * speed / length
+    thrown = restitution * np.sqrt(later / _lever(impact_angle, friction))
+    share = np.where(tip_speed > 0.0, -thrown, 1.0)
+    return rest_rate(length, hub_radius, hub_speed) + share * tip_speed / length
 
 
-def _lever(impact_angle: ArrayLike, friction: ArrayLike) -> Number:
+def _lever(impact_angle: Number, friction: Number) -> Number:
     """s_1."""
-    angle = _checked(_IMPACT_ANGLE, impact_angle)
-    return np.sin(angle) + _checked(_FRICTION, friction) * np.cos(angle)
+    return np.sin(impact_angle) + friction * np.cos(impact_angle)
 
 
-def _later_lever(impact_angle: ArrayLike, friction: ArrayLike) -> Number:
+def _later_lever(impact_angle: Number, friction: Number) -> Number:
     """s_2, zero from the stiction friction on."""
-    angle = _checked(_IMPACT_ANGLE, impact_angle)
-    lever = np.sin(angle) - _checked(_LATER_FRICTION, friction) * np.cos(angle)
-    return np.where(np.less(friction, stiction_friction(angle)), np.maximum(lever, 0.0), 0.0)[()]
-
-
-def _checked(declared: Quantity, value: ArrayLike) -> Number:
-    """The value as floats, or ValueError for the first that is out of range."""
-    number = np.asarray(value, dtype=float)
-    above = number >= declared.lowest if declared.lowest_allowed else number > declared.lowest
-    outside = ~(above & (number <= declared.highest))
-    if outside.any():
-        declared.check(number[outside].flat[0])
-    return number[()]
+    lever = np.sin(impact_angle) - friction * np.cos(impact_angle)
+    return np.where(friction < stiction_friction(impact_angle), np.maximum(lever, 0.0), 0.0)[()]

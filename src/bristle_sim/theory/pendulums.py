@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.quantity import Quantity
+from bristle_sim.theory.checks import ranges
 
 __all__ = [
     "DoublePendulumImpact",
@@ -49,9 +50,9 @@ Speeds = NDArray[np.float64]
 """Generalized speeds (q_1, q_2), m/s."""
 
 _RIGHT = math.pi / 2.0
-_MASS = Quantity("rod_mass", "kg", 0.0, 1e6, lowest_allowed=False, source="Zhang 2020, fig. 2.27")
+_MASS = Quantity("rod_mass", "kg", 1e-30, 1e6, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
 _RATIO = Quantity("mass_ratio", "1", 0.0, 1e12, lowest_allowed=False, source="Zhang 2020, below eq. 2.98: n")
-_LENGTH = Quantity("rod_length", "m", 0.0, 1e3, lowest_allowed=False, source="Zhang 2020, fig. 2.27")
+_LENGTH = Quantity("rod_length", "m", 1e-9, 1e3, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
 _IMPACT_ANGLE = Quantity("impact_angle", "rad", 0.0, _RIGHT, lowest_allowed=False, source="Zhang 2020, fig. 2.25")
 _ANGLE_1 = Quantity("angle_1", "rad", -_RIGHT, _RIGHT, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
 _ANGLE_2 = Quantity("angle_2", "rad", -_RIGHT, _RIGHT, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
@@ -177,6 +178,7 @@ def double_pendulum_impact(
     )
 
 
+@ranges(_RATIO, _ANGLE_1, _ANGLE_2)
 def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike) -> Number:
     """Least friction with which C, once its slip has stopped, sticks: mu_bar (Zhang 2020, eq. 2.90, there for n = 1).
 
@@ -253,8 +255,8 @@ class _Course:
         self.phases: list[str] = []
         across = 2.0 * _PARALLEL if rods.parallel else 0.0
         self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
-        self.initial_slip = self.slip
-        self.slip_stop = math.inf if self.initial_slip else 0.0
+        self.first_slip = self.slip
+        self.slip_stop = math.inf if self.first_slip else 0.0
 
     @property
     def tip(self) -> tuple[float, float]:
@@ -269,8 +271,9 @@ class _Course:
         return math.copysign(1.0, along) if along else 0.0
 
     def slipping(self, direction: float, mu: float) -> tuple[str, Speeds]:
-        """Name of a slip and dq/dp_y."""
-        return "slip" if direction == self.initial_slip else "reverse slip", self.rods.slipping(direction, mu)
+        """Name of a slip, after the first one of the impact, and dq/dp_y."""
+        self.first_slip = self.first_slip or direction
+        return "slip" if direction == self.first_slip else "reverse slip", self.rods.slipping(direction, mu)
 
     def after_slip(self, mu: float) -> tuple[str, Speeds]:
         """What C does once slip has stopped, stick or slip as the normal impulse drives it, and dq/dp_y."""

@@ -55,11 +55,7 @@ def cases(full: bool) -> tuple[HardCase, ...]:
             THEME, "wedged in, restitution 1", f"spends its budget of {BUDGET} steps before the wedge closes", _elastic
         ),
         HardCase(THEME, "pinned by bar and workpart, hub at rest", f"stays to {ROUNDING:g} rad, to the end", _pinned),
-        *(_pressed(obstacle) for obstacle in ("workpart", "bar")),
-        *(_pulled_off(obstacle) for obstacle in ("workpart", "bar")),
-        *(_moving_in(obstacle) for obstacle in ("workpart", "bar")),
-        *(_leaving(obstacle) for obstacle in ("workpart", "bar")),
-        *(_overlapping(obstacle, share) for obstacle in ("workpart", "bar") for share in (1e-10, 1e-3)),
+        *(case for obstacle in ("workpart", "bar") for case in _starts(obstacle)),
     )
 
 
@@ -169,7 +165,7 @@ def _wedged(restitution: float) -> Tool:
 
 def _wedge(restitution: float, step: float | None) -> HardCase:
     how = "" if step is None else f", steps of {step:g} s"
-    promise = f"jam, by name, when the wedge has closed, to {ACCURACY:g} of a radian; no energy gained, no overlap"
+    promise = f"jam, by name, when the wedge has closed, to {ACCURACY:g} rad; no energy gained; overlap at most as much"
     name = f"wedged in by bar and workpart, restitution {restitution:g}{how}"
     return HardCase(THEME, name, promise, partial(_jam, restitution, step))
 
@@ -226,9 +222,21 @@ def _run(tool: Tool, obstacle: str, relative: float, rate: float = 0.0) -> Traje
     )
 
 
-def _pressed(obstacle: str) -> HardCase:
-    promise = f"stays to {ROUNDING:g} rad, held by the belt's torque over the lever to {SOLVED:g}"
-    return HardCase(THEME, f"starts at rest, pressed on the {obstacle}", promise, partial(_press, obstacle))
+def _starts(obstacle: str) -> tuple[HardCase, ...]:
+    """In contact, with every way to go on from there, and inside."""
+    held = f"stays to {ROUNDING:g} rad, held by the belt's torque over the lever to {SOLVED:g}"
+    left = f"leaves without an impulse, as if nothing were there, to {ACCURACY:g}, as asked"
+    struck = f"touched at once, with the start's rate, and as in the reference to {ACCURACY:g}, as asked"
+    refused = "refused in one clear line that names the keys"
+    tried = [
+        (f"starts at rest, pressed on the {obstacle}", held, partial(_press, obstacle)),
+        (f"starts at rest, pulled off the {obstacle}", left, partial(_pull_off, obstacle)),
+        (f"starts on the {obstacle}, moving in", struck, partial(_move_in, obstacle)),
+        (f"starts on the {obstacle}, leaving", "no contact at the start", partial(_leave, obstacle)),
+        (f"starts 1e-10 of its length inside the {obstacle}", refused, partial(_overlap, obstacle, 1e-10)),
+        (f"starts 1e-3 of its length inside the {obstacle}", refused, partial(_overlap, obstacle, 1e-3)),
+    ]
+    return tuple(HardCase(THEME, *each) for each in tried)
 
 
 def _press(obstacle: str) -> Finding:
@@ -241,11 +249,6 @@ def _press(obstacle: str) -> Finding:
     return both(_stays(run), within(float(run.normal_force[-1]) / force - 1.0, SOLVED, "force off by"))
 
 
-def _pulled_off(obstacle: str) -> HardCase:
-    promise = f"leaves without an impulse, as if nothing were there, to {ACCURACY:g}, as asked"
-    return HardCase(THEME, f"starts at rest, pulled off the {obstacle}", promise, partial(_pull_off, obstacle))
-
-
 def _pull_off(obstacle: str) -> Finding:
     """Damped, or it would be back to graze after each period."""
     relative = -START[obstacle][1]
@@ -255,11 +258,6 @@ def _pull_off(obstacle: str) -> Finding:
     told = Finding("no impulse" if not any(impulses) else f"impulse {max(impulses):.2g}", not any(impulses))
     off = float(run.relative_angle[-1] - free.relative_angle[-1])
     return both(told, within(off, ACCURACY, "apart from the free bristle by, in rad,", run.cost.steps))
-
-
-def _moving_in(obstacle: str) -> HardCase:
-    promise = f"touched at once, with the start's rate, and as in the reference to {ACCURACY:g}, as asked"
-    return HardCase(THEME, f"starts on the {obstacle}, moving in", promise, partial(_move_in, obstacle))
 
 
 def _move_in(obstacle: str) -> Finding:
@@ -275,10 +273,6 @@ def _move_in(obstacle: str) -> Finding:
     return both(told, within(off, ACCURACY, "last angle off by", run.cost.steps), _sound(tool, run))
 
 
-def _leaving(obstacle: str) -> HardCase:
-    return HardCase(THEME, f"starts on the {obstacle}, leaving", "no contact at the start", partial(_leave, obstacle))
-
-
 def _leave(obstacle: str) -> Finding:
     """Turned back relative to the hub faster than the hub turns."""
     relative = START[obstacle][1]
@@ -287,11 +281,6 @@ def _leave(obstacle: str) -> Finding:
     first = min((contact.time for contact in run.contacts), default=math.inf)
     touched = "never touched" if math.isinf(first) else f"first touched after {first / tool_units(tool).time:.2g} rad"
     return both(Finding(touched, first > 0.0, run.cost.steps), _sound(tool, run))
-
-
-def _overlapping(obstacle: str, share: float) -> HardCase:
-    name = f"starts {share:g} of its length inside the {obstacle}"
-    return HardCase(THEME, name, "refused in one clear line that names the keys", partial(_overlap, obstacle, share))
 
 
 def _overlap(obstacle: str, share: float) -> Finding:

@@ -105,7 +105,7 @@ def _beside(run: Trajectory, event: str, expected: float, unit: float) -> Try:
 
 def _extrapolated(accuracy: float, full: bool) -> HardCase:
     speeds = (1.0, 261.8, 1e3, 1e5) if full else (1.0, 1e5)
-    name = f"accuracy {accuracy:g}, hub 1 … 1e5 rad/s, bars from {THINNEST:.1g} m and the workpart"
+    name = f"accuracy {accuracy:g}, hub 1 to 1e5 rad/s, bars from {THINNEST:.1g} m and the workpart"
     promise = f"all met, their instants right to {accuracy:g} of them, as asked"
     return HardCase(THEME, name, promise, partial(_at_accuracy, accuracy, speeds))
 

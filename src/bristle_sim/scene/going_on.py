@@ -1,0 +1,245 @@
+"""Going on with a run that has stopped: from its last state, with everything it was simulated with.
+
+The engine's cached impulses and the lengths of the stretches are no part of a state. A run that was interrupted therefore
+meets one that was not to the accuracy asked for, not to the bit.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.quantity import shown
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.events import locate
+from bristle_sim.scene.hold import LEAST_LEVER, set_back
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.scene.run import CAPTURE, GAP_ROUNDING
+from bristle_sim.scene.stepping import Extrapolation
+from bristle_sim.scene.tool import EVENTS, build_tool, simulate
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
+
+__all__ = ["go_on", "simulated_with"]
+
+ENDS = ("jam", "retraction limit")
+"""Events after which nothing goes on."""
+
+PAUSES = ("end of the planned time", "step budget spent", *(event for event in EVENTS if event not in ENDS))
+"""Reasons to stop after which a run can go on."""
+
+CLEAR = 2.0 * GAP_ROUNDING
+"""A gap that is open, of the bristle's length."""
+
+PRESSING = 1e-13
+"""Approach that says that a bristle is held, of its fastest point's speed: more than rounding, less than any accuracy."""
+
+FIRST, LAST = 1e-6, 1.0
+"""Flights tried until a gap opens, in the scene's time units."""
+
+ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
+"""Noted at the end of a run in which the other event never happened."""
+
+SAMPLES = ("hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
+
+PARTS: dict[str, type[Any]] = {
+    "hub": Hub,
+    "belt": Belt,
+    "bristle": Bristle,
+    "bar": Bar,
+    "workpart": Workpart,
+    "contact": Contact,
+}
+
+
+def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
+    """Go on with a run of ``simulate`` from where it stopped.
+
+    Args:
+        trajectory: the run so far, as it was returned or as it was loaded.
+        settings: numerical settings from here on, by default the run's own. ``hub_turn`` counts from the beginning of the
+            run; on a hub at rest the bristle goes on for as long as a run takes.
+        stop_after: name of the event that ends the run, as for ``simulate``; those of the run so far do not count.
+
+    Returns:
+        The whole run, from its beginning. A hold that lasts over the stop has two entries in the ledger.
+
+    Raises:
+        ValueError: if the trajectory is not one of ``simulate``, or stopped where nothing goes on, or has made the turn
+            asked for already.
+    """
+    tool, before = simulated_with(trajectory)
+    _check(trajectory, stop_after)
+    settings = before if settings is None else settings
+    if not isinstance(settings, Settings):
+        raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
+    scene, units = build_tool(tool, hub_start=float(trajectory.hub_angle[-1]))
+    stopped = State(0.0, (float(trajectory.angles[-1, 0]),), (float(trajectory.rates[-1, 0]) * units.time,))
+    start, held = _clear(scene, stopped, settings.accuracy, trajectory)
+    for name in held:
+        if stop_after in _touches(name):
+            # A run that begins in touch calls it one; the next one comes after the release.
+            free = go_on(trajectory, settings, stop_after=f"{name} release")
+            return go_on(free, settings, stop_after=stop_after) if free.stop_reason.endswith(" release") else free
+    hub_angle, later = scene.mechanism.hub_angle(start.time), start.time * units.time
+    rest = simulate(
+        tool,
+        dataclasses.replace(settings, hub_turn=_turn_left(trajectory, settings, later)),
+        start_hub_angle=hub_angle,
+        start_relative_angle=start.angles[0] - hub_angle,
+        start_relative_rate=start.rates[0] / units.time - tool.hub.speed,
+        stop_after=_name_from_now_on(trajectory, stop_after),
+    )
+    return _joined(trajectory, rest, later, held, settings)
+
+
+def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
+    """The tool and the settings of a run.
+
+    Raises:
+        ValueError: for a trajectory that ``simulate`` did not return.
+    """
+    parameters = getattr(trajectory, "parameters", None)
+    try:
+        stored, settings = dict(parameters["tool"]), dict(parameters["settings"])  # type: ignore[index]
+        parts = {name: None if stored[name] is None else kind(**stored[name]) for name, kind in PARTS.items()}
+        return Tool(**{**stored, **parts}), Settings(**settings)
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"trajectory of {shown(parameters)}: one that simulate() returned is allowed") from error
+
+
+def _check(trajectory: Trajectory, stop_after: str | None) -> None:
+    if trajectory.stop_reason not in PAUSES:
+        raise ValueError(
+            f"trajectory that stopped for {shown(trajectory.stop_reason)}: one that stopped at an event it was to stop"
+            " after, at its end or when its steps were spent is allowed"
+        )
+    if stop_after is not None and shown(stop_after) not in map(shown, EVENTS):
+        raise ValueError(f"stop_after = {shown(stop_after)}: None or one of {', '.join(EVENTS)} is allowed")
+
+
+def _turn_left(trajectory: Trajectory, settings: Settings, later: float) -> float:
+    """What is left of the hub's turn, rad."""
+    done = trajectory.hub_speed * (float(trajectory.time[-1]) + later)
+    if done >= settings.hub_turn * (1.0 - 1e-12):
+        raise ValueError(f"hub_turn = {settings.hub_turn:g}: more than the turn so far, {done:g}, is allowed (in rad)")
+    return settings.hub_turn - done
+
+
+def _touches(name: str) -> tuple[str, ...]:
+    return ("strike", "workpart touch") if name == "workpart" else (f"{name} touch",)
+
+
+def _name_from_now_on(trajectory: Trajectory, event: str | None) -> str | None:
+    """What an event is called in a run that begins now: its first touch of the workpart is a strike."""
+    struck = trajectory.event_time("strike") is not None
+    return {"strike": None, "workpart touch": "strike"}.get(event, event) if struck and event else event
+
+
+def _touch(scene: Scene, state: State, obstacle: Obstacle) -> Touch:
+    return obstacle.touch(scene.mechanism.poses(state)[-1], state.rates[-1])
+
+
+def _clear(scene: Scene, state: State, accuracy: float, trajectory: Trajectory) -> tuple[State, list[str]]:
+    """The first state that a run can start from, and what holds the bristle: the rest is left behind first."""
+    held = []
+    for obstacle in scene.effects.obstacles:
+        if _touch(scene, state, obstacle).gap > GAP_ROUNDING:
+            continue
+        if _leaves(scene, state, obstacle, trajectory):
+            state = _flown(scene, state, obstacle, accuracy)
+        else:
+            held.append(obstacle.name)
+        if _touch(scene, state, obstacle).gap <= GAP_ROUNDING:
+            state = _pressed(scene, set_back(scene.mechanism, obstacle, state), obstacle)
+    return state, held
+
+
+def _leaves(scene: Scene, state: State, obstacle: Obstacle, trajectory: Trajectory) -> bool:
+    """Whether the last thing that happened at an obstacle has set the bristle free, if anything did."""
+    told = [
+        each.name for each in trajectory.events if each.name in (*_touches(obstacle.name), f"{obstacle.name} release")
+    ]
+    contacts = [each for each in trajectory.contacts if each.obstacle == obstacle.name]
+    if not told or not contacts:
+        return _touch(scene, state, obstacle).velocity[0] > 0.0
+    last, fastest = contacts[-1], max(abs(speed) for speed in contacts[-1].velocity_before)
+    rebounds = last.outcome == "rebound" and last.velocity_after[0] > CAPTURE * fastest
+    return rebounds or told[-1].endswith(" release")
+
+
+def _pressed(scene: Scene, state: State, obstacle: Obstacle) -> State:
+    """The state with an approach that rounding cannot turn into a departure: what touches without leaving is held."""
+    touch = _touch(scene, state, obstacle)
+    lever = touch.arm[0] * touch.normal[1] - touch.arm[1] * touch.normal[0]
+    if abs(lever) < LEAST_LEVER:
+        return state
+    change = (touch.velocity[0] + PRESSING * scene.mechanism.speed_bound(state)) / lever
+    return state._replace(rates=(*state.rates[:-1], state.rates[-1] - change))
+
+
+def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> State:
+    """The state at which the gap is open, which a contact resolved in time leaves closed, or where it closes again."""
+    stepper = Extrapolation(0.1 * accuracy)
+
+    def after(span: float) -> State:
+        return stepper.advance(scene, state, span).state
+
+    def room(span: float) -> float:
+        return _touch(scene, after(span), obstacle).gap - CLEAR
+
+    short, span = 0.0, FIRST
+    while room(span) < 0.0:
+        if span > LAST or _touch(scene, after(span), obstacle).velocity[0] < 0.0:
+            return after(span)
+        short, span = span, 2.0 * span
+    least = room(short) if short else _touch(scene, state, obstacle).gap - CLEAR
+    return after(locate(room, short, span, least, room(span), 0.5 * CLEAR))
+
+
+def _joined(first: Trajectory, rest: Trajectory, later: float, held: list[str], settings: Settings) -> Trajectory:
+    """Both parts as one run; what the rest tells of the touch that it began in is left out."""
+    begin, skip = float(first.time[-1]) + later, 0 if later else 1
+    struck = first.event_time("strike") is not None
+
+    def called(name: str) -> str:
+        return "workpart touch" if struck and name == "strike" else name
+
+    # Only what leaves an obstacle is clear of it: a touch at the very beginning is the one that lasts.
+    again = {name for obstacle in held for name in _touches(obstacle)}
+    new = [each for each in rest.events if each.time > 0.0 or each.name not in again]
+    events = [*first.events, *(Event(called(each.name), begin + each.time) for each in new)]
+    happened = {each.name for each in events}
+    absent = {each for each in happened if each in ABSENCES and ABSENCES[each] not in happened}
+    contacts = [each for each in rest.contacts if each.time > 0.0 or each.law == "hold" or each.obstacle not in held]
+    arrays = {each: np.concatenate([getattr(first, each), getattr(rest, each)[skip:]]) for each in SAMPLES}
+    return Trajectory(
+        time=np.concatenate([first.time, begin + rest.time[skip:]]),
+        **arrays,
+        hub_speed=first.hub_speed,
+        events=(
+            *(each for each in events if each.name not in ABSENCES),
+            *(Event(each, begin + float(rest.time[-1])) for each in sorted(absent)),
+        ),
+        contacts=(*first.contacts, *(_later(each, begin) for each in contacts)),
+        stop_reason=called(rest.stop_reason),
+        cost=_sum(first.cost, rest.cost),
+        parameters={"tool": first.parameters["tool"], "settings": dataclasses.asdict(settings)},
+    )
+
+
+def _later(contact: ContactRecord, begin: float) -> ContactRecord:
+    history = contact.history
+    if history is not None:
+        history = dataclasses.replace(history, time=begin + history.time)
+    return dataclasses.replace(contact, time=begin + contact.time, history=history)
+
+
+def _sum(first: Cost, rest: Cost) -> Cost:
+    estimates = (first.error_estimate, rest.error_estimate)
+    known = None if estimates[0] is None or estimates[1] is None else estimates[0] + estimates[1]
+    return Cost(first.wall_s + rest.wall_s, first.cpu_s + rest.cpu_s, first.steps + rest.steps, known)

@@ -1,0 +1,311 @@
+"""Bad input is refused in one clear line; what is allowed gives finite results, to the ends of all ranges."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import json
+import math
+import random
+import subprocess
+import sys
+import warnings
+from fractions import Fraction
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Release, SinglePendulum, Surface, Tool, Workpart
+from bristle_sim.quantity import Choice, Quantity, shown
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scene import contact_laws
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.studies.cue_timing import cue_timing
+from bristle_sim.studies.hard_cases import bad_input
+from bristle_sim.studies.hard_cases.attempts import Tally, finite
+from bristle_sim.studies.hard_cases.case import HardCase
+from bristle_sim.studies.impacts import single_pendulum
+from bristle_sim.theory import cueing, monofilament
+from bristle_sim.theory.checks import checked, ranges
+
+SCRIPTS = sorted((Path(__file__).parents[2] / "scenarios").glob("*.py"))
+
+
+@pytest.mark.parametrize("case", bad_input.cases(full=False), ids=lambda case: case.name)
+def test_promise(case: HardCase) -> None:
+    finding = case.measure()
+    assert finding.ok, finding.reached
+
+
+def measured(name: str) -> bool:
+    return next(case for case in bad_input.cases(full=False) if case.name == name).measure().ok
+
+
+def test_a_range_that_lets_everything_pass_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Quantity, "_admits", lambda *_: True)
+    assert not measured("every value of Hub")
+    assert not measured("every argument of EnergeticContact")
+
+
+@pytest.mark.parametrize("line", ["hub_speed\nhub_radius: less is allowed", "less is allowed", "hub_speed, hub_radius"])
+def test_a_refusal_that_is_not_clear_is_noticed(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two lines, no name, nothing allowed."""
+    monkeypatch.setattr(Quantity, "refusal", lambda *_: ValueError(line))
+    assert not measured("every value of Hub")
+
+
+def test_a_number_of_another_kind_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """NumPy's numbers are kept as plain ones: a repr, a file or JSON would tell them apart."""
+    monkeypatch.setattr(Quantity, "check", lambda _, value: value)
+    assert not measured("every value of Belt")
+
+
+def test_a_result_that_is_no_number_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    law = contact_laws.energetic_impact
+
+    def broken(*arguments: object, **named: object) -> object:
+        return dataclasses.replace(law(*arguments, **named), impulse_normal=math.nan)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(contact_laws, "energetic_impact", broken)
+    assert not measured("ends of all ranges, a strike, energetic")
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError("no"), OverflowError("no"), TypeError("no"), RuntimeWarning("no")])
+def test_any_other_error_is_noticed(error: Exception) -> None:
+    def call() -> None:
+        raise error
+
+    tally = Tally()
+    tally.attempt("call", call, lambda _: True)
+    assert not tally.finding().ok
+    assert type(error).__name__ in tally.finding().reached
+
+
+def test_a_warning_is_noticed() -> None:
+    tally = Tally()
+    tally.attempt("call", lambda: warnings.warn("rounding", RuntimeWarning, stacklevel=1), lambda _: True)
+    assert not tally.finding().ok
+
+
+def scenario(path: Path) -> Scenario:
+    spec = importlib.util.spec_from_file_location(f"{path.stem}_for_bad_input", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found: Scenario = module.SCENARIO
+    return found
+
+
+TEXTS = ("True", "None", "1j", "[0.5]", "1" + 400 * "0", "-1" + 400 * "0", "\u0661", "1e309", "no such file", "\0")
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_no_text_gets_through(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of every key of every script, before anything is computed; one line, however long the text."""
+
+    def idle(_: object) -> Report:
+        raise AssertionError("ran")
+
+    script = dataclasses.replace(scenario(path), run=idle)
+    for key, (found, _) in script.keys().items():
+        for text in TEXTS:
+            assert main(script, ["--set", f"{key}={text}"]) == 2
+            out, err = capsys.readouterr()
+            assert out == ""
+            assert err.count("\n") == 1
+            assert err.startswith(f"{path.stem}.py: error: {key} = ")
+            assert f"{found.allowed} is allowed" in err
+            assert len(err) < 400
+
+
+@pytest.mark.parametrize("name", ["oblique_impact", "single_pendulum", "double_pendulum"])
+def test_scripts_at_the_ends_of_their_ranges(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """An answer in plain JSON or one line; a comparison that is missed, exit status 1, is an answer."""
+    script = scenario(next(path for path in SCRIPTS if path.stem == name))
+    chance = random.Random(name)
+    for _ in range(4):
+        arguments = ["--json", "-"]
+        for key, (found, _) in script.keys().items():
+            if chance.random() < 0.4:
+                arguments += ["--set", f"{key}={chance.choice(ends(found))}"]
+        status = main(script, arguments)
+        out, err = capsys.readouterr()
+        assert status in (0, 1, 2), arguments
+        assert err.count("\n") == (status == 2), arguments
+        if status != 2:
+            assert json.loads(out, parse_constant=pytest.fail), arguments
+
+
+def ends(found: Quantity | Choice) -> tuple[str, ...]:
+    if isinstance(found, Choice):
+        return found.options
+    return (repr(found.lowest if found.lowest_allowed else math.nextafter(found.lowest, math.inf)), repr(found.highest))
+
+
+SPOILT = {
+    "Hub": partial(Hub, speed=math.nan),
+    "bar in the root circle": partial(Tool, bar=Bar(radius=0.05)),
+    "no bar": lambda: Tool(bar=None).bar_reach,
+    "no bar's clearance": lambda: Tool(bar=None).bar_clearance,
+    "no workpart": lambda: Tool(workpart=None).workpart_depth,
+    "start": partial(simulate, Tool(), start_relative_angle=math.inf),
+    "formula": partial(cueing.tip_radius, 0.03, math.nan, 0.1),
+    "not a tool": partial(cueing.cue, None),
+}
+
+
+@pytest.mark.parametrize("name", SPOILT)
+def test_refusals_do_not_rest_on_asserts(name: str) -> None:
+    with pytest.raises(ValueError, match="allowed") as refusal:
+        SPOILT[name]()
+    assert "\n" not in str(refusal.value)
+
+
+def test_refusals_stay_without_asserts() -> None:
+    """Everything again in a process that leaves asserts out, where the engine would end the process for a bad mass."""
+    program = (
+        "from bristle_sim.studies.hard_cases.bad_input import cases\n"
+        "for case in cases(full=False):\n"
+        "    if 'every' in case.name and 'theory' not in case.name: print(case.run().ok)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-O", "-c", program], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert set(done.stdout.split()) == {"True"}
+
+
+NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
+
+
+@settings(max_examples=60, deadline=None, database=None)
+@given(st.lists(NUMBERS, min_size=4, max_size=4), st.lists(NUMBERS, min_size=1, max_size=3))
+def test_formulas_of_any_numbers(four: list[float], many: list[float]) -> None:
+    """A refusal in one line, or numbers, without a warning; arrays as well as single ones."""
+    array = np.array(many)
+    for call in (
+        lambda: cueing.stiffened_cue_time(*four),
+        lambda: cueing.stiffened_highest_speed(*four[:3], array),
+        lambda: cueing.centrifugal_stiffness(*four),
+        lambda: cueing.damped_radial_speed(*four[:2], array),
+        lambda: cueing.retraction_at_bar(*four, array),
+        lambda: monofilament.normal_work_in_compression(array, *four),
+        lambda: monofilament.final_rate(*four, array, 0.3, 0.4),
+    ):
+        tally = Tally()
+        tally.attempt("call", call, finite)
+        assert not tally.faults
+
+
+LENGTH = Quantity("length", "m", 0.0, 10.0, False, "test")
+
+
+@pytest.mark.parametrize("value", [1, 1.0, np.float32(1.0), np.int8(1), Fraction(1), np.array(1.0), [[1], [2.0]], []])
+def test_numbers_of_all_kinds_become_floats(value: object) -> None:
+    found = checked(LENGTH, value)
+    assert np.asarray(found).dtype == float
+    assert np.shape(found) == np.shape(value)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [
+        (None, "None"),
+        (True, "True"),
+        ("1", "'1'"),
+        (1j, "1j"),
+        (10**400, "inf"),
+        (-(10**400), "-inf"),
+        ([1.0, 0.0], "0.0"),
+        ([1.0, math.nan], "nan"),
+        ([[1], [1, 2]], "[[1], [1, 2]]"),
+    ],
+)
+def test_what_is_no_number_in_range_is_told(value: object, told: str) -> None:
+    with pytest.raises(ValueError, match="allowed") as refusal:
+        checked(LENGTH, value)
+    assert str(refusal.value) == f"length = {told}: a finite number with 0 < length <= 10 is allowed (in m)"
+
+
+def test_checked_functions_remain_themselves() -> None:
+    @ranges(LENGTH)
+    def half(length: float, other: str = "", *, width: float | None = None) -> tuple[float, str, float | None]:
+        """Half of it."""
+        return 0.5 * length, other, width
+
+    assert half(length=2, other="x") == (1.0, "x", None)
+    assert (half.__name__, half.__doc__) == ("half", "Half of it.")
+    with pytest.raises(ValueError, match=r"^length = -1\.0: "):
+        half(-1.0)
+    with pytest.raises(TypeError, match="length"):
+        half()  # type: ignore[call-arg]
+
+
+def test_an_argument_that_is_none_by_default_may_be_none() -> None:
+    @ranges(LENGTH)
+    def double(length: float | None = None) -> float | None:
+        return None if length is None else 2.0 * length
+
+    assert double(None) is None
+    assert double(1.0) == 2.0
+
+
+HUGE = 10**5000
+"""Python does not write it out."""
+
+
+def test_any_value_is_shown_in_one_short_line() -> None:
+    for value in (HUGE, [HUGE], "x" * 1000, np.eye(3), object(), "one\nline", np.arange(1e4), {"a": HUGE}, 1j):
+        line = shown(value)
+        assert line.isprintable()
+        assert 0 < len(line) <= 103  # a hundred characters and three dots
+
+
+class Unspeakable:
+    def __repr__(self) -> str:
+        return "two\nlines"
+
+
+def test_a_repr_of_two_lines_is_shown_in_one() -> None:
+    assert shown(Unspeakable()) == "two lines"
+    with pytest.raises(ValueError, match=r"^hub_speed = two lines: "):
+        Hub(speed=Unspeakable())  # type: ignore[arg-type]
+
+
+def test_a_release_that_was_given_up_places_no_bar() -> None:
+    """It used to be told as a bristle that no bar can cue."""
+    few = Settings(maximum_steps=20)
+    with pytest.raises(ValueError, match=r"step budget spent after .* is allowed") as refusal:
+        cue_timing(Tool(), math.radians(Release().retraction_deg), few, with_reference=False)
+    assert "\n" not in str(refusal.value)
+
+
+def test_an_accuracy_that_is_asked_for_is_no_fault() -> None:
+    """A contact resolved in time to a tenth differs by a hundredth from the rigid one: that is what was asked for."""
+    rough = Settings(accuracy=0.1)
+    surface = Surface(friction=0.0, restitution_friction=1e9, restitution=0.0)
+    report = single_pendulum(SinglePendulum(), surface, Contact("compliant"), rough)
+    off = max(abs(row.relative_difference or 0.0) for row in report.quantities)
+    assert 3e-3 < off < 0.1
+    assert all(row.ok for row in report.quantities)
+
+
+def test_a_bristle_that_is_nothing_beside_its_hub() -> None:
+    """Rounding of the tip's place, 1e-16 of the hub's radius, is 3e-9 of a bristle of 1 nm: told, and within tolerance."""
+    path = next(path for path in SCRIPTS if path.stem == "oblique_impact")
+    assert main(scenario(path), ["--set", "bristle_length=1e-9", "--set", "contact=energetic"]) == 0
+
+
+def test_parts_keep_their_kind() -> None:
+    with pytest.raises(ValueError, match=r"^bar = Workpart\(.*: a Bar or None is allowed$"):
+        Tool(bar=Workpart())  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"^belt = None: a Belt is allowed$"):
+        Tool(belt=None)  # type: ignore[arg-type]
+    assert Tool(Hub(), Belt(), Bristle(), None, None).bar is None
