@@ -15,7 +15,7 @@ from bristle_sim.parameters import Contact, Tool, Workpart
 from bristle_sim.scenario_cli import main
 from bristle_sim.scene import run as scene_run
 from bristle_sim.scene import tool as scene_tool
-from bristle_sim.scene.run import Plan
+from bristle_sim.scene.plan import Plan
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.hard_cases.budget import ONE_STRETCH, SPENT, arrays_of, cases, within_budget

@@ -62,7 +62,9 @@ class TestPromisesNotice:
         monkeypatch.setattr(
             contact_laws,
             "energetic_impact",
-            lambda matrix, velocity, mu, *rest: energetic_impact(matrix, velocity, mu + 1e-3 * (velocity[1] > 0), *rest),
+            lambda matrix, velocity, mu, *rest: energetic_impact(
+                matrix, velocity, mu + 1e-3 * (velocity[1] > 0), *rest
+            ),
         )
         found = [case for case in cases(full=False) if case.name.endswith("mirrored") and "two rods" in case.name]
         assert found

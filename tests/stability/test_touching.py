@@ -47,7 +47,7 @@ class TestPromisesNotice:
         assert not any(kept("restitution 0.5"))
 
     def test_neighbours_that_are_struck_at_rest(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr(scene_run._Runner, "_rests_on", lambda *_: False)
+        monkeypatch.setattr(scene_run.Gaps, "rests", lambda *_: False)
         tool = replace(between(-0.3, 0.3, at=0.6), hub=Hub(speed=0.0))
         run = simulate(tool, FEW, start_hub_angle=-0.3, start_relative_angle=0.6)
         assert run.stop_reason == "step budget spent"

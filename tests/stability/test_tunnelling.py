@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Belt, Hub, Tool
-from bristle_sim.scene import run as scene_run
+from bristle_sim.scene import touch_search
 from bristle_sim.scene.events import turns
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import LEAST_REACH, BarObstacle
@@ -36,10 +36,12 @@ def kept(part: str) -> list[bool]:
 
 class TestPromisesNotice:
     def test_a_search_at_the_ends_of_stretches_only(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        def at_the_end(_mechanism: object, gap: scene_run.Callable, _start: State, end: State, _stray: float) -> object:
+        def at_the_end(
+            _mechanism: object, gap: touch_search.Callable, _start: State, end: State, _stray: float
+        ) -> object:
             return 1.0 if gap(end)[0] < 0.0 else None
 
-        monkeypatch.setattr(scene_run, "first_touch", at_the_end)
+        monkeypatch.setattr(touch_search, "first_touch", at_the_end)
         for part in ("thrown at 1e+06", "a bar by", "the workpart by"):
             assert not any(kept(part)), part
 
@@ -47,12 +49,12 @@ class TestPromisesNotice:
         def as_it_is(_runner: object, _obstacle: object, span: float, gap: float) -> tuple[float, float]:
             return span, gap
 
-        monkeypatch.setattr(scene_run._Runner, "_least_gap", as_it_is)
+        monkeypatch.setattr(touch_search, "least_gap", as_it_is)
         assert not any(kept("thrown at 1e+06"))
 
     def test_touches_that_are_not_located(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """The end of the search's interval instead of the root in it."""
-        monkeypatch.setattr(scene_run, "locate", lambda _value, _left, right, *_: right)
+        monkeypatch.setattr(touch_search, "locate", lambda _value, _left, right, *_: right)
         assert not any(kept("accuracy 1e-06, hub"))
 
 

@@ -18,7 +18,8 @@ from bristle_sim.scene import stepping
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.run import Plan, Recording, run
+from bristle_sim.scene.plan import Plan, Recording
+from bristle_sim.scene.run import run
 from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper, SymmetricSteps
 
 ROD = Link.rod(1.0, 1.0)

@@ -121,7 +121,9 @@ class CompliantLaw:
         stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
         spring = Spring(scene, touch, space.inverse_mass, stiffness, coefficients)
         longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_stretch(scene))
-        tolerance = max(0.1 * self.accuracy, ROUNDING / (duration * way_out))
+        # Rounding of the normal velocity turns the lightest link, of inertia 1/3, by as much over the root of K_nn/3.
+        turning = max(1.0, math.sqrt(3.0 / space.inverse_mass[0, 0]))
+        tolerance = max(0.1 * self.accuracy, turning * ROUNDING / (duration * way_out))
         stepper: Stepper = Extrapolation(tolerance, fastest, WIDE, longest)
         if self.plain_steps is not None:
             stepper = PlainSteps(duration / self.plain_steps)

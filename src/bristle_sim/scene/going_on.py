@@ -15,10 +15,11 @@ from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workp
 from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.events import locate
+from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.hold import LEAST_LEVER, set_back
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.scene.run import CAPTURE, GAP_ROUNDING
+from bristle_sim.scene.run import CAPTURE
 from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.tool import EVENTS, build_tool, simulate
 from bristle_sim.settings import Settings

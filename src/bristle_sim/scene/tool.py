@@ -17,7 +17,8 @@ from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.pace import longest_stretch, motion_scale, stepper_for
-from bristle_sim.scene.run import Plan, Recording, run
+from bristle_sim.scene.plan import Plan, Recording
+from bristle_sim.scene.run import run
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory

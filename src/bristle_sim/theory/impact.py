@@ -44,7 +44,7 @@ OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
 """What an outcome code means.
 
 ``no contact``: the point does not approach. ``rebound``: restitution ends with v_n > 0. ``no rebound``: e = 0, or
-Poisson's impulse of restitution is spent while the point still slips at rest.
+what restitution has to give is spent with v_n = 0, in slip at rest (Poisson's impulse) or below the smallest float.
 ``stiction``: compression ends, but no impulse can part the point from the surface again (the jam of one degree of
 freedom, mu >= tan gamma). ``jam``: the point sticks before compression ends and no impulse can end it; the rigid-body
 law has no solution.
@@ -334,8 +334,8 @@ def _walk(
     rows = (first, second, third, fourth)
     # Poisson's restitution ends at an impulse, even where one degree of freedom lets no impulse part the point.
     stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
-    spent = (state.normal <= 0.0) & (third.impulse + fourth.impulse > 0.0)
-    ending = _select(e == 0.0, NO_REBOUND, _select(stuck, STICTION, _select(spent, NO_REBOUND, REBOUND)))
+    parted = _select(state.normal > 0.0, REBOUND, NO_REBOUND)
+    ending = _select(e == 0.0, NO_REBOUND, _select(stuck, STICTION, parted))
     return Impact(
         impulse_normal=state.impulse,
         impulse_tangential=state.impulse_tangential,

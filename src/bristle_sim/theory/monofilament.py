@@ -14,7 +14,7 @@ compression and -L s_2 dp_y in restitution, with
 All else is the integral of that. The dissertation's kappa omega L = (R + r_h/L) omega L is the tip's speed v_C before
 the impact, ``tip_speed`` below.
 
-Arguments broadcast; the functions return floats for floats. Angles are in rad with 0 < gamma <= pi/2, friction mu_1 and
+Arguments broadcast; the functions return floats for floats. Angles are in rad with 1e-150 <= gamma <= pi/2, friction mu_1 and
 restitution_friction mu_2 are >= 0 and equal by default (case 2, eq. 2.59), restitution is the energetic coefficient e*
 (2.47) in [0, 1]. Impulses and works are those of the workpart on the bristle; rates are positive in the hub's sense of
 rotation. Every function raises ValueError for an argument outside its range, and none returns NaN.
@@ -52,6 +52,9 @@ __all__ = [
 Number = Any
 """A float, or an array of the arguments' broadcast shape."""
 
+LEAST_ANGLE = 1e-150
+"""In rad: impulses grow as its inverse, and the smaller ones are no numbers for a tip without friction."""
+
 _arguments = ranges(
     Quantity("mass", "kg", 1e-30, 1e6, True, "Zhang 2020, eq. 2.20"),
     Quantity("length", "m", 1e-9, 1e3, True, "Zhang 2020, eq. 2.19"),
@@ -61,7 +64,7 @@ _arguments = ranges(
     Quantity("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.19"),
     Quantity("speed_ratio", "1", -1e9, 1e9, True, "Zhang 2020, eq. 2.33"),
     Quantity("tip_speed", "m/s", -1e12, 1e12, True, "Zhang 2020, eq. 2.24"),
-    Quantity("impact_angle", "rad", 0.0, math.pi / 2.0, False, "Zhang 2020, fig. 2.5"),
+    Quantity("impact_angle", "rad", LEAST_ANGLE, math.pi / 2.0, True, "Zhang 2020, fig. 2.5"),
     Quantity("friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
     Quantity("restitution_friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
     Quantity("restitution", "1", 0.0, 1.0, True, "Zhang 2020, eq. 2.47"),

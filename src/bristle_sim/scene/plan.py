@@ -1,0 +1,47 @@
+"""When a run ends, and what it leaves behind."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+from bristle_sim.scene.mechanism import State
+from bristle_sim.trajectory import ContactRecord, Event
+
+__all__ = ["Plan", "Recording"]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """When a run ends and how finely it is recorded; engine units.
+
+    Attributes:
+        end: time at which the run stops.
+        accuracy: relative accuracy asked for; sets how finely events are located.
+        stop_after: name of an event that ends the run.
+        longest_stretch: upper bound of the distance between samples.
+        maximum_steps: engine steps after which the run gives up.
+        retraction_limit: largest angle of the first link relative to the hub, rad.
+    """
+
+    end: float
+    accuracy: float
+    stop_after: str | None = None
+    longest_stretch: float = math.inf
+    maximum_steps: int = 1_000_000
+    retraction_limit: float = math.inf
+
+
+@dataclass(slots=True)
+class Recording:
+    """What a run leaves behind, in engine units."""
+
+    states: list[State] = field(default_factory=list)
+    forces: list[float] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    contacts: list[ContactRecord] = field(default_factory=list)
+    error: float = 0.0
+    stop_reason: str = ""
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    steps: int = 0

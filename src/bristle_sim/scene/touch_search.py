@@ -1,0 +1,76 @@
+"""Where within a stretch the link touches an obstacle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from bristle_sim.scene.events import first_touch, locate
+from bristle_sim.scene.gaps import Gaps
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.stepping import Advance
+
+__all__ = ["SHORTEST", "Stretch", "find_touch"]
+
+GAP_TOLERANCE = 1e-13
+"""To which a touch is located: rounding of an extrapolated stretch is of this size, and a closer search would not end."""
+
+SHORTEST = 1e-13
+"""A stretch shorter than this share of the scene's time unit means that no stretch is short enough. A motion of that
+share of the scene's length, too, is an instant."""
+
+
+class Stretch(NamedTuple):
+    """A stretch that has been carried, and what carries the scene over less of it.
+
+    Attributes:
+        start: state that it begins with.
+        end: result at its end.
+        again: the result after a shorter time from the start.
+    """
+
+    start: State
+    end: Advance
+    again: Callable[[float], Advance]
+
+    @property
+    def length(self) -> float:
+        """Its duration."""
+        return self.end.state.time - self.start.time
+
+
+def find_touch(stretch: Stretch, gaps: Gaps, obstacle: Obstacle, stray: float) -> tuple[Advance, bool] | None:
+    """The stretch up to its first touch and True; up to where it nearly touched and False; None if the gap stays open.
+
+    ``stray`` is how far the motion may be off the cubic through the ends besides the cubic's own error.
+    """
+    start, end = stretch.start, stretch.end
+    share = first_touch(gaps.mechanism, lambda state: gaps.gap_and_rate(obstacle, state), start, end.state, stray)
+    if share is None:
+        return None
+    reached, closed = end if share == 1.0 else stretch.again(share * stretch.length), share * stretch.length
+    at_end, rate = gaps.gap_and_rate(obstacle, reached.state)
+    if at_end > 0.0 and rate > 0.0:
+        closed, at_end = least_gap(stretch, gaps, obstacle, closed, at_end)
+    if at_end > 0.0:
+        return reached, False
+    if at_end < 0.0:
+        at_start = max(gaps.gap(obstacle, start), 1e-300)
+        closed = locate(
+            lambda span: gaps.gap(obstacle, stretch.again(span).state), 0.0, closed, at_start, at_end, GAP_TOLERANCE
+        )
+    return stretch.again(closed), True
+
+
+def least_gap(stretch: Stretch, gaps: Gaps, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:
+    """Where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
+    fastest = 1.5 * gaps.mechanism.speed_bound(stretch.start)
+    left, right = 0.0, span
+    while gap <= fastest * (right - left) and max(1.0, fastest) * (right - left) > SHORTEST:
+        middle = 0.5 * (left + right)
+        gap, rate = gaps.gap_and_rate(obstacle, stretch.again(middle).state)
+        if gap < 0.0:
+            return middle, gap
+        left, right = (middle, right) if rate < 0.0 else (left, middle)
+    return right, gap
