@@ -61,7 +61,7 @@ class Chain:
 
 _RODS = (
     Quantity("mass", "kg", 1e-60, 1e21, lowest_allowed=True, source="chosen: 1e15 times the heaviest bristle"),
-    Quantity("length", "m", 1e-30, 1e3, lowest_allowed=True, source="chosen: the longest bristle"),
+    Quantity("length", "m", 1e-30, 1e6, lowest_allowed=True, source="chosen: 1e3 times the longest bristle"),
     Quantity(
         "angle", "rad", -1e6, 1e6, lowest_allowed=True, source="chosen: beyond it an angle has no digits to spare"
     ),
