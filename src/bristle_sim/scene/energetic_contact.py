@@ -131,8 +131,10 @@ class EnergeticContact:
             self.friction,
             0.0 if rests else self.restitution,
             self.restitution_friction,
+            fastest.stick_compliance,
         )
-        fastest.apply((impact.impulse_normal, impact.impulse_tangential))
+        impulse = (impact.impulse_normal, impact.impulse_tangential)
+        fastest.apply(impulse, (impact.velocity_normal, impact.velocity_tangential))
         if self.report is not None:
             self.report(impact)
         return -fastest.velocity[0]
