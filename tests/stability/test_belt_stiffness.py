@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Belt, Hub, Tool
+from bristle_sim.parameters import Bar, Belt, Hub, Tool
 from bristle_sim.scene import pace
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Effects
@@ -23,6 +23,7 @@ from bristle_sim.studies.hard_cases.belt_stiffness import (
     release_beside_closed_form,
 )
 from bristle_sim.studies.hard_cases.case import HardCase
+from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory.cueing import stiffened_cue_time, stiffened_highest_speed
 
 FREE = Tool(bar=None, workpart=None)
@@ -119,3 +120,17 @@ def test_a_step_let_through_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_run_that_ends_within_its_budget_has_not_spent_it() -> None:
     assert not budget_spent(FREE, 100_000).ok
+
+
+@pytest.mark.parametrize(
+    ("tool", "allowed"),
+    [
+        (Tool(belt=Belt(stiffness=1e5 * Tool().belt.stiffness)), "softer belt"),
+        (Tool(bar=Bar(friction=5.0)), "bar_friction"),
+    ],
+)
+def test_a_hold_that_the_engine_cannot_follow_is_no_result(tool: Tool, allowed: str) -> None:
+    """The bar would let go later, and the wire strike: "no contact" would be wrong, so it is refused in one line."""
+    with pytest.raises(ValueError, match=allowed) as refused:
+        whole_pass(tool, Settings())
+    assert "\n" not in str(refused.value)

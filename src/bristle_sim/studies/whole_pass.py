@@ -27,8 +27,15 @@ PRINTED = {
 }
 """Zhang 2020, eq. 2.2, caption of fig. 2.30, and eq. 4.5."""
 
-GIVEN_UP = ("step budget spent", "no step is short enough for the accuracy asked for")
-"""Ways for a run to stop that leave no result."""
+EASIER = "a motion less fast, a larger step or less accuracy is allowed"
+
+GIVEN_UP = {
+    "step budget spent": EASIER,
+    "no step is short enough for the accuracy asked for": EASIER,
+    "no grip for the engine's contact": "a softer belt, or a bar that the wire does not leave over its end, is allowed",
+    "friction too high for the engine's contact": "less bar_friction is allowed",
+}
+"""Ways for a run to stop that leave no result, and what would leave one."""
 
 LEAST_TOLERANCE = 1e-8
 """The reference is good to this: its own accuracy is asked a tenth finer than the scene's, down to 1e-10."""
@@ -77,12 +84,12 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
 
 def require_result(trajectory: Trajectory, settings: Settings) -> None:
     """Raise ValueError for a run that was given up."""
-    if trajectory.stop_reason in GIVEN_UP:
-        raise ValueError(
-            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
-            f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; a motion less fast, a larger step or less"
-            " accuracy is allowed"
-        )
+    for reason, allowed in GIVEN_UP.items():
+        if trajectory.stop_reason.endswith(reason):
+            raise ValueError(
+                f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
+                f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; {allowed}"
+            )
 
 
 def _outcome(contact: ContactRecord | None) -> str:
