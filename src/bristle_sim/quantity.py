@@ -13,11 +13,11 @@ from dataclasses import dataclass, field
 from numbers import Real
 from typing import Any
 
-__all__ = ["Choice", "Quantity", "check", "choice", "declaration", "quantity", "shown", "validate"]
+__all__ = ["Choice", "Range", "check", "choice", "declaration", "quantity", "shown", "validate"]
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity:
+class Range:
     """A real number with a unit and an allowed range; ``optional`` ones may be None."""
 
     key: str
@@ -125,7 +125,7 @@ def quantity(
         raise ValueError(f"{key}: declare exactly one of above and at_least")
     lowest = above if above is not None else at_least
     assert lowest is not None
-    declared = Quantity(key, unit, lowest, at_most, at_least is not None, source, optional=default is None)
+    declared = Range(key, unit, lowest, at_most, at_least is not None, source, optional=default is None)
     return field(default=default, metadata={"declaration": declared})
 
 
@@ -134,12 +134,12 @@ def choice(default: str, key: str, options: tuple[str, ...], *, source: str) -> 
     return field(default=default, metadata={"declaration": Choice(key, options, source)})
 
 
-def declaration(owner: Any, name: str) -> Quantity | Choice:
+def declaration(owner: Any, name: str) -> Range | Choice:
     """The declaration of one field of a parameter class or object."""
     for each in dataclasses.fields(owner):
         if each.name == name:
             found = each.metadata["declaration"]
-            assert isinstance(found, Quantity | Choice)
+            assert isinstance(found, Range | Choice)
             return found
     raise AttributeError(f"{owner!r} declares no field {name!r}")
 

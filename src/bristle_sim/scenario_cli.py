@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from bristle_sim.comparison import Report, finite, table
 from bristle_sim.files import complete_or_absent
-from bristle_sim.quantity import Choice, Quantity
+from bristle_sim.quantity import Choice, Range
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -56,9 +56,9 @@ class Scenario:
     plot_is_folder: bool = False
     options: tuple[str, ...] = ()
 
-    def keys(self) -> dict[str, tuple[Quantity | Choice, Any]]:
+    def keys(self) -> dict[str, tuple[Range | Choice, Any]]:
         """Every key with its declaration and default."""
-        found: dict[str, tuple[Quantity | Choice, Any]] = {}
+        found: dict[str, tuple[Range | Choice, Any]] = {}
         for part in self.parts:
             for each in dataclasses.fields(part):
                 declared = each.metadata.get("declaration")

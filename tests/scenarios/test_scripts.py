@@ -24,7 +24,7 @@ from typing import Any
 
 import pytest
 
-from bristle_sim.quantity import Choice, Quantity
+from bristle_sim.quantity import Choice, Range
 from bristle_sim.scenario_cli import Scenario, main
 
 ROOT = Path(__file__).parents[2]
@@ -337,10 +337,10 @@ def test_keys_are_listed(name: str, capsys: pytest.CaptureFixture[str]):
         assert shown in listed[key]
 
 
-def bad_texts(found: Quantity | Choice) -> Iterator[str]:
+def bad_texts(found: Range | Choice) -> Iterator[str]:
     """Nothing, words, what floats know besides numbers, and the nearest numbers out of range."""
     yield from ("", " ", "abc", "nan", "inf", "-inf", "1e999", "1_0", "0x10", "1,5", "\u22121", "1\n2")
-    if isinstance(found, Quantity):
+    if isinstance(found, Range):
         yield repr(math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest)
         yield repr(math.nextafter(found.highest, math.inf))
 

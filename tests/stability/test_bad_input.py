@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Release, SinglePendulum, Surface, Tool, Workpart
-from bristle_sim.quantity import Choice, Quantity, shown
+from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scenario_cli import Scenario, main
 from bristle_sim.scene import contact_laws
 from bristle_sim.scene.tool import simulate
@@ -48,7 +48,7 @@ def measured(name: str) -> bool:
 
 
 def test_a_range_that_lets_everything_pass_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Quantity, "_admits", lambda *_: True)
+    monkeypatch.setattr(Range, "_admits", lambda *_: True)
     assert not measured("every value of Hub")
     assert not measured("every argument of EnergeticContact")
 
@@ -56,13 +56,13 @@ def test_a_range_that_lets_everything_pass_is_noticed(monkeypatch: pytest.Monkey
 @pytest.mark.parametrize("line", ["hub_speed\nhub_radius: less is allowed", "less is allowed", "hub_speed, hub_radius"])
 def test_a_refusal_that_is_not_clear_is_noticed(line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two lines, no name, nothing allowed."""
-    monkeypatch.setattr(Quantity, "refusal", lambda *_: ValueError(line))
+    monkeypatch.setattr(Range, "refusal", lambda *_: ValueError(line))
     assert not measured("every value of Hub")
 
 
 def test_a_number_of_another_kind_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """NumPy's numbers are kept as plain ones: a repr, a file or JSON would tell them apart."""
-    monkeypatch.setattr(Quantity, "check", lambda _, value: value)
+    monkeypatch.setattr(Range, "check", lambda _, value: value)
     assert not measured("every value of Belt")
 
 
@@ -143,7 +143,7 @@ def test_scripts_at_the_ends_of_their_ranges(name: str, capsys: pytest.CaptureFi
             assert json.loads(out, parse_constant=pytest.fail), arguments
 
 
-def ends(found: Quantity | Choice) -> tuple[str, ...]:
+def ends(found: Range | Choice) -> tuple[str, ...]:
     if isinstance(found, Choice):
         return found.options
     return (repr(found.lowest if found.lowest_allowed else math.nextafter(found.lowest, math.inf)), repr(found.highest))
@@ -204,7 +204,7 @@ def test_formulas_of_any_numbers(four: list[float], many: list[float]) -> None:
         assert not tally.faults
 
 
-LENGTH = Quantity("length", "m", 0.0, 10.0, False, "test")
+LENGTH = Range("length", "m", 0.0, 10.0, False, "test")
 
 
 @pytest.mark.parametrize("value", [1, 1.0, np.float32(1.0), np.int8(1), Fraction(1), np.array(1.0), [[1], [2.0]], []])

@@ -25,7 +25,7 @@ from bristle_sim.parameters import (
     Workpart,
     operating_point,
 )
-from bristle_sim.quantity import Choice, Quantity
+from bristle_sim.quantity import Choice, Range
 
 
 def fields(part: type) -> tuple[dataclasses.Field[Any], ...]:
@@ -40,12 +40,12 @@ PARTS = [
 ]
 
 
-def declared(part: type) -> list[tuple[str, Quantity | Choice]]:
+def declared(part: type) -> list[tuple[str, Range | Choice]]:
     return [(each.name, each.metadata["declaration"]) for each in fields(part) if "declaration" in each.metadata]
 
 
 FIELDS = [(part, name, found) for part in PARTS for name, found in declared(part)]
-NUMBERS = [each for each in FIELDS if isinstance(each[2], Quantity)]
+NUMBERS = [each for each in FIELDS if isinstance(each[2], Range)]
 WORDS = [each for each in FIELDS if isinstance(each[2], Choice)]
 
 UNITS = {
@@ -222,7 +222,7 @@ def test_parts_are_frozen_and_keep_to_their_declarations(part: type):
 
 
 @pytest.mark.parametrize(("part", "name", "found"), FIELDS, ids=identity)
-def test_every_declaration_tells_its_source(part: type, name: str, found: Quantity | Choice):
+def test_every_declaration_tells_its_source(part: type, name: str, found: Range | Choice):
     assert len(found.source) > 5, f"{part.__name__}.{name}"
     assert found.key.isidentifier()
     assert found.unit
@@ -230,7 +230,7 @@ def test_every_declaration_tells_its_source(part: type, name: str, found: Quanti
 
 
 @pytest.mark.parametrize(("part", "name", "found"), NUMBERS, ids=identity)
-def test_every_number_is_refused_out_of_its_range(part: type, name: str, found: Quantity):
+def test_every_number_is_refused_out_of_its_range(part: type, name: str, found: Range):
     below = math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest
     above = math.nextafter(found.highest, math.inf)
     for wrong in (below, above, math.nan, math.inf, -math.inf, "0.1", True, [0.1]):

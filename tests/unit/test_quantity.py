@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bristle_sim.quantity import Choice, Quantity, check, choice, declaration, quantity, validate
+from bristle_sim.quantity import Choice, Range, check, choice, declaration, quantity, validate
 
-FROM_ZERO = Quantity("friction", "1", 0.0, 1e9, True, "a source")
-ABOVE_ZERO = Quantity("bristle_length", "m", 0.0, 1e3, False, "a source")
+FROM_ZERO = Range("friction", "1", 0.0, 1e9, True, "a source")
+ABOVE_ZERO = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
 
 
 @dataclass(frozen=True)
@@ -198,10 +198,10 @@ def test_parts_validate_what_they_declare():
 
 def test_a_field_carries_its_declaration_and_default():
     length = quantity(0.5, "length", "m", above=0.25, at_most=2.0, source="a source")
-    assert length.metadata == {"declaration": Quantity("length", "m", 0.25, 2.0, False, "a source", optional=False)}
+    assert length.metadata == {"declaration": Range("length", "m", 0.25, 2.0, False, "a source", optional=False)}
     assert length.default == 0.5
     extra = quantity(None, "extra", "s", at_least=0.0, at_most=1.0, source="off")
-    assert extra.metadata == {"declaration": Quantity("extra", "s", 0.0, 1.0, True, "off", optional=True)}
+    assert extra.metadata == {"declaration": Range("extra", "s", 0.0, 1.0, True, "off", optional=True)}
     assert extra.default is None
     word = choice("one", "word", ("one", "two"), source="a source")
     assert word.metadata == {"declaration": Choice("word", ("one", "two"), "a source")}
@@ -209,7 +209,7 @@ def test_a_field_carries_its_declaration_and_default():
 
 
 def test_declarations_can_be_asked_for():
-    assert declaration(Part, "length") == Quantity("length", "m", 0.0, 2.0, False, "a source")
+    assert declaration(Part, "length") == Range("length", "m", 0.0, 2.0, False, "a source")
     assert declaration(Part(), "extra").optional
     assert declaration(Part, "word").allowed == "one | two"
     assert check(Part, "extra", None) is None

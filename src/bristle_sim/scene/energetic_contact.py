@@ -13,7 +13,7 @@ from typing import Any
 
 import pymunk
 
-from bristle_sim.quantity import Quantity, shown
+from bristle_sim.quantity import Range, shown
 from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.theory.impact import Impact, energetic_impact
 
@@ -25,7 +25,7 @@ ROUNDS = 10
 MOST_TYPES = 1 << 63
 """Collision types are machine words."""
 
-DURATION = Quantity("duration", "time", 0.0, 1e9, True, "the engine lets NaN pass")
+DURATION = Range("duration", "time", 0.0, 1e9, True, "the engine lets NaN pass")
 """Of a step."""
 
 ROUNDING = 1e-9
@@ -81,11 +81,11 @@ class EnergeticContact:
         if not (report is None or callable(report)):
             raise ValueError(f"report = {shown(report)}: None or a function of one Impact is allowed")
         self.space = space
-        self.friction = Quantity("friction", "1", 0.0, 1e9, True, "Coulomb").check(friction)
-        self.restitution = Quantity("restitution", "1", 0.0, 1.0, True, "Stronge 1990").check(restitution)
+        self.friction = Range("friction", "1", 0.0, 1e9, True, "Coulomb").check(friction)
+        self.restitution = Range("restitution", "1", 0.0, 1.0, True, "Stronge 1990").check(restitution)
         later = friction if restitution_friction is None else restitution_friction
-        self.restitution_friction = Quantity("restitution_friction", "1", 0.0, 1e9, True, "Coulomb").check(later)
-        self.resting_speed = Quantity("resting_speed", "length/time", 0.0, 1e300, True, "chosen").check(resting_speed)
+        self.restitution_friction = Range("restitution_friction", "1", 0.0, 1e9, True, "Coulomb").check(later)
+        self.resting_speed = Range("resting_speed", "length/time", 0.0, 1e300, True, "chosen").check(resting_speed)
         self.report = report
         self._touching: list[_Touching] = []
         space.on_collision(collision_type_a, collision_type_b, pre_solve=self._notice)

@@ -7,7 +7,7 @@ import time as clock
 from dataclasses import dataclass
 
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.quantity import Quantity, shown
+from bristle_sim.quantity import Range, shown
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -60,19 +60,17 @@ class Chain:
 
 
 _RODS = (
-    Quantity("mass", "kg", 1e-60, 1e21, lowest_allowed=True, source="chosen: 1e15 times the heaviest bristle"),
-    Quantity("length", "m", 1e-30, 1e6, lowest_allowed=True, source="chosen: 1e3 times the longest bristle"),
-    Quantity(
-        "angle", "rad", -1e6, 1e6, lowest_allowed=True, source="chosen: beyond it an angle has no digits to spare"
-    ),
-    Quantity("rate", "rad/s", -1e15, 1e15, lowest_allowed=True, source="chosen: beyond any hub's"),
+    Range("mass", "kg", 1e-60, 1e21, lowest_allowed=True, source="chosen: 1e15 times the heaviest bristle"),
+    Range("length", "m", 1e-30, 1e6, lowest_allowed=True, source="chosen: 1e3 times the longest bristle"),
+    Range("angle", "rad", -1e6, 1e6, lowest_allowed=True, source="chosen: beyond it an angle has no digits to spare"),
+    Range("rate", "rad/s", -1e15, 1e15, lowest_allowed=True, source="chosen: beyond any hub's"),
 )
 _HUB = (
-    Quantity("hub_radius", "m", 0.0, 1e3, lowest_allowed=True, source="chosen: the largest hub"),
-    Quantity("hub_speed", "rad/s", -1e9, 1e9, lowest_allowed=True, source="chosen: beyond any hub's, in either sense"),
-    Quantity("hub_angle", "rad", -1e6, 1e6, lowest_allowed=True, source="as for the rods"),
+    Range("hub_radius", "m", 0.0, 1e3, lowest_allowed=True, source="chosen: the largest hub"),
+    Range("hub_speed", "rad/s", -1e9, 1e9, lowest_allowed=True, source="chosen: beyond any hub's, in either sense"),
+    Range("hub_angle", "rad", -1e6, 1e6, lowest_allowed=True, source="as for the rods"),
 )
-_RATIO = Quantity(
+_RATIO = Range(
     "mass_ratio", "1", 1e-9, 1e15, lowest_allowed=True, source="chosen: 1e15 is the last at which the heavier yields"
 )
 

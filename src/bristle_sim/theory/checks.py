@@ -12,7 +12,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.quantity import Quantity, shown
+from bristle_sim.quantity import Range, shown
 
 __all__ = ["checked", "finite", "not_negative", "numbers", "positive", "ranges", "require", "single", "whole"]
 
@@ -20,7 +20,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def ranges(*allowed: Quantity) -> Callable[[Callable[P, T]], Callable[P, T]]:
+def ranges(*allowed: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """Decorate a function to check its arguments before it runs, and to get them as floats or arrays of floats.
 
     A quantity is for the argument of its key; an argument that is None by default may be None.
@@ -45,7 +45,7 @@ def ranges(*allowed: Quantity) -> Callable[[Callable[P, T]], Callable[P, T]]:
     return decorate
 
 
-def checked(declared: Quantity, value: Any) -> Any:
+def checked(declared: Range, value: Any) -> Any:
     """The value as a float or an array of floats, or ValueError for the first that is out of range."""
     number = _floats(value)
     if number is None or value is None or np.asarray(value).dtype == bool:

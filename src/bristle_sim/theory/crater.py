@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import finite, positive, ranges, require, single, whole
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, IMPACT_ANGLE, PRINTED_WIDTH
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
@@ -54,11 +54,11 @@ MOST_PLIES = 10_000_000
 
 
 _arguments = ranges(
-    Quantity("depth", "m", -1e6, 1e6, True, "Zhang 2020, fig. 4.16"),
-    Quantity("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
-    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
-    Quantity("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
-    Quantity("compression_time", "s", 1e-30, 1e-2, True, "Zhang 2020, eq. 3.20"),
+    Range("depth", "m", -1e6, 1e6, True, "Zhang 2020, fig. 4.16"),
+    Range("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
+    Range("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
+    Range("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Range("compression_time", "s", 1e-30, 1e-2, True, "Zhang 2020, eq. 3.20"),
 )
 """What is allowed for the arguments of these names; functions narrow it where they must."""
 

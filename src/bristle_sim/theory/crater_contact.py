@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import finite, ranges, require, single
 from bristle_sim.theory.crater_cutting import Surface, depth_from_energy, depth_from_force, specific_cutting_energy
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, TipFace
@@ -59,11 +59,11 @@ class ContactCrater:
     shear_plane_emerges: bool
 
 
-COLUMN = ranges(*(Quantity(name, "SI units", -1e30, 1e30, True, "simulated") for name in COLUMNS))
+COLUMN = ranges(*(Range(name, "SI units", -1e30, 1e30, True, "simulated") for name in COLUMNS))
 SCALARS = ranges(
-    Quantity("impact_angle", "rad", 1e-30, 1.57, True, "Zhang 2020, eq. 4.51"),
-    Quantity("shear_yield_stress", "Pa", 1e-30, 1e30, True, "Zhang 2020, eq. 4.53"),
-    Quantity("friction", "1", 0.0, 1e300, False, "Zhang 2020, eq. 4.51"),
+    Range("impact_angle", "rad", 1e-30, 1.57, True, "Zhang 2020, eq. 4.51"),
+    Range("shear_yield_stress", "Pa", 1e-30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Range("friction", "1", 0.0, 1e300, False, "Zhang 2020, eq. 4.51"),
 )
 
 

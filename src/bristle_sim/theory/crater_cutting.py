@@ -36,7 +36,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import not_negative, positive, ranges, require, single
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, TipFace
 from bristle_sim.theory.merchant import API_5L, oblique_angles
@@ -66,15 +66,15 @@ NEWTON_STEPS = 60
 
 
 _arguments = ranges(
-    Quantity("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
-    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
-    Quantity("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
-    Quantity("path", "m", -1e30, 1e30, True, "Zhang 2020, eq. 4.4"),
-    Quantity("energy", "J", -1e30, 1e30, True, "Zhang 2020, eq. 4.59"),
-    Quantity("cutting_force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.31"),
-    Quantity("specific_energy", "J/m^3", -1e60, 1e60, True, "Zhang 2020, eq. 4.46"),
-    Quantity("speed", "m/s", -1e15, 1e15, True, "Zhang 2020, eq. 4.5"),
-    Quantity("effective_mass", "kg", -1e30, 1e30, True, "I/L^2"),
+    Range("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
+    Range("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
+    Range("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Range("path", "m", -1e30, 1e30, True, "Zhang 2020, eq. 4.4"),
+    Range("energy", "J", -1e30, 1e30, True, "Zhang 2020, eq. 4.59"),
+    Range("cutting_force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.31"),
+    Range("specific_energy", "J/m^3", -1e60, 1e60, True, "Zhang 2020, eq. 4.46"),
+    Range("speed", "m/s", -1e15, 1e15, True, "Zhang 2020, eq. 4.5"),
+    Range("effective_mass", "kg", -1e30, 1e30, True, "I/L^2"),
 )
 """What is allowed for the arguments of these names; functions narrow it where they must."""
 

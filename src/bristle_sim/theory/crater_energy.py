@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.parameters import Bristle
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import ranges, single, whole
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
@@ -56,10 +56,10 @@ NODES = 64
 
 
 _arguments = ranges(
-    Quantity("time", "s", 0.0, 1e3, True, "Zhang 2020, eq. 4.59"),
-    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.65"),
-    Quantity("decay", "1/s", 0.0, 1e15, True, "Zhang 2020, eq. 4.1: lambda"),
-    Quantity("compression_time", "s", 1e-30, 1e-2, True, "Zhang 2020, eq. 3.20"),
+    Range("time", "s", 0.0, 1e3, True, "Zhang 2020, eq. 4.59"),
+    Range("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.65"),
+    Range("decay", "1/s", 0.0, 1e15, True, "Zhang 2020, eq. 4.1: lambda"),
+    Range("compression_time", "s", 1e-30, 1e-2, True, "Zhang 2020, eq. 3.20"),
 )
 """What is allowed for the arguments of these names."""
 

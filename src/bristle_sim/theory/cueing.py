@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
-from bristle_sim.quantity import Quantity, shown
+from bristle_sim.quantity import Range, shown
 from bristle_sim.theory.checks import not_negative, positive, ranges, require
 
 __all__ = [
@@ -54,33 +54,33 @@ __all__ = [
 Number = Any
 """A float or an array of floats; results have the arguments' broadcast shape."""
 
-_RETRACTION = Quantity("retraction", "rad", -2.0 * np.pi, 2.0 * np.pi, True, "Zhang 2020, eq. 2.2: theta_p")
+_RETRACTION = Range("retraction", "rad", -2.0 * np.pi, 2.0 * np.pi, True, "Zhang 2020, eq. 2.2: theta_p")
 _arguments = ranges(
     _RETRACTION,
-    Quantity("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, fig. 2.2"),
-    Quantity("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
-    Quantity("penetration", "m", -2e3, 2e3, True, "Zhang 2020, eq. 2.2: Delta"),
-    Quantity("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
-    Quantity("tip_radius", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
-    Quantity("distance", "m", 0.0, 1e5, True, "Zhang 2020, eq. 2.1: S"),
-    Quantity("direction", "rad", -1e300, 1e300, True, "Zhang 2020, eq. 2.1: A + theta_1 + gamma"),
-    Quantity("mass", "kg", 0.0, 1e6, False, "Zhang 2020, eq. 2.20"),
-    Quantity("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.2"),
-    Quantity("stiffness", "N m/rad", 0.0, 1e100, True, "Zhang 2020, eq. 2.2: k_T"),
-    Quantity("centrifugal", "N m/rad", 0.0, 1e100, True, "g"),
-    Quantity("inertia", "kg m^2", -1e100, 1e100, True, "about the root"),
-    Quantity("natural_rate", "rad/s", 1e-150, 1e150, True, "sqrt(k/I)"),
-    Quantity("damping_ratio", "1", -1e9, 1e9, True, "zeta"),
-    Quantity("speed_share", "1", -1e9, 1e9, True, "of the undamped speed"),
+    Range("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, fig. 2.2"),
+    Range("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
+    Range("penetration", "m", -2e3, 2e3, True, "Zhang 2020, eq. 2.2: Delta"),
+    Range("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
+    Range("tip_radius", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
+    Range("distance", "m", 0.0, 1e5, True, "Zhang 2020, eq. 2.1: S"),
+    Range("direction", "rad", -1e300, 1e300, True, "Zhang 2020, eq. 2.1: A + theta_1 + gamma"),
+    Range("mass", "kg", 0.0, 1e6, False, "Zhang 2020, eq. 2.20"),
+    Range("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.2"),
+    Range("stiffness", "N m/rad", 0.0, 1e100, True, "Zhang 2020, eq. 2.2: k_T"),
+    Range("centrifugal", "N m/rad", 0.0, 1e100, True, "g"),
+    Range("inertia", "kg m^2", -1e100, 1e100, True, "about the root"),
+    Range("natural_rate", "rad/s", 1e-150, 1e150, True, "sqrt(k/I)"),
+    Range("damping_ratio", "1", -1e9, 1e9, True, "zeta"),
+    Range("speed_share", "1", -1e9, 1e9, True, "of the undamped speed"),
 )
 """What is allowed for the arguments of these names; functions narrow it where they must."""
 
 _bar_arguments = ranges(
-    Quantity("bar_horizontal", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_H"),
-    Quantity("bar_vertical", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_V"),
-    Quantity("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
-    Quantity("hub_radius", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
-    Quantity("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
+    Range("bar_horizontal", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_H"),
+    Range("bar_vertical", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_V"),
+    Range("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
+    Range("hub_radius", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
+    Range("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
 )
 """On a hub without radius any retraction reaches as far."""
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import numbers, positive, ranges, require, single, whole
 from bristle_sim.theory.force_history import ForceCurve
 
@@ -70,9 +70,9 @@ class ForceFit:
 
 
 @ranges(
-    Quantity("duration", "s", -1e30, 1e30, True, "given"),
-    Quantity("peak_force", "N", -1e30, 1e30, True, "given"),
-    Quantity("noise", "N", -1e30, 1e30, True, "given"),
+    Range("duration", "s", -1e30, 1e30, True, "given"),
+    Range("peak_force", "N", -1e30, 1e30, True, "given"),
+    Range("noise", "N", -1e30, 1e30, True, "given"),
 )
 def fit_force_history(
     time: ArrayLike,

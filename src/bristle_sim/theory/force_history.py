@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import finite, positive, ranges, single, whole
 
 __all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "ForceCurve", "segment_impulses"]
@@ -181,7 +181,7 @@ BRISTLE = ForceCurve((1.0160,), (5.4990,), offset=26.0, swing=30.0, lead=1e-5, p
 """Resultant force on the bristle tip (Zhang 2020, eq. 3.19): t_f = 0.1 ms, F* = 60 N."""
 
 
-@ranges(Quantity("compression_time", "s", 1e-30, 1e3, True, "Zhang 2020, eq. 3.15"))
+@ranges(Range("compression_time", "s", 1e-30, 1e3, True, "Zhang 2020, eq. 3.15"))
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> NDArray[np.float64]:

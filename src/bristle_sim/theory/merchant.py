@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import ranges, require
 
 __all__ = [
@@ -50,17 +50,17 @@ LEAST_WORK = 0.5 * math.pi
 
 
 _arguments = ranges(
-    Quantity("resultant_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.25"),
-    Quantity("constant", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.45"),
-    Quantity("slope", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.44"),
-    Quantity("rake", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
-    Quantity("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.40"),
-    Quantity("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
-    Quantity("rake_offset", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
-    Quantity("depth", "m", 0.0, 1e6, True, "Zhang 2020, eq. 4.30"),
-    Quantity("width", "m", 1e-30, 1e6, True, "Zhang 2020, eq. 4.16"),
-    Quantity("shear_yield_stress", "Pa", 1e-30, 1e30, True, "Zhang 2020, eq. 4.53"),
-    Quantity("force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.46"),
+    Range("resultant_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.25"),
+    Range("constant", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.45"),
+    Range("slope", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.44"),
+    Range("rake", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
+    Range("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.40"),
+    Range("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
+    Range("rake_offset", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
+    Range("depth", "m", 0.0, 1e6, True, "Zhang 2020, eq. 4.30"),
+    Range("width", "m", 1e-30, 1e6, True, "Zhang 2020, eq. 4.16"),
+    Range("shear_yield_stress", "Pa", 1e-30, 1e30, True, "Zhang 2020, eq. 4.53"),
+    Range("force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.46"),
 )
 """What is allowed for the arguments of these names; functions narrow it where they must."""
 

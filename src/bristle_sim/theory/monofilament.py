@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import ranges
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
 
@@ -56,18 +56,18 @@ LEAST_ANGLE = 1e-150
 """In rad: impulses grow as its inverse, and the smaller ones are no numbers for a tip without friction."""
 
 _arguments = ranges(
-    Quantity("mass", "kg", 1e-30, 1e6, True, "Zhang 2020, eq. 2.20"),
-    Quantity("length", "m", 1e-9, 1e3, True, "Zhang 2020, eq. 2.19"),
-    Quantity("impulse", "N s", -1e30, 1e30, True, "Zhang 2020, eq. 2.34"),
-    Quantity("initial_rate", "rad/s", -1e15, 1e15, True, "Zhang 2020, eq. 2.34"),
-    Quantity("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, eq. 2.19"),
-    Quantity("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.19"),
-    Quantity("speed_ratio", "1", -1e9, 1e9, True, "Zhang 2020, eq. 2.33"),
-    Quantity("tip_speed", "m/s", -1e12, 1e12, True, "Zhang 2020, eq. 2.24"),
-    Quantity("impact_angle", "rad", LEAST_ANGLE, math.pi / 2.0, True, "Zhang 2020, fig. 2.5"),
-    Quantity("friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
-    Quantity("restitution_friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
-    Quantity("restitution", "1", 0.0, 1.0, True, "Zhang 2020, eq. 2.47"),
+    Range("mass", "kg", 1e-30, 1e6, True, "Zhang 2020, eq. 2.20"),
+    Range("length", "m", 1e-9, 1e3, True, "Zhang 2020, eq. 2.19"),
+    Range("impulse", "N s", -1e30, 1e30, True, "Zhang 2020, eq. 2.34"),
+    Range("initial_rate", "rad/s", -1e15, 1e15, True, "Zhang 2020, eq. 2.34"),
+    Range("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, eq. 2.19"),
+    Range("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.19"),
+    Range("speed_ratio", "1", -1e9, 1e9, True, "Zhang 2020, eq. 2.33"),
+    Range("tip_speed", "m/s", -1e12, 1e12, True, "Zhang 2020, eq. 2.24"),
+    Range("impact_angle", "rad", LEAST_ANGLE, math.pi / 2.0, True, "Zhang 2020, fig. 2.5"),
+    Range("friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
+    Range("restitution_friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
+    Range("restitution", "1", 0.0, 1.0, True, "Zhang 2020, eq. 2.47"),
 )
 """What is allowed for the arguments of these names."""
 

@@ -32,7 +32,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Quantity
+from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import ranges
 
 __all__ = [
@@ -50,18 +50,18 @@ Speeds = NDArray[np.float64]
 """Generalized speeds (q_1, q_2), m/s."""
 
 _RIGHT = math.pi / 2.0
-_MASS = Quantity("rod_mass", "kg", 1e-30, 1e6, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
-_RATIO = Quantity("mass_ratio", "1", 0.0, 1e12, lowest_allowed=False, source="Zhang 2020, below eq. 2.98: n")
-_LENGTH = Quantity("rod_length", "m", 1e-9, 1e3, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
-_IMPACT_ANGLE = Quantity("impact_angle", "rad", 0.0, _RIGHT, lowest_allowed=False, source="Zhang 2020, fig. 2.25")
-_ANGLE_1 = Quantity("angle_1", "rad", -_RIGHT, _RIGHT, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
-_ANGLE_2 = Quantity("angle_2", "rad", -_RIGHT, _RIGHT, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
-_RATE = Quantity("rate", "rad/s", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, fig. 2.25")
-_RATE_1 = Quantity("rate_1", "rad/s", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, fig. 2.29")
-_RATE_2 = Quantity("rate_2", "rad/s", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, fig. 2.28")
-_FRICTION = Quantity("friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.70")
-_LATER_FRICTION = Quantity("restitution_friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.70")
-_RESTITUTION = Quantity("restitution", "1", 0.0, 1.0, lowest_allowed=True, source="Zhang 2020, eq. 2.87")
+_MASS = Range("rod_mass", "kg", 1e-30, 1e6, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
+_RATIO = Range("mass_ratio", "1", 0.0, 1e12, lowest_allowed=False, source="Zhang 2020, below eq. 2.98: n")
+_LENGTH = Range("rod_length", "m", 1e-9, 1e3, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
+_IMPACT_ANGLE = Range("impact_angle", "rad", 0.0, _RIGHT, lowest_allowed=False, source="Zhang 2020, fig. 2.25")
+_ANGLE_1 = Range("angle_1", "rad", -_RIGHT, _RIGHT, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
+_ANGLE_2 = Range("angle_2", "rad", -_RIGHT, _RIGHT, lowest_allowed=True, source="Zhang 2020, fig. 2.27")
+_RATE = Range("rate", "rad/s", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, fig. 2.25")
+_RATE_1 = Range("rate_1", "rad/s", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, fig. 2.29")
+_RATE_2 = Range("rate_2", "rad/s", -1e9, 1e9, lowest_allowed=True, source="Zhang 2020, fig. 2.28")
+_FRICTION = Range("friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.70")
+_LATER_FRICTION = Range("restitution_friction", "1", 0.0, 1e9, lowest_allowed=True, source="Zhang 2020, eq. 2.70")
+_RESTITUTION = Range("restitution", "1", 0.0, 1.0, lowest_allowed=True, source="Zhang 2020, eq. 2.87")
 
 _ROUNDING = 1e-12
 """Share of the rods' initial speeds below which a component of the tip's velocity counts as zero."""

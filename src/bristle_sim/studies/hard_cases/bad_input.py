@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 
 from bristle_sim import crater_parameters, parameters
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
-from bristle_sim.quantity import Choice, Quantity, shown
+from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool, simulate
@@ -191,7 +191,7 @@ def _ends(kind: type[Any], chance: random.Random, share: float, without: tuple[s
             continue
         if isinstance(declared, Choice):
             yield each.name, chance.choice(declared.options)
-        elif isinstance(declared, Quantity):
+        elif isinstance(declared, Range):
             least = declared.lowest if declared.lowest_allowed else math.nextafter(declared.lowest, math.inf)
             yield each.name, chance.choice((least, declared.highest))
 
