@@ -8,6 +8,7 @@ import pytest
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.stepping import Extrapolation
+from bristle_sim.studies.hard_cases import long_run
 from bristle_sim.studies.hard_cases.case import HardCase
 from bristle_sim.studies.hard_cases.long_run import RETRACTION, cases, free_tool, jacobi_energy
 from bristle_sim.theory import cueing
@@ -36,13 +37,15 @@ def test_full_effort_turns_ten_thousand_times() -> None:
 
 
 def test_a_careless_stepper_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scene_tool, "stepper_for", lambda *_: Extrapolation(1e-3))
+    for module in (scene_tool, long_run):
+        monkeypatch.setattr(module, "stepper_for", lambda *_: Extrapolation(1e-3))
     assert not QUICK[0].measure().ok
+    assert not QUICK[1].measure().ok
 
 
 def test_a_pivot_that_is_left_open_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Scene, "correct_joints", lambda *_, **__: None)
-    finding = QUICK[2].measure()
+    finding = QUICK[3].measure()
     assert not finding.ok
     assert "pivot gap" in finding.reached
 
@@ -55,5 +58,5 @@ def test_a_loss_of_energy_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
         return built(**(given | {"damping": 2e-6 * math.sqrt(given["stiffness"] / 3.0)}))
 
     monkeypatch.setattr(scene_tool, "Effects", damped)
-    assert not QUICK[0].measure().ok
-    assert not QUICK[2].measure().ok
+    for case in QUICK[:4]:
+        assert not case.measure().ok, case.name
