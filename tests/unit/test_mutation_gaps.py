@@ -10,12 +10,13 @@ import pymunk
 import pytest
 
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.scene import stepping
+from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.repetitions import Repetitions
 from bristle_sim.scene.spring import time_at_unit_stiffness
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Repetitions, Stepper, SymmetricSteps
+from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper, SymmetricSteps
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.theory.impact import energetic_impact, poisson_impact
@@ -130,7 +131,7 @@ class TestStepping:
 
     def test_cost_counts_every_run_and_step(self) -> None:
         """Two runs of 4 and 5 steps cost two overheads and 9 steps."""
-        overhead = stepping.RUN_OVERHEAD
+        overhead = repetitions.RUN_OVERHEAD
         assert Repetitions(4, 5).costs == [overhead + 4.0, 2.0 * overhead + 9.0]
 
     def test_a_stretch_may_be_a_tenth_longer_to_save_a_stub(self) -> None:

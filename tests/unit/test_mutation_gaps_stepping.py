@@ -4,10 +4,11 @@ import math
 
 import pytest
 
-from bristle_sim.scene import stepping
+from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import Advance, Extrapolation, PlainSteps, Repetitions, SymmetricSteps
+from bristle_sim.scene.repetitions import Repetitions
+from bristle_sim.scene.stepping import Advance, Extrapolation, PlainSteps, SymmetricSteps
 
 
 class Tally:
@@ -80,7 +81,9 @@ class TestRepetitions:
         assert table.weights == [(1.0,), (-4.0, 5.0), (8.0, -25.0, 18.0)]
         # Less the weights without the first result, (1,) and (-5, 6).
         assert table.differences[1:] == [(-4.0, 4.0), (8.0, -20.0, 12.0)]
-        assert table.noise == pytest.approx([each * stepping.ROUNDING for each in (1.0, 9.0, 51.0)], rel=1e-15, abs=0.0)
+        assert table.noise == pytest.approx(
+            [each * repetitions.ROUNDING for each in (1.0, 9.0, 51.0)], rel=1e-15, abs=0.0
+        )
 
 
 class TestExtrapolation:
@@ -90,7 +93,7 @@ class TestExtrapolation:
         assert Extrapolation(1e-6, 3.0).noise == pytest.approx(3e-6, rel=1e-15, abs=0.0)
         exact = Extrapolation(0.0)
         assert exact.most_rows == exact.rows == 4
-        assert exact.noise == stepping.CLOSE.noise[3]
+        assert exact.noise == repetitions.CLOSE.noise[3]
 
     def test_a_load_that_always_fails(self) -> None:
         scene, state = oscillator()
@@ -119,7 +122,7 @@ class TestExtrapolation:
         stretch that keeps the price.
         """
         stepper = Extrapolation(1e-6)
-        counts, overhead = (4, 5, 6, 7, 8, 10), stepping.RUN_OVERHEAD
+        counts, overhead = (4, 5, 6, 7, 8, 10), repetitions.RUN_OVERHEAD
 
         def cost(of: int) -> float:
             return overhead * (of + 1) + sum(counts[: of + 1])

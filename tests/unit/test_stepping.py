@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bristle_sim.scene import stepping
+from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -97,7 +97,7 @@ class TestExtrapolation:
 
     def test_repetitions_remove_one_power_of_the_step_each(self) -> None:
         """Weights add up to 1 and annihilate n^-j, j = 1 ... rows - 1; they magnify rounding by their own size."""
-        for table in (stepping.CLOSE, stepping.WIDE):
+        for table in (repetitions.CLOSE, repetitions.WIDE):
             for row, weights in enumerate(table.weights):
                 counts = np.array(table.counts[: row + 1], dtype=float)
                 for power in range(row + 1):

@@ -17,8 +17,9 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.pace import damped_stretch
 from bristle_sim.scene.passage import SAMPLES, Passage
+from bristle_sim.scene.repetitions import WIDE
 from bristle_sim.scene.spring import Spring, time_at_unit_stiffness
-from bristle_sim.scene.stepping import WIDE, Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 

@@ -10,7 +10,8 @@ import math
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.stepping import LEAST_NOISE, Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.repetitions import LEAST_NOISE
+from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 

@@ -15,17 +15,12 @@ from typing import NamedTuple, Protocol
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.repetitions import CLOSE, LEAST_ROWS, Repetitions
 
-__all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps", "lagrange_weights"]
-
-RUN_OVERHEAD = 6.0
-"""Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
+__all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps"]
 
 INSTANT = 1e-6
 """Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
-
-ROUNDING = 4e-16
-"""Of an angle of some radians; extrapolation weights amplify it."""
 
 
 class Load(Protocol):
@@ -195,48 +190,6 @@ class SymmetricSteps:
 def _as_left(left: tuple[State, int] | None, scene: Scene, state: State) -> bool:
     """Whether a stepper left the bodies in this state and nobody has moved them since."""
     return left is not None and left[0] is state and left[1] == scene.motions
-
-
-class Repetitions:
-    """Numbers of steps in which a stretch is repeated, with what extrapolating their results takes.
-
-    Attributes:
-        counts: steps in each repetition.
-        costs: of the first so many repetitions, in engine steps.
-        weights: that extrapolate the first so many results to zero step.
-        differences: the last extrapolate less the one without the first result, an estimate of the latter's error.
-        noise: rounding that the weights make of that of an angle.
-    """
-
-    def __init__(self, *counts: int) -> None:
-        """Ascending numbers of steps."""
-        rows = range(len(counts))
-        self.counts = counts
-        self.costs = [RUN_OVERHEAD * (row + 1) + sum(counts[: row + 1]) for row in rows]
-        self.weights = [lagrange_weights(counts[: row + 1]) for row in rows]
-        self.differences = [
-            tuple(a - b for a, b in zip(self.weights[row], (0.0, *lagrange_weights(counts[1 : row + 1])), strict=True))
-            for row in rows
-        ]
-        self.noise = [ROUNDING * sum(map(abs, weights)) for weights in self.weights]
-
-
-def lagrange_weights(counts: tuple[int, ...]) -> tuple[float, ...]:
-    """Weights that extrapolate results of ``counts`` steps to zero step: the Lagrange polynomial in h = 1/n at h = 0."""
-    return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
-
-
-CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)
-"""Few steps for an order, for motion that is computed to rounding."""
-
-WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)
-"""Small weights, for stiff contacts whose forces carry the rounding of a small penetration."""
-
-LEAST_ROWS = 4
-"""Repetitions to begin with."""
-
-LEAST_NOISE = CLOSE.noise[LEAST_ROWS - 1]
-"""Rounding of a stretch, of angles in rad and rates per time unit; no stretch is known to be more accurate."""
 
 
 class Extrapolation:

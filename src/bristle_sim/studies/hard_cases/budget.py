@@ -15,7 +15,7 @@ import numpy as np
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Belt, Contact, Hub, Tool
-from bristle_sim.scene.stepping import CLOSE
+from bristle_sim.scene.repetitions import CLOSE
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
