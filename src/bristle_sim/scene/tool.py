@@ -131,7 +131,7 @@ def simulate(
         raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
     settings = settings or Settings()
     begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
-    if stop_after is not None and shown(stop_after) not in map(shown, EVENTS):
+    if stop_after is not None and str(stop_after) not in EVENTS:
         raise ValueError(f"stop_after = {shown(stop_after)}: None or one of {', '.join(EVENTS)} is allowed")
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
     _check_start(scene, tool, begin.hub_angle + begin.relative_angle)
