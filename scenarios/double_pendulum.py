@@ -38,6 +38,11 @@ def video(report: Report, path: Path) -> None:
     impact_video(report.subject, path)
 
 
+def series(report: Report) -> dict[str, Any]:
+    """The contact in time, where the law resolves it."""
+    return report.subject.strikes[report.subject.law].contact.columns()
+
+
 SCENARIO = Scenario(
     name="double_pendulum",
     question="Stronge's double pendulum: does the simulated impact follow the closed form, whatever the masses?",
@@ -45,7 +50,11 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     video=video,
-    defaults={"friction": 0.5, "restitution": 0.5},
+    series=series,
+    defaults={
+        "friction": (0.5, "Zhang 2020, fig. 2.28: the second of its three curves"),
+        "restitution": (0.5, "Zhang 2020, fig. 2.28: e*"),
+    },
     without=("step", "hub_turn"),
 )
 

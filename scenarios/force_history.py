@@ -37,12 +37,20 @@ def plot(report: Report, path: Path) -> None:
     save_figure(force_figure(report.subject), path)
 
 
+def series(report: Report) -> dict[str, Any]:
+    """The simulated contact in time."""
+    if report.subject.contact is None:
+        raise ValueError(report.subject.no_contact)
+    return dict(report.subject.contact.record.columns())
+
+
 SCENARIO = Scenario(
     name="force_history",
     question="Does a simulated contact push as the force curve of chapter 3 assumes?",
     parts=(Hub, Bristle, Surface, ForceHistory, Measurement, Settings),
     run=run,
     plot=plot,
+    series=series,
     without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
 )
 

@@ -43,6 +43,11 @@ def video(report: Report, path: Path) -> None:
     impact_video(report.subject, path)
 
 
+def series(report: Report) -> dict[str, Any]:
+    """The contact in time, where the law resolves it."""
+    return report.subject.strikes[report.subject.law].contact.columns()
+
+
 SCENARIO = Scenario(
     name="oblique_impact",
     question="One strike of a radial bristle: does the simulated impact follow the closed forms?",
@@ -50,6 +55,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     video=video,
+    series=series,
     without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
 )
 

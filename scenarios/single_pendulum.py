@@ -38,6 +38,11 @@ def video(report: Report, path: Path) -> None:
     impact_video(report.subject, path)
 
 
+def series(report: Report) -> dict[str, Any]:
+    """The contact in time, where the law resolves it."""
+    return report.subject.strikes[report.subject.law].contact.columns()
+
+
 SCENARIO = Scenario(
     name="single_pendulum",
     question="Stronge's single pendulum: does the simulated impact follow the closed form?",
@@ -45,6 +50,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     video=video,
+    series=series,
     without=("step", "hub_turn"),
 )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.quantity import quantity, shown, validate
+from bristle_sim.quantity import ANY, quantity, shown, validate
 
 __all__ = ["Crater", "ForceHistory", "InputFile", "Measurement"]
 
@@ -22,15 +22,17 @@ class InputFile:
     unit: str = "file"
     allowed: str = "a readable file"
     optional: bool = True
+    meaning: str = ""
+    needs: str = ""
 
     def parse(self, text: str) -> str:
         """Turn typed text into the name of a file that is there; raises ValueError in one line."""
         return self.check(text)
 
     def check(self, value: Any) -> str:
-        """Return the name, or raise ValueError with key, value and what is allowed."""
+        """Return the name, or raise ValueError with key, value and what it must be."""
         if not isinstance(value, str) or not _is_file(value):
-            raise ValueError(f"{self.key} = {shown(value)}: {self.allowed} is allowed")
+            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
         return str(value)
 
 
@@ -41,7 +43,11 @@ def _is_file(name: str) -> bool:
         return False
 
 
-_FORCE_CSV = InputFile("force_csv", "none: the measured points are not in print; two columns, time in s and force in N")
+_FORCE_CSV = InputFile(
+    "force_csv",
+    "none: the measured points are not in print",
+    meaning="measured force history: two columns, time in s and force in N",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,26 +63,58 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True)
 class ForceHistory:
-    """The contact laid beside a force curve, and the points on which the fit is tried.
+    """The contact compared with a force curve, and the points on which the fit is tried.
 
     ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse asks for, as long
     as its force rises.
     """
 
     speed_ratio: float | None = quantity(
-        None, "speed_ratio", "1", above=0.0, at_most=1e6, source="the one that gives the curve's compressive impulse"
+        None,
+        "speed_ratio",
+        "1",
+        above=0.0,
+        at_most=1e6,
+        source="the one that gives the curve's compressive impulse",
+        meaning="bristle's rate over the hub's speed when it strikes, R; none: from the curve's impulse",
     )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=90.0, source="Zhang 2020, eq. 3.9: gamma"
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=90.0,
+        source="Zhang 2020, eq. 3.9: gamma",
+        meaning="angle between the radial bristle and the workpart's normal, gamma",
     )
     compression_time: float | None = quantity(
-        None, "compression_time", "s", at_least=1e-9, at_most=1.0, source="the curve's: Zhang 2020, eq. 3.20, 5e-5"
+        None,
+        "compression_time",
+        "s",
+        at_least=1e-9,
+        at_most=1.0,
+        source="the curve's: Zhang 2020, eq. 3.20, 5e-5",
+        meaning="time from first touch to the highest force; none: the curve's",
     )
     points: float = quantity(
-        101.0, "points", "1", at_least=10.0, at_most=1e5, source="chosen: on which the fit is tried"
+        101.0,
+        "points",
+        "1",
+        at_least=10.0,
+        at_most=1e5,
+        source="chosen: on which the fit is tried",
+        meaning="number of points of the curve on which the fit is tried",
+        usual=ANY,
     )
     noise: float = quantity(
-        1.0, "noise", "N", at_least=0.0, at_most=1e6, source="chosen: standard deviation of a noisy point"
+        1.0,
+        "noise",
+        "N",
+        at_least=0.0,
+        at_most=1e6,
+        source="chosen: standard deviation of a noisy point",
+        meaning="standard deviation of the noise added to the points",
+        usual=ANY,
     )
 
     def __post_init__(self) -> None:
@@ -88,9 +126,23 @@ class ForceHistory:
 class Crater:
     """A bristle's tip that cuts."""
 
-    speed_ratio: float = quantity(3.23, "speed_ratio", "1", at_least=0.0, at_most=1e6, source=SPEED_RATIO_SOURCE)
+    speed_ratio: float = quantity(
+        3.23,
+        "speed_ratio",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source=SPEED_RATIO_SOURCE,
+        meaning="bristle's rate over the hub's speed when it strikes, R",
+    )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=89.0, source="Zhang 2020, eq. 4.51: gamma"
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=89.0,
+        source="Zhang 2020, eq. 4.51: gamma",
+        meaning="angle between the radial bristle and the workpart's normal, gamma",
     )
     friction: float = quantity(
         0.5,
@@ -99,12 +151,26 @@ class Crater:
         at_least=1e-6,
         at_most=1e9,
         source="Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
+        meaning="coefficient of friction between tip and workpart while it cuts",
     )
     shear_yield_stress: float = quantity(
-        1.2e8, "shear_yield_stress", "Pa", at_least=1.0, at_most=1e15, source="Zhang 2020, eq. 4.53: steel API 5L"
+        1.2e8,
+        "shear_yield_stress",
+        "Pa",
+        at_least=1.0,
+        at_most=1e15,
+        source="Zhang 2020, eq. 4.53: steel API 5L",
+        meaning="shear yield stress of the workpart's steel",
     )
     plies: float = quantity(
-        300.0, "plies", "1", at_least=1.0, at_most=1e5, source="Zhang 2020, below fig. 4.13: n, of equal time"
+        300.0,
+        "plies",
+        "1",
+        at_least=1.0,
+        at_most=1e5,
+        source="Zhang 2020, below fig. 4.13: n, of equal time",
+        meaning="number of layers into which the cut is divided",
+        usual=ANY,
     )
     compression_time: float = quantity(
         5e-5,
@@ -113,6 +179,7 @@ class Crater:
         at_least=1e-8,
         at_most=1e-4,
         source="Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
+        meaning="time from first touch to deepest penetration, t_c",
     )
 
     def __post_init__(self) -> None:
@@ -122,4 +189,4 @@ class Crater:
 
 def _whole(key: str, value: float) -> None:
     if value != int(value):
-        raise ValueError(f"{key} = {value!r}: a whole number is allowed (dimensionless)")
+        raise ValueError(f"{key} = {value!r}: must be a whole number (dimensionless)")

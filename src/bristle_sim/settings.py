@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bristle_sim.quantity import quantity, shown, validate
+from bristle_sim.quantity import ANY, quantity, shown, validate
 
 __all__ = ["Settings"]
 
@@ -32,13 +32,29 @@ class Settings:
         at_least=1e-11,
         at_most=0.1,
         source="chosen; less than 1e-11 is more than double precision gives",
+        meaning="relative accuracy requested of the simulation",
+        usual=ANY,
     )
     step: float | None = quantity(
-        None, "step", "s", at_least=1e-12, at_most=1.0, source="off: the step follows from accuracy"
+        None,
+        "step",
+        "s",
+        at_least=1e-12,
+        at_most=1.0,
+        source="off: the step follows from accuracy",
+        meaning="fixed engine step; none: chosen for the accuracy",
+        usual=ANY,
     )
     maximum_steps: int = 1_000_000
     hub_turn: float = quantity(
-        4.71238898038469, "hub_turn", "rad", at_least=1e-12, at_most=1e6, source="three quarters of a turn"
+        4.71238898038469,
+        "hub_turn",
+        "rad",
+        at_least=1e-12,
+        at_most=1e6,
+        source="three quarters of a turn",
+        meaning="turn of the hub after which the pass ends",
+        usual=ANY,
     )
     samples_per_period: int = 24
 

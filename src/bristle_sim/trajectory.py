@@ -60,6 +60,12 @@ class ContactHistory:
     normal_velocity: Array
     tangential_velocity: Array
 
+    def columns(self) -> dict[str, Array]:
+        """Return every sampled quantity by its name and unit, one entry a sample."""
+        units = {"time": "s", "force": "N", "penetration": "m", "velocity": "m/s"}
+        names = (each.name for each in dataclasses.fields(self))
+        return {f"{name} ({units[name.split('_')[-1]]})": getattr(self, name) for name in names}
+
 
 @dataclass(frozen=True, slots=True)
 class ContactRecord:
@@ -95,6 +101,16 @@ class ContactRecord:
     rates_after: tuple[float, ...]
     phases: tuple[str, ...] = ()
     history: ContactHistory | None = None
+
+    def columns(self) -> dict[str, Array]:
+        """Return the contact in time by names and units.
+
+        Raises:
+            ValueError: for a contact that was not resolved in time.
+        """
+        if self.history is None:
+            raise ValueError(f"contact = {self.law}: must be compliant; an impact at an instant has no time series")
+        return self.history.columns()
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,8 +171,29 @@ class Trajectory:
         """The first contact with ``bar`` or ``workpart``, or None."""
         return next((each for each in self.contacts if each.obstacle == obstacle), None)
 
+    def columns(self) -> dict[str, Array]:
+        """Return every sampled quantity by its name and unit, one entry a sample, for tables and files."""
+        links = range(self.angles.shape[1])
+        return {
+            "time (s)": self.time,
+            "hub_angle (rad)": self.hub_angle,
+            **{f"angle_{link + 1} (rad)": self.angles[:, link] for link in links},
+            **{f"rate_{link + 1} (rad/s)": self.rates[:, link] for link in links},
+            "relative_angle (rad)": self.relative_angle,
+            "relative_rate (rad/s)": self.relative_rate,
+            "tip_x (m)": self.tip[:, 0],
+            "tip_y (m)": self.tip[:, 1],
+            "kinetic_energy (J)": self.kinetic_energy,
+            "potential_energy (J)": self.potential_energy,
+            "normal_force (N)": self.normal_force,
+        }
+
     def save(self, path: str | Path) -> None:
-        """Write everything to one npz file; it appears only when complete."""
+        """Write everything to one npz file of exactly that name, with no suffix added; it appears only when complete.
+
+        Raises:
+            OSError: naming the file, if it cannot be written.
+        """
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _ARRAYS}
         contacts = []
         for number, contact in enumerate(self.contacts):
@@ -180,7 +217,7 @@ class Trajectory:
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
-        """Read a file written by :meth:`save`.
+        """Read a file written by :meth:`save`, by the same name.
 
         Raises:
             OSError: if there is no such file or it cannot be read.

@@ -1,4 +1,4 @@
-"""The audit as a report: rows for JSON, counts, and a table that reads on a terminal of 120 columns."""
+"""The audit as a report: rows for JSON, counts, and a table that reads on a terminal of 100 columns."""
 
 from __future__ import annotations
 
@@ -14,14 +14,11 @@ from bristle_sim.studies.audit import DIFFERS, NOT_COMPUTABLE, REPRODUCED, Audit
 
 __all__ = ["AuditView", "audit_report", "shown_number", "terminal_table"]
 
-WIDTH = 120
+WIDTH = 100
 """Columns of a terminal that the table fits in."""
 
 PRINTED, COMPUTED, UNIT = 22, 12, 9
 """Columns of the table's narrow cells; the status is the last and the place takes the rest."""
-
-OUTCOME = "rebound"
-"""Of the dissertation's operating point, whose formulas and whose simulated pass the audit computes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +26,11 @@ class AuditView:
     """Which rows the table shows; the JSON always has them all."""
 
     show: str = choice(
-        "all", "show", ("all", REPRODUCED, DIFFERS, NOT_COMPUTABLE), source="chosen: rows of the table on the terminal"
+        "all",
+        "show",
+        ("all", REPRODUCED, DIFFERS, NOT_COMPUTABLE),
+        source="chosen: rows of the table on the terminal",
+        meaning="which rows the table shows; the JSON has all",
     )
 
     def __post_init__(self) -> None:
@@ -44,7 +45,7 @@ def audit_report(view: AuditView) -> Report:
     names = {REPRODUCED: "rows_reproduced", DIFFERS: "rows_that_differ", NOT_COMPUTABLE: "rows_not_computable"}
     shown = [row for row in rows if view.show in ("all", row.status)]
     return Report(
-        outcome=OUTCOME,
+        outcome=None,
         quantities=tuple(Quantity(name, "rows", float(counts[status])) for status, name in names.items()),
         wall_s=clock.perf_counter() - begin,
         remarks=("", terminal_table(shown)),

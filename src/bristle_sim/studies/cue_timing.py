@@ -112,12 +112,13 @@ def cue_timing(
         rows.append(Quantity(name, unit, simulated[name], theory[name], judged, printed, allowed))
     readings, verdicts = _readings(tool, retraction, settings, stands_at)
     return Report(
-        outcome="no contact",
+        outcome=None,
         quantities=(*rows, *readings),
         events=tuple((event.name, event.time) for event in trajectory.events),
         wall_s=trajectory.cost.wall_s,
         steps=trajectory.cost.steps,
         remarks=(*verdicts, *LEFT_OUT),
+        extra={"bar_stands_at_deg": stands_at},
         subject=CueTiming(tool, retraction, trajectory),
     )
 

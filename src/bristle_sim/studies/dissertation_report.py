@@ -2,38 +2,52 @@
 
 from __future__ import annotations
 
+import logging
 import time as clock
 from dataclasses import dataclass
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.quantity import choice, validate
 from bristle_sim.studies.dissertation_curves import NUMBERS, redrawn
 from bristle_sim.studies.dissertation_curves.model import SOURCES, Redrawn, largest_differences
 
 __all__ = ["Selection", "figures_report"]
 
-OUTCOME = "rebound"
-"""Of the dissertation's operating point, which most figures start from."""
-
 
 @dataclass(frozen=True, slots=True)
 class Selection:
     """Which figures to redraw."""
 
-    only: str = choice("all", "only", ("all", *NUMBERS), source="chosen: one figure alone")
+    only: str = choice(
+        "all", "only", ("all", *NUMBERS), source="chosen: one figure alone", meaning="figure or table that is redrawn"
+    )
 
     def __post_init__(self) -> None:
         validate(self)
 
 
 def figures_report(selection: Selection) -> Report:
-    """Compute curves and points of the figures asked for."""
+    """Compute curves and points of the requested figures.
+
+    Raises:
+        Unfinished: with a report of the figures computed so far, if the user interrupts.
+    """
     begin = clock.perf_counter()
     numbers = NUMBERS if selection.only == "all" else (selection.only,)
-    figures = tuple(redrawn(number) for number in numbers)
+    figures: list[Redrawn] = []
+    try:
+        for number in numbers:
+            logging.getLogger(__name__).info("figure %s (%d of %d)", number, len(figures) + 1, len(numbers))
+            figures.append(redrawn(number))
+    except KeyboardInterrupt:
+        raise Unfinished(_report(tuple(figures), begin)) from None
+    return _report(tuple(figures), begin)
+
+
+def _report(figures: tuple[Redrawn, ...], begin: float) -> Report:
     heads = tuple(f"{figure.name}: {figure.title}" for figure in figures)
     return Report(
-        outcome=OUTCOME,
+        outcome=None,
         quantities=tuple(row for figure in figures for row in _rows(figure)),
         wall_s=clock.perf_counter() - begin,
         remarks=(

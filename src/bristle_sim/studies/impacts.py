@@ -239,22 +239,37 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         steps=asked.steps,
         wall_s=asked.wall_s,
         remarks=_laws_side_by_side(impacts, rate, rate_name),
+        extra={"laws": [_law(law, one, rate(one)) for law, one in impacts.strikes.items()]},
         subject=impacts,
     )
 
 
 def _laws_side_by_side(impacts: Impacts, rate: Callable[[ChainStrike], float], rate_name: str) -> tuple[str, ...]:
     """One line a law: its rate, final impulse, works and energy ratio."""
-    head = f"{'law':<10} {rate_name:>26} {'p_fn N s':>12} {'p_ft N s':>12} {'work n J':>12} {'work t J':>12} {'energy ratio':>13}"
+    head = f"{'law':<9} {rate_name:>24} {'p_fn N s':>12} {'p_ft N s':>12} {'work n J':>12} {'work t J':>12} {'energy ratio':>13}"
     lines = ["", head]
     for law, one in impacts.strikes.items():
         works = _works(one)
         shown = "".join(f" {work:12.5g}" if work is not None else f" {'-':>12}" for work in works)
         ratio = "-" if one.kinetic_energy_ratio is None else f"{one.kinetic_energy_ratio:.7f}"
         impulse = one.contact.impulse
-        lines.append(f"{law:<10} {rate(one):26.9g} {impulse[0]:12.6g} {impulse[1]:12.6g}{shown} {ratio:>13}")
-    lines += [f"{law:<10} {reason}" for law, reason in impacts.refusals.items()]
+        lines.append(f"{law:<9} {rate(one):24.9g} {impulse[0]:12.6g} {impulse[1]:12.6g}{shown} {ratio:>13}")
+    lines += [f"{law:<9} {reason}" for law, reason in impacts.refusals.items()]
     return tuple(lines)
+
+
+def _law(law: str, one: ChainStrike, rate: float) -> dict[str, object]:
+    """The same for the JSON, in SI units."""
+    works = _works(one)
+    return {
+        "law": law,
+        "rate_after": rate,
+        "normal_impulse": one.contact.impulse[0],
+        "tangential_impulse": one.contact.impulse[1],
+        "normal_work": works[0],
+        "tangential_work": works[1],
+        "kinetic_energy_ratio": one.kinetic_energy_ratio,
+    }
 
 
 def _works(one: ChainStrike) -> tuple[float | None, float | None]:

@@ -25,8 +25,20 @@ __all__ = ["Attempt", "Effort", "Point", "Run", "cheapest", "cpu_times", "measur
 class Effort:
     """How much to measure."""
 
-    effort: str = choice("full", "effort", ("full", "quick"), source="chosen: quick measures too little to compare")
-    peers: str = choice("all", "peers", ("all", "none"), source="chosen: every installed peer takes part")
+    effort: str = choice(
+        "full",
+        "effort",
+        ("full", "quick"),
+        source="chosen: quick measures too little to compare",
+        meaning="how many settings are timed and how often",
+    )
+    peers: str = choice(
+        "all",
+        "peers",
+        ("all", "none"),
+        source="chosen: every installed peer takes part",
+        meaning="whether other packages are timed too",
+    )
 
     def __post_init__(self) -> None:
         validate(self)

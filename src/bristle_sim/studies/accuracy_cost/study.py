@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time as clock
 from collections.abc import Callable
 from typing import Any
@@ -59,7 +60,7 @@ def accuracy_cost(effort: Effort) -> Report:
     begin = clock.perf_counter()
     measured, circumstances = _measured(effort), machine(effort)
     return Report(
-        outcome="rebound",
+        outcome=None,
         quantities=tuple(_rows(measured)),
         wall_s=clock.perf_counter() - begin,
         steps=sum(point.steps for point in measured.points if package_of(point.method) == OURS),
@@ -80,6 +81,7 @@ def _measured(effort: Effort) -> AccuracyCost:
     made, points = [], []
     for build, offers in CASES:
         case = build()
+        logging.getLogger(__name__).info("%s (case %d of %d)", case.name, len(made) + 1, len(CASES))
         attempts = [each for name, offer in offers.items() if name in taking_part for each in offer(case)]
         points += measure(case, thinned(attempts, effort.settings), effort)
         made.append(case)

@@ -200,11 +200,17 @@ def _strikes(law: str, number: int) -> Finding:
     tally, chance = Tally(), random.Random(f"strikes {law}")
     for _ in range(number):
         chain = _one_rod(chance) if chance.random() < 0.5 else _two_rods(chance)
-        contact = dataclasses.replace(corner(Contact, chance), law=law)
+        contact = _contact(chance, law)
         settings = dataclasses.replace(corner(Settings, chance, without=("step",)), maximum_steps=STRIKE_STEPS)
         call = partial(strike, chain, corner(Surface, chance), contact, settings)
         tally.attempt(f"{chain}, {contact}", call, finite)
     return tally.finding()
+
+
+def _contact(chance: random.Random, law: str) -> Contact:
+    """A contact of the law, whose duration is at one end of its range at times if the law has one."""
+    ends = dict(_ends(Contact, chance, 0.4, ("contact",)))
+    return Contact(law, ends.get("duration") if law == "compliant" else None)
 
 
 def _one_rod(chance: random.Random) -> Chain:
@@ -229,7 +235,7 @@ def _passes(number: int) -> Finding:
 def _pass(chance: random.Random) -> Trajectory:
     hub, belt, bristle, bar, part = (corner(kind, chance, 0.1) for kind in (Hub, Belt, Bristle, Bar, Workpart))
     settings = dataclasses.replace(corner(Settings, chance, 0.2, ("hub_turn",)), maximum_steps=CORNER_STEPS)
-    contact = corner(Contact, chance)
+    contact = _contact(chance, chance.choice(("energetic", "compliant", "engine")))
     tool = Tool(hub, belt, bristle, chance.choice((None, bar)), chance.choice((None, part)), contact)  # type: ignore[arg-type]
     return simulate(
         tool,

@@ -175,5 +175,5 @@ def _not_allowed(ratio: float) -> HardCase:
 
 
 def _refused_ratio(ratio: float) -> Finding:
-    words = (f"belt_damping_ratio = {ratio!r}", f"<= {HIGHEST:g} is allowed", "dimensionless")
+    words = (f"belt_damping_ratio = {ratio!r}", "must be", f"<= {HIGHEST:g}", "dimensionless")
     return refusal(lambda: Belt(damping_ratio=ratio), *words)

@@ -164,4 +164,4 @@ def _not_allowed(speed: float) -> HardCase:
 
 
 def _refused(speed: float) -> Finding:
-    return refusal(lambda: Hub(speed=speed), f"hub_speed = {speed!r}", "0 <= hub_speed <= ", "is allowed", "in rad/s")
+    return refusal(lambda: Hub(speed=speed), f"hub_speed = {speed!r}", "must be", "0 <= hub_speed <= ", "in rad/s")

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import importlib
+import logging
 import textwrap
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.quantity import choice, validate
 from bristle_sim.studies.hard_cases.case import Finding, HardCase
 
@@ -33,16 +34,21 @@ THEMES = (
 )
 """Modules of this package that hold cases, one a theme."""
 
-OUTCOME = "rebound"
-"""Of a bristle that is not a hard case; the cases have outcomes of every kind."""
-
 
 @dataclass(frozen=True, slots=True)
 class HardCaseChoice:
     """Which cases to try."""
 
-    theme: str = choice("all", "theme", ("all", *THEMES), source="chosen: every theme")
-    effort: str = choice("full", "effort", ("full", "quick"), source="chosen: quick leaves out what takes long")
+    theme: str = choice(
+        "all", "theme", ("all", *THEMES), source="chosen: every theme", meaning="kind of hard case that is tried"
+    )
+    effort: str = choice(
+        "full",
+        "effort",
+        ("full", "quick"),
+        source="chosen: quick leaves out what takes long",
+        meaning="whether the cases that take long are tried too",
+    )
 
     def __post_init__(self) -> None:
         validate(self)
@@ -56,12 +62,28 @@ def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
 
 
 def hard_cases(asked: HardCaseChoice) -> Report:
-    """Try the cases asked for, one after the other."""
+    """Try the requested cases, one after the other.
+
+    Raises:
+        Unfinished: with a report of the cases tried so far, if the user interrupts.
+    """
     begin = clock.perf_counter()
     themes = THEMES if asked.theme == "all" else (asked.theme,)
-    tried = [(case, case.run()) for theme in themes for case in cases_of(theme, full=asked.effort == "full")]
+    tried: list[tuple[HardCase, Finding]] = []
+    try:
+        for number, theme in enumerate(themes, start=1):
+            logging.getLogger(__name__).info("%s (theme %d of %d)", theme.replace("_", " "), number, len(themes))
+            for case in cases_of(theme, full=asked.effort == "full"):
+                tried.append((case, case.run()))
+    except KeyboardInterrupt:
+        reached = [theme for theme in themes if any(case.theme == theme for case, _ in tried)]
+        raise Unfinished(_report(reached, tried, begin)) from None
+    return _report(themes, tried, begin)
+
+
+def _report(themes: Sequence[str], tried: Sequence[tuple[HardCase, Finding]], begin: float) -> Report:
     return Report(
-        outcome=OUTCOME,
+        outcome=None,
         quantities=tuple(_kept(theme, tried) for theme in themes),
         wall_s=clock.perf_counter() - begin,
         steps=sum(finding.steps for _, finding in tried),
@@ -75,7 +97,7 @@ Tried = Sequence[tuple[HardCase, Finding]]
 
 
 def _kept(theme: str, tried: Tried) -> Quantity:
-    """Promises of a theme that were kept, beside all of them."""
+    """Promises of a theme that were kept, compared with all of them."""
     verdicts = [finding.ok for case, finding in tried if case.theme == theme]
     return Quantity(f"{theme}_promises_kept", "1", float(sum(verdicts)), float(len(verdicts)), tolerance=0.0)
 
@@ -90,12 +112,12 @@ def _row(case: HardCase, finding: Finding) -> dict[str, object]:
     }
 
 
-CASE, PROMISE, REACHED = 36, 36, 38
-"""Columns of the table, which fits a terminal of 120."""
+CASE, PROMISE, REACHED = 30, 30, 31
+"""Columns of the table, which fits a terminal of 100."""
 
 
 def _table(tried: Tried) -> list[str]:
-    lines = [_line("case", "promise", "reached", "ok"), "-" * 120]
+    lines = [_line("case", "promise", "reached", "ok"), "-" * 100]
     theme = ""
     for case, finding in tried:
         if case.theme != theme:
