@@ -45,7 +45,7 @@ def video(report: Report, path: Path) -> None:
 
 def series(report: Report) -> dict[str, Any]:
     """The contact in time, where the law resolves it."""
-    return report.subject.strikes[report.subject.law].contact.columns()
+    return dict(report.subject.strikes[report.subject.law].contact.columns())
 
 
 SCENARIO = Scenario(

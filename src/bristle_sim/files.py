@@ -36,7 +36,7 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
             partial.replace(final)
     except OSError as error:
         if error.filename is not None and os.fspath(error.filename) == str(partial):
-            error.filename, error.filename2 = str(target), None
+            raise OSError(error.errno, error.strerror, str(target)) from None
         raise
     finally:
         partial.unlink(missing_ok=True)

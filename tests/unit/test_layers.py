@@ -34,6 +34,7 @@ RANKS = {
 
 HOMES = {
     "pymunk": "scene",
+    "pint": "quantity",
     "scipy.integrate": "reference",
     "matplotlib": "render",
     "PIL": "render",

@@ -146,6 +146,30 @@ def test_a_failed_save_leaves_the_old_file_and_nothing_else(trajectory: Trajecto
     assert path.read_bytes() == before
 
 
+def test_a_save_that_fails_names_the_file(trajectory: Trajectory, tmp_path: Path):
+    target = tmp_path / "nowhere" / "a.npz"
+    with pytest.raises(FileNotFoundError) as refusal:
+        trajectory.save(target)
+    assert refusal.value.filename == str(target)
+
+
+def test_saved_and_loaded_by_one_name(trajectory: Trajectory, tmp_path: Path, monkeypatch):
+    """No suffix is added by either."""
+    monkeypatch.chdir(tmp_path)
+    trajectory.save("pass")
+    assert [each.name for each in tmp_path.iterdir()] == ["pass"]
+    assert np.array_equal(Trajectory.load("pass").time, trajectory.time)
+
+
+def test_columns_hold_every_sample_with_its_unit(trajectory: Trajectory):
+    columns = trajectory.columns()
+    assert {len(column) for column in columns.values()} == {len(trajectory.time)}
+    assert np.array_equal(columns["time (s)"], trajectory.time)
+    assert np.array_equal(columns["angle_1 (rad)"], trajectory.angles[:, 0])
+    assert np.array_equal(columns["tip_y (m)"], trajectory.tip[:, 1])
+    assert all(name.endswith(")") for name in columns)
+
+
 def test_parameters_must_be_plain(trajectory: Trajectory, tmp_path: Path):
     odd = dataclasses.replace(trajectory, parameters={"law": object()})
     with pytest.raises(TypeError):

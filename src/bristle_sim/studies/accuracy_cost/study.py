@@ -7,12 +7,12 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.studies.accuracy_cost import cases, mujoco_methods, other_peers, our_methods, scipy_methods
 from bristle_sim.studies.accuracy_cost.cases import Case, StrikeCase
 from bristle_sim.studies.accuracy_cost.effects import effects
 from bristle_sim.studies.accuracy_cost.machine import PACKAGES, installed, machine
-from bristle_sim.studies.accuracy_cost.measure import Attempt, Effort, measure, package_of, thinned
+from bristle_sim.studies.accuracy_cost.measure import Attempt, Effort, Point, measure, package_of, thinned
 from bristle_sim.studies.accuracy_cost.results import OURS, AccuracyCost, comparisons, milliseconds
 from bristle_sim.studies.accuracy_cost.tables import tables
 
@@ -56,7 +56,11 @@ short contact, and the pass's reference are not far below."""
 
 
 def accuracy_cost(effort: Effort) -> Report:
-    """Measure everything and lay our cost beside the cheapest peer's, error for error."""
+    """Measure everything and compare our cost with the cheapest peer's at the same error.
+
+    Raises:
+        Unfinished: with the curves of the cases measured so far, if the user interrupts.
+    """
     begin = clock.perf_counter()
     measured, circumstances = _measured(effort), machine(effort)
     return Report(
@@ -78,13 +82,17 @@ def accuracy_cost(effort: Effort) -> Report:
 def _measured(effort: Effort) -> AccuracyCost:
     here = installed()
     taking_part = here if effort.peers == "all" else {OURS}
-    made, points = [], []
-    for build, offers in CASES:
-        case = build()
-        logging.getLogger(__name__).info("%s (case %d of %d)", case.name, len(made) + 1, len(CASES))
-        attempts = [each for name, offer in offers.items() if name in taking_part for each in offer(case)]
-        points += measure(case, thinned(attempts, effort.settings), effort)
-        made.append(case)
+    made: list[Case] = []
+    points: list[Point] = []
+    try:
+        for build, offers in CASES:
+            case = build()
+            logging.getLogger(__name__).info("%s (case %d of %d)", case.name, len(made) + 1, len(CASES))
+            attempts = [each for name, offer in offers.items() if name in taking_part for each in offer(case)]
+            points += measure(case, thinned(attempts, effort.settings), effort)
+            made.append(case)
+    except KeyboardInterrupt:
+        raise Unfinished(Report(None, (), extra={"curves": [point.as_dict() for point in points]})) from None
     struck = next(case for case in made if isinstance(case, StrikeCase))
     missing = tuple(name for name in PACKAGES if name not in here)
     return AccuracyCost(tuple(made), tuple(points), tuple(effects(struck, effort)), missing)
