@@ -161,7 +161,7 @@ def test_no_number_is_not_a_number():
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        ({"plies": 2.5}, r"plies = 2\.5: a whole number is allowed"),
+        ({"plies": 2.5}, r"plies = 2\.5: must be a whole number"),
         ({"friction": 0.0}, "friction = 0.0"),
         ({"impact_angle_deg": 90.0}, "impact_angle_deg = 90.0"),
         ({"shear_yield_stress": -1.0}, "shear_yield_stress = -1.0"),

@@ -247,10 +247,10 @@ def test_points_that_are_no_force_history(tmp_path, text, line):
 
 @pytest.mark.parametrize("name", ["", "nowhere.csv", "no\0thing", "."])
 def test_files_that_are_not_there(name):
-    with pytest.raises(ValueError, match=r"^force_csv = .*: a readable file is allowed$"):
+    with pytest.raises(ValueError, match=r"^force_csv = .*: must be a readable file$"):
         Measurement(name)
 
 
 def test_points_are_counted():
-    with pytest.raises(ValueError, match=r"points = 10\.5: a whole number"):
+    with pytest.raises(ValueError, match=r"points = 10\.5: must be a whole number"):
         ForceHistory(points=10.5)
