@@ -600,6 +600,47 @@ def test_a_signal_leaves_no_partial_file(number: str, status: int, told: str, tm
     assert not list(tmp_path.iterdir())
 
 
+IN_CALLBACK = f"""
+import dataclasses, importlib.util, os, signal, sys
+import pymunk
+from bristle_sim.scenario_cli import main
+spec = importlib.util.spec_from_file_location("fake", {__file__!r})
+fake = importlib.util.module_from_spec(spec)
+sys.modules["fake"] = fake
+spec.loader.exec_module(fake)
+
+def run(values):
+    space, body = pymunk.Space(), pymunk.Body(1.0, 1.0)
+    space.add(body)
+    body.velocity_func = lambda *_: os.kill(os.getpid(), signal.SIGINT)
+    space.step(0.1)
+    body.velocity_func = pymunk.Body.update_velocity
+    while True:
+        space.step(0.1)
+
+class Lost:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+
+def lose(values):
+    del Lost.instance
+    while True:
+        pass
+
+Lost.instance = Lost()
+sys.exit(main(dataclasses.replace(fake.SCENARIO, run=globals()[sys.argv[1]]), []))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+@pytest.mark.parametrize("where", ["run", "lose"])
+def test_ctrl_c_inside_a_callback_is_not_lost(where: str):
+    """In a callback of the engine or a destructor an exception is printed and ignored; the work would go on."""
+    command = [sys.executable, "-c", IN_CALLBACK, where]
+    found = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (found.returncode, found.stdout, found.stderr) == (130, "", "fake.py: interrupted\n")
+
+
 @pytest.mark.skipif(os.name == "nt", reason="needs a POSIX shell")
 def test_a_closed_standard_output_is_an_error(tmp_path: Path):
     target = tmp_path / "a.json"

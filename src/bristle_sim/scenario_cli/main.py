@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import argparse
 import logging
-import signal
 import sys
-import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import NoReturn
 
 from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.scenario_cli import output
+from bristle_sim.scenario_cli.ending import ending_in_order
 from bristle_sim.scenario_cli.keys import key_list, values_of, warnings_of
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
@@ -23,14 +21,14 @@ __all__ = ["main"]
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
 
-MISSED, BAD_INPUT, INTERRUPTED, TERMINATED = 1, 2, 130, 143
-"""Exit statuses; the last two are those of a shell whose command was ended by SIGINT or SIGTERM."""
+MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+"""Exit statuses; the last is that of a shell whose command was ended by SIGINT."""
 
 
 def main(scenario: Scenario, arguments: Sequence[str] | None = None) -> int:
     """Run a scenario and return its exit status: 0, 1 (a tolerance missed), 2 (bad input) or 130 (interrupted)."""
     program, warnings = f"{scenario.name}.py", []
-    with _ending_in_order(), _progress_on_a_terminal(program):
+    with ending_in_order(), _progress_on_a_terminal(program):
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
@@ -137,25 +135,6 @@ def _parser(scenario: Scenario) -> _Parser:
             help=f"--set {key}=VALUE",
         )
     return parser
-
-
-@contextmanager
-def _ending_in_order() -> Iterator[None]:
-    """Let SIGTERM end the process as an exception does, so that partial files are removed."""
-
-    def end(_number: int, _frame: FrameType | None) -> None:
-        raise SystemExit(TERMINATED)
-
-    ours = threading.current_thread() is threading.main_thread() and (
-        signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
-    )
-    if ours:
-        signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    finally:
-        if ours:
-            signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 @contextmanager

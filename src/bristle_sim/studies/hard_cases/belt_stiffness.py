@@ -186,7 +186,7 @@ def _too_long(factor: float, radians: float) -> HardCase:
 
 def _refused(factor: float, radians: float) -> Finding:
     step = radians / _fastest(factor, Hub())
-    return refusal(lambda: simulate(_belt(Tool(), factor), Settings(step=step)), "step =", "is allowed", "in s")
+    return refusal(lambda: simulate(_belt(Tool(), factor), Settings(step=step)), "step =", "in s")
 
 
 def _long(factor: float, share: float) -> HardCase:
