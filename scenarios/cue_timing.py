@@ -32,18 +32,17 @@ def run(values: Mapping[str, Any]) -> Report:
         tool,
         math.radians(values["retraction_deg"]),
         build(Settings, values),
-        stands_at=math.degrees(math.atan2(bar.horizontal, bar.vertical)),
+        bar=bar,
         with_reference=values["reference"] == "yes",
     )
 
 
 def plot(report: Report, path: Path) -> None:
-    """The released bristle's angle and rate beside the formula's."""
+    """The released bristle beside the formula's, and the bar where it stands and where the cue needs it."""
     from bristle_sim.render.cue_figure import cue_figure
     from bristle_sim.render.style import save_figure
 
-    timing = report.subject
-    save_figure(cue_figure(timing.trajectory, timing.tool, timing.retraction), path)
+    save_figure(cue_figure(report.subject), path)
 
 
 SCENARIO = Scenario(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -73,10 +74,6 @@ class Motion:
         """Angle by which the first link lags the radial direction, rad, shape of time."""
         return self._evaluate(self._retractions, time)
 
-    def relative_speed(self, time: ArrayLike) -> Array:
-        """Rate of the first link relative to the hub, rad/s, shape of time."""
-        return -self._evaluate(self._retractions, time, 1)
-
     def centre_line(self, time: ArrayLike) -> Array:
         """Root, corners and tip from the hub's centre, m, shape (*time.shape, corners, 2)."""
         return self._evaluate(self._lines, time)
@@ -96,25 +93,27 @@ class Motion:
         for retraction, line in zip(self._retractions, self._lines, strict=True):
             instants = np.union1d(line.x, even[(even > line.x[0]) & (even < line.x[-1])])
             instants = instants[instants <= end]
-            columns.append((instants, retraction(instants), -retraction(instants, 1), line(instants)))
-        return Course(*(np.concatenate(each) for each in zip(*columns, strict=True)))
+            columns.append((instants, retraction(instants), line(instants)))
+        time, retractions, centre_line = (np.concatenate(each) for each in zip(*columns, strict=True))
+        return Course(time, retractions, self.along(time, self._trajectory.relative_rate), centre_line)
 
-    def along(self, course: Course, samples: Array) -> Array:
-        """A quantity known at the samples as cubic splines at a course's instants, shape (n,).
+    def along(self, time: Array, samples: Array) -> Array:
+        """Interpolate a quantity known at the samples by cubic splines at a course's instants, shape (n,).
 
-        Where a sustained contact begins or ends, forces jump and energies have a kink: one spline ends and another begins.
+        Where a sustained contact begins or ends, forces jump, and speeds and energies have a kink: one spline ends and
+        another begins.
         """
         contacts = self._trajectory.contacts
         kinks = np.array([each for one in contacts for each in (one.time, one.time + one.duration)])
         pieces = []
         for part in self._intervals:
             instants = self._trajectory.time[part]
-            inside = np.unique(course.time[(course.time >= instants[0]) & (course.time <= instants[-1])])
+            inside = np.unique(time[(time >= instants[0]) & (time <= instants[-1])])
             inner = kinks[(kinks > instants[0]) & (kinks < instants[-1])]
-            nearest = np.abs(instants[:, np.newaxis] - inner).argmin(axis=0)  # contacts begin and end at samples
+            nearest = np.abs(instants[:, np.newaxis] - inner).argmin(axis=0)  # contacts begin and end there
             knots = np.union1d([0, part.size - 1], nearest).astype(int)
             values = np.empty_like(inside)
-            for first, last in zip(knots[:-1], knots[1:], strict=True):
+            for first, last in pairwise(knots.tolist()):
                 span = slice(first, last + 1)
                 here = (inside >= instants[first]) & (inside <= instants[last])
                 values[here] = CubicSpline(instants[span], samples[part][span])(inside[here])

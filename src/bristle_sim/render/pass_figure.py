@@ -173,7 +173,7 @@ def _draw_energy(axes: Axes, course: Course, trajectory: Trajectory, motion: Mot
         (potential, trajectory.potential_energy, {"color": GREEN}),
     )
     for name, samples, look in lines:
-        values = motion.along(course, samples) * MILLIJOULES
+        values = motion.along(course.time, samples) * MILLIJOULES
         axes.plot(course.time * MILLISECONDS, values, label=name, gid=f"energy, {name}", **look)
     axes.set_ylabel("energy (mJ)")
     axes.set_xlabel("time (ms)")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from bristle_sim.render.motion import Course
 from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT
 
 __all__ = [
+    "BAR_COLOUR",
     "MILLIMETRES",
     "View",
     "WireDrawing",
@@ -115,8 +117,8 @@ def draw_workpart(axes: Axes, tool: Tool, view: View) -> Rectangle | None:
     return block
 
 
-def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
-    """Names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
+def name_parts(axes: Axes, tool: Tool, letter_size: float, *, without: Collection[str] = ()) -> None:
+    """Names of hub, bar and workpart but those left out, haloed so that they read on any ground; ``letter_size`` in points."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     radius = tool.hub.radius * MILLIMETRES
     # As near to the hub's centre as the view allows.
@@ -130,7 +132,8 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
     if tool.workpart is not None:
         places["workpart"] = (left + 0.025 * (right - left), bottom + 0.03 * (top - bottom), "left")
     grounds = {"hub": HUB_COLOUR, "bar": BAR_COLOUR, "workpart": "white"}
-    for name, (x, y, side) in places.items():
+    for name in (each for each in places if each not in without):
+        x, y, side = places[name]
         halo = [withStroke(linewidth=2.5, foreground=grounds[name])]
         axes.text(x, y, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
-from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.impacts import Impacts
@@ -97,26 +97,30 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
     """
     if impacts.contact_duration is not None and impacts.law == "compliant":
         return dataclasses.replace(impacts, timing="contact_duration as requested")
-    limit = dataclasses.replace(impacts, timing="rigid-body limit")
-    if "compliant" not in impacts.strikes:
-        return limit
-    found, duration = impacts.strikes["compliant"], 2.0 * PRINTED_COMPRESSION
-    speed = math.hypot(*found.contact.velocity_before)
-    if found.contact.history is None or not speed * duration < min(impacts.chain.lengths):
-        return limit
+    found = _visible(impacts, settings or Settings())
+    if found is None:
+        return dataclasses.replace(impacts, timing="rigid-body limit")
+    strikes = {**impacts.strikes, "compliant": found}
+    return dataclasses.replace(impacts, strikes=strikes, timing="as printed, for the film")
+
+
+def _visible(impacts: Impacts, settings: Settings) -> ChainStrike | None:
+    """The impact with the printed compression time; None where that is none for these rods."""
+    found, duration = impacts.strikes.get("compliant"), 2.0 * PRINTED_COMPRESSION
+    if found is None or math.hypot(*found.contact.velocity_before) * duration > min(impacts.chain.lengths):
+        return None
     for _ in range(ROUNDS):
         try:
-            found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings or Settings())
+            found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings)
         except ValueError:
-            return limit
+            return None
         if found.contact.history is None:
-            return limit
+            return None
         missing = PRINTED_COMPRESSION / _compression_time(found.contact.history)
         if abs(missing - 1.0) <= CLOSE:
-            strikes = {**impacts.strikes, "compliant": found}
-            return dataclasses.replace(impacts, strikes=strikes, timing="as printed, for the film")
+            return found
         duration *= missing
-    return limit
+    return None
 
 
 def _compression_time(history: ContactHistory) -> float:
