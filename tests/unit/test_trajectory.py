@@ -12,7 +12,17 @@ import pytest
 
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
-ARRAYS = ("time", "hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
+ARRAYS = (
+    "time",
+    "hub_angle",
+    "angles",
+    "rates",
+    "centre_line",
+    "centre_line_velocity",
+    "kinetic_energy",
+    "potential_energy",
+    "normal_force",
+)
 
 
 def history(samples: int = 7) -> ContactHistory:
@@ -52,7 +62,8 @@ def trajectory() -> Trajectory:
         hub_angle=hub_angle,
         angles=angles,
         rates=np.column_stack([np.full(5, 5.0), np.full(5, np.pi)]),
-        tip=np.arange(10.0).reshape(5, 2) / 7.0,
+        centre_line=np.arange(30.0).reshape(5, 3, 2) / 7.0,
+        centre_line_velocity=np.arange(30.0).reshape(5, 3, 2) / 3.0,
         kinetic_energy=np.arange(5.0),
         potential_energy=np.arange(5.0) ** 2,
         normal_force=np.zeros(5),
@@ -186,7 +197,7 @@ def rewrite(path: Path, change, dtype=None) -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        lambda meta: meta | {"format": 2},
+        lambda meta: meta | {"format": 3},
         lambda _: [],
         lambda _: None,
         lambda meta: {key: value for key, value in meta.items() if key != "cost"},
@@ -227,8 +238,8 @@ def test_damaged_files_are_refused_or_read_completely(trajectory: Trajectory, tm
 def test_another_format_is_named(trajectory: Trajectory, tmp_path: Path):
     path = tmp_path / "run.npz"
     trajectory.save(path)
-    rewrite(path, lambda meta: meta | {"format": 2})
-    with pytest.raises(ValueError, match="format 2 is not 1"):
+    rewrite(path, lambda meta: meta | {"format": 3})
+    with pytest.raises(ValueError, match="format 3 is not 2"):
         Trajectory.load(path)
 
 
