@@ -15,7 +15,6 @@ from matplotlib.patches import Circle
 
 from bristle_sim.parameters import (
     Bar,
-    Belt,
     Bristle,
     Contact,
     DoublePendulum,

@@ -147,6 +147,9 @@ def cue_timing(
 FULL_TURNS = 1e3
 """Hub turns after which a bristle that is still accelerating is given up: only an extremely soft belt takes as long."""
 
+MOST_DAMPED = 10.0
+"""Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
+
 LEFT_OUT = (
     "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
     "and the bar's dynamics (first tap, swing beyond the last touch), which a full pass simulates.",
@@ -181,7 +184,9 @@ def _bare(tool: Tool) -> Tool:
 
 
 def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
-    turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi)
+    # An overdamped release is over in a small part of the period that samples are counted in.
+    samples = math.ceil(settings.samples_per_period * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
+    turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
     run = simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
     require_result(run, settings)
     estimate, allowed = run.cost.error_estimate, _tolerance(settings)
