@@ -331,6 +331,8 @@ def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
         assert passed.retraction == pytest.approx(lag, abs=1e-4)
         assert passed.relative_speed == pytest.approx(struck.rates_before[0] - 261.8, rel=1e-5)
     assert math.degrees(mine.passed.retraction) == pytest.approx(1.97, abs=0.005)  # the finding of README
+    rows = [row for row in cued.extra["full_passes"] if row["belt_stiffness"] == Tool().belt.stiffness]
+    assert [round(row["lag_deg_at_contact"], 2) for row in rows] == [1.97, 2.74]
     remarks = "\n".join(cued.remarks)
     assert "can be cued there" not in remarks
     assert "a full pass with the bar at 66.56 deg strikes 1.97 deg short of radial" in remarks

@@ -129,6 +129,10 @@ def cue_timing(
         events=tuple((event.name, event.time) for event in run.events),
         wall_s=run.cost.wall_s,
         steps=run.cost.steps,
+        extra={
+            "bar_stands_at_deg": math.degrees(BarPlace.of(given).direction),
+            "full_passes": [row for each in places.values() for row in _pass_rows(each, given)],
+        },
         remarks=(*(line for each in places.values() for line in _verdict(each, given)), *LEFT_OUT),
         subject=CueTiming(
             tool,
@@ -284,6 +288,21 @@ def _places(name: str, tool: Tool, retraction: float, run: Trajectory, given: Ba
         None if needed is None else full_pass(tool, given, needed, settings),
         full_pass(tool, given, BarPlace.of(given), settings),
     )
+
+
+def _pass_rows(places: ReadingPlaces, given: Bar) -> list[dict[str, str | float | None]]:
+    """The whole passes of one belt stiffness for the JSON, None for the strike of a pass that has none."""
+    pairs = ((places.simulated, places.passed), (BarPlace.of(given), places.passed_as_given))
+    return [
+        {
+            "belt_stiffness": places.stiffness,
+            "bar_direction_deg": math.degrees(place.direction),
+            "lag_deg_at_contact": None if passed.retraction is None else math.degrees(passed.retraction),
+            "relative_speed_at_contact": passed.relative_speed,
+        }
+        for place, passed in pairs
+        if place is not None and passed is not None
+    ]
 
 
 def _verdict(places: ReadingPlaces, given: Bar) -> tuple[str, ...]:
