@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import io
 import itertools
@@ -9,6 +10,7 @@ import math
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from PIL import Image
 
 from bristle_sim.parameters import Bar, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
+from bristle_sim.render import motion as motion_module
 from bristle_sim.render import video
 from bristle_sim.render.motion import Motion
 from bristle_sim.render.pass_figure import LABEL_SLANT, pass_figure, spread
@@ -236,6 +239,25 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
         # The warp's inverse is linear between 4001 nodes: an instant off by rounding, times 40 m/s.
         assert shown == pytest.approx(1e3 * odd.centre_line[number], abs=1e-6)
         assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * odd.tip[number], abs=1e-6)
+
+
+WIRE_DRAWINGS = (
+    "motion",
+    "tool_drawing",
+    "pass_figure",
+    "pass_video",
+    "cue_figure",
+    "chain_drawing",
+    "contact_closeup",
+)
+
+
+@pytest.mark.parametrize("module", WIRE_DRAWINGS)
+def test_what_draws_wires_knows_no_lengths_knees_or_link_angles(module):
+    """Kinematics need them; a picture is given points."""
+    tree = ast.parse((Path(motion_module.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
+    read = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    assert not read & {"length", "lengths", "path", "knee_angle_deg", "knee_position", "links", "angles"}
 
 
 @pytest.fixture(scope="module", params=[-30.0, 0.0, 30.0, 45.0])

@@ -99,6 +99,9 @@ def assert_same(one: Trajectory, other: Trajectory) -> None:
 def test_relative_motion(trajectory: Trajectory):
     # Differences of numbers near 1: a few roundings.
     np.testing.assert_allclose(trajectory.relative_angle, -0.5 + 3.0 * trajectory.time, atol=1e-15)
+    np.testing.assert_allclose(trajectory.retraction, 0.5 - 3.0 * trajectory.time, atol=1e-15)
+    np.testing.assert_array_equal(trajectory.tip, trajectory.centre_line[:, 2])
+    np.testing.assert_array_equal(trajectory.tip_velocity, trajectory.centre_line_velocity[:, 2])
     np.testing.assert_array_equal(trajectory.relative_rate, 3.0)
     np.testing.assert_array_equal(trajectory.total_energy, [0.0, 2.0, 6.0, 12.0, 20.0])
 
