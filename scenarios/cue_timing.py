@@ -2,7 +2,7 @@
 
 The bristle is released from rest relative to the hub at the retraction angle, with no bar in the scene. The time to its
 highest relative speed, and the hub's turn meanwhile, say where the bar must stand. The printed belt stiffness is tried in
-all its readings.
+all its readings. Full passes, with the bar there and where bar_horizontal and bar_vertical put it, say what that gives.
 """
 
 import math
