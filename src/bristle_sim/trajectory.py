@@ -17,7 +17,7 @@ from bristle_sim.files import complete_or_absent
 __all__ = ["ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
 
 Array = NDArray[np.float64]
-FORMAT = 1
+FORMAT = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +115,7 @@ class ContactRecord:
 
 @dataclass(frozen=True, slots=True)
 class Trajectory:
-    """A run of one mechanism: samples of shape (n,) or (n, links), in SI units and radians.
+    """A run of one mechanism: n samples, in SI units and radians.
 
     At an impact two samples share one instant: before and after it.
 
@@ -123,7 +123,9 @@ class Trajectory:
         time: s.
         hub_angle: of the bristle's root, from the direction of the workpart, rad; zero throughout for a fixed root.
         angles, rates: absolute angle and rate of each link, shape (n, links), rad and rad/s.
-        tip: position of the last link's tip, shape (n, 2), m.
+        centre_line: corners of the wires' centre line from the root over knees and joints to the tip, (x, y) from the
+            hub's centre, shape (n, corners, 2), m; pictures draw these points.
+        centre_line_velocity: of the same corners, shape (n, corners, 2), m/s.
         kinetic_energy, potential_energy: of the links and of belt and gravity, J.
         normal_force: of the obstacle that is touched, N; zero in flight.
         events, contacts: in order of time.
@@ -136,7 +138,8 @@ class Trajectory:
     hub_angle: Array
     angles: Array
     rates: Array
-    tip: Array
+    centre_line: Array
+    centre_line_velocity: Array
     kinetic_energy: Array
     potential_energy: Array
     normal_force: Array
@@ -146,6 +149,21 @@ class Trajectory:
     stop_reason: str
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def tip(self) -> Array:
+        """Position of the last link's tip, where the centre line ends, shape (n, 2), m."""
+        return self.centre_line[:, -1]
+
+    @property
+    def tip_velocity(self) -> Array:
+        """Velocity of the tip, shape (n, 2), m/s."""
+        return self.centre_line_velocity[:, -1]
+
+    @property
+    def retraction(self) -> Array:
+        """Angle by which the first link lags the radial direction, positive when it lags, rad; minus relative_angle."""
+        return np.asarray(self.hub_angle - self.angles[:, 0])
 
     @property
     def relative_angle(self) -> Array:
@@ -252,7 +270,8 @@ _ARRAYS = (
     "hub_angle",
     "angles",
     "rates",
-    "tip",
+    "centre_line",
+    "centre_line_velocity",
     "kinetic_energy",
     "potential_energy",
     "normal_force",

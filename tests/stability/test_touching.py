@@ -165,7 +165,7 @@ def test_deepest_measures_both_obstacles() -> None:
 
 
 def _first_sample(run: Trajectory) -> dict[str, Any]:
-    return {name: getattr(run, name)[:1] for name in ("hub_angle", "angles", "tip")}
+    return {name: getattr(run, name)[:1] for name in ("hub_angle", "angles", "centre_line")}
 
 
 def drawn(seed: int) -> tuple[Tool, dict[str, float]]:

@@ -11,9 +11,20 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
 
-from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface, Tool
-from bristle_sim.render.chain_drawing import chain_points
+from bristle_sim.parameters import (
+    Bar,
+    Bristle,
+    Contact,
+    DoublePendulum,
+    Hub,
+    SinglePendulum,
+    Strike,
+    Surface,
+    Tool,
+)
+from bristle_sim.render.chain_drawing import ChainDrawing
 from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, stretches
 from bristle_sim.render.convergence_figure import compliant_convergence_figure
 from bristle_sim.render.cue_figure import cue_figure
@@ -22,11 +33,13 @@ from bristle_sim.render.impact_video import ImpactScene, impact_video
 from bristle_sim.render.prefixes import scale_for
 from bristle_sim.render.style import save_figure
 from bristle_sim.scene.strike import Chain
+from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import CueTiming, cue_timing
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import energetic_course
 from bristle_sim.studies.law_convergence import Convergence
+from bristle_sim.studies.timed_contact import with_visible_contact
 
 ROUGH = Surface(friction=0.5, restitution=0.5)
 TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
@@ -239,30 +252,66 @@ def release() -> CueTiming:
     return subject
 
 
+def bars(axes: Axes) -> dict[str, np.ndarray]:
+    """Centres of the bars drawn, m, by name."""
+    return {
+        patch.get_gid(): -1e-3 * np.array(patch.get_center())
+        for patch in axes.patches
+        if isinstance(patch, Circle) and patch.get_gid()
+    }
+
+
 def test_cue_figure_marks_both_cues_and_every_bar(release: CueTiming, tmp_path: Path) -> None:
-    figure = cue_figure(release.trajectory, release.tool, release.retraction)
-    angle, plan = panel(figure, "a"), panel(figure, "b")
-    rate = next(axes for axes in figure.axes if axes.get_ylabel() == "relative rate (rad/s)")
+    figure = cue_figure(release)
+    retraction, speed, plan = (panel(figure, letter) for letter in "abc")
     inertia = 8.387e-5 * 0.027**2 / 3.0
     natural = math.sqrt(math.degrees(0.00041) / inertia)
-    assert data(rate, "cue, quasi-static formula")[0][0] == pytest.approx(0.5e3 * math.pi / natural)
-    assert data(rate, "highest, quasi-static formula")[1][0] == pytest.approx(math.radians(44.5) * natural)
+    assert data(speed, "cue, quasi-static formula")[0][0] == pytest.approx(0.5e3 * math.pi / natural)
+    assert data(speed, "highest, quasi-static formula")[1][0] == pytest.approx(math.radians(44.5) * natural)
     # From an integration of I alpha'' + k alpha + g sin alpha = 0, to the digits given.
-    assert data(rate, "cue, simulated")[0][0] == pytest.approx(1.4052, abs=5e-5)
-    assert data(rate, "highest, simulated")[1][0] == pytest.approx(869.1, abs=0.05)
-    assert data(angle, "angle, simulated")[1][0] == pytest.approx(-44.5)
-    assert abs(data(angle, "angle, simulated")[1][-1]) < 1e-3
-    bars = {patch.get_gid() for patch in plan.patches if patch.get_gid() is not None}
-    readings = ("per_radian", "per_degree", "from_254_hz")
-    assert bars == {f"{side} {reading}" for side in ("simulated", "formula") for reading in readings}
+    assert data(speed, "cue, simulated")[0][0] == pytest.approx(1.4052, abs=5e-5)
+    assert data(speed, "highest, simulated")[1][0] == pytest.approx(869.1, abs=0.05)
+    assert data(retraction, "retraction, simulated")[1][0] == pytest.approx(44.5)
+    assert abs(data(retraction, "retraction, simulated")[1][-1]) < 1e-3
+    sides = {f"{side} {reading}" for side in ("simulated", "formula") for reading in ("per_degree", "from_254_hz")}
+    assert set(bars(plan)) == {"bar as given", *sides}  # the soft belt's are on the other side of the hub
     table = "\n".join(words(axes) for axes in figure.axes)
-    assert all(degrees in table for degrees in ("66.56°", "59.97°", "65.93°"))
+    assert all(degrees in table for degrees in ("66.56°", "59.97°", "65.93°", "114.33°", "1.97°", "2.74°"))
+    assert "0.00041 N·m per radian *" in table
     save_figure(figure, tmp_path / "cue.png")
 
 
-def test_cue_figure_needs_a_bar(release: CueTiming) -> None:
-    with pytest.raises(ValueError, match="bar, workpart"):
-        cue_figure(release.trajectory, dataclasses.replace(release.tool, bar=None), release.retraction)
+def test_cue_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_needs(release: CueTiming) -> None:
+    moved = Bar(horizontal=0.052, vertical=0.018)
+    plan = panel(cue_figure(dataclasses.replace(release, bar=moved)), "c")
+    drawn = bars(plan)
+    assert drawn["bar as given"] == pytest.approx([0.052, 0.018])
+    needed = drawn["simulated per_degree"]
+    outline = next(patch.get_xy() for patch in plan.patches if patch.get_gid() == "wire released") * 1e-3
+    tip = 0.5 * (outline[1] + outline[2])
+    assert np.hypot(*(tip + needed)) == pytest.approx(Tool().bar_reach, abs=1e-9)  # m; rounding, and 1e-6 of the turn
+    (left, right), (bottom, top) = plan.get_xlim(), plan.get_ylim()
+    for horizontal, vertical in drawn.values():
+        assert left < -1e3 * horizontal < right
+        assert bottom < -1e3 * vertical < top
+
+
+def test_cue_figure_never_simulates(release: CueTiming, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("a figure must not simulate")
+
+    for module in ("scene.tool", "studies.cue_timing", "studies.cue_places"):
+        monkeypatch.setattr(f"bristle_sim.{module}.simulate", refuse)
+    cue_figure(release)
+
+
+def test_cue_figure_without_a_formula_or_a_cue(release: CueTiming) -> None:
+    own = dataclasses.replace(release.places["per_degree"], simulated=None, formula=None, passed=None)
+    places = {**release.places, "per_degree": own}
+    bare = dataclasses.replace(release, places=places, formula=None, released=None, fastest=None)
+    figure = cue_figure(bare)
+    assert set(bars(panel(figure, "c"))) == {"bar as given", "simulated from_254_hz", "formula from_254_hz"}
+    assert "none" in words(figure.axes[-1])
 
 
 def test_motion_passes_the_record(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
@@ -340,9 +389,48 @@ def test_no_motion_of_an_instantaneous_contact(strike: Impacts) -> None:
         contact_motion(strike.strikes["energetic"].contact)
 
 
-def test_chain_is_drawn_to_scale() -> None:
-    points = chain_points(Chain((1.0, 1.0), (2.0, 1.0), (0.0, -0.5 * math.pi), (0.0, 0.0)))
-    np.testing.assert_allclose(points, [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
+def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
+    chain = Chain((1.0, 1.0), (2.0, 1.0), (0.0, -0.5 * math.pi), (1.0, 0.0))
+    struck = strike_chain(chain, Surface(), Contact(), Settings())
+    np.testing.assert_allclose(struck.centre_line, [(0.0, 0.0), (0.0, -2.0), (-1.0, -2.0)], atol=1e-15)
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    ChainDrawing(axes, struck, 0.0, 1.0)
+    np.testing.assert_allclose(line(axes, "rods").get_xydata(), [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
+
+
+def test_root_of_a_chain_on_a_hub_is_on_its_rim(strike: Impacts) -> None:
+    """The radial bristle's root and tip, 23.4 deg before the workpart's normal."""
+    gamma = math.radians(23.4)
+    towards = np.array([-math.sin(gamma), -math.cos(gamma)])
+    for struck in strike.strikes.values():
+        np.testing.assert_allclose(struck.centre_line, np.outer([0.0275, 0.0545], towards), atol=1e-15)
+
+
+@pytest.mark.parametrize("contact", [Contact(), Contact("compliant"), Contact("engine")])
+def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None:
+    """50 us of compression, millimetres and some ten newtons instead of nanometres and meganewtons."""
+    shown = with_visible_contact(bristle(contact=contact))
+    scene = ImpactScene(shown, width=320, height=180)
+    assert scene.motion.compression_end == pytest.approx(5e-5, rel=1e-5)
+    # Impulse over duration: the mean force of 2.8 mN s in some 100 us; the peak is at most pi/2 of it in either half.
+    assert 20.0 < scene.motion.normal_force.max() < 100.0
+    written = "\n".join(each.get_text() for each in scene.stage.figure.texts)
+    assert "compression 50 µs (as printed, for the film)" in written
+
+
+def test_films_show_a_requested_duration() -> None:
+    shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
+    assert contact_motion(shown.strikes["compliant"].contact).touch_end == pytest.approx(2e-5, rel=0.02)  # see scene
+    assert shown.timing == "contact_duration as requested"
+
+
+def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
+    tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
+    slow = rods(rate_1=-1e-5, rate_2=-2e-5)
+    for impacts in (tiny, slow):
+        shown = with_visible_contact(impacts)
+        assert shown.timing == "rigid-body limit"
+        assert shown.strikes == impacts.strikes
 
 
 def test_film_shows_the_motion(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:

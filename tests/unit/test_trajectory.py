@@ -12,7 +12,17 @@ import pytest
 
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
-ARRAYS = ("time", "hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
+ARRAYS = (
+    "time",
+    "hub_angle",
+    "angles",
+    "rates",
+    "centre_line",
+    "centre_line_velocity",
+    "kinetic_energy",
+    "potential_energy",
+    "normal_force",
+)
 
 
 def history(samples: int = 7) -> ContactHistory:
@@ -52,7 +62,8 @@ def trajectory() -> Trajectory:
         hub_angle=hub_angle,
         angles=angles,
         rates=np.column_stack([np.full(5, 5.0), np.full(5, np.pi)]),
-        tip=np.arange(10.0).reshape(5, 2) / 7.0,
+        centre_line=np.arange(30.0).reshape(5, 3, 2) / 7.0,
+        centre_line_velocity=np.arange(30.0).reshape(5, 3, 2) / 3.0,
         kinetic_energy=np.arange(5.0),
         potential_energy=np.arange(5.0) ** 2,
         normal_force=np.zeros(5),
@@ -88,6 +99,9 @@ def assert_same(one: Trajectory, other: Trajectory) -> None:
 def test_relative_motion(trajectory: Trajectory):
     # Differences of numbers near 1: a few roundings.
     np.testing.assert_allclose(trajectory.relative_angle, -0.5 + 3.0 * trajectory.time, atol=1e-15)
+    np.testing.assert_allclose(trajectory.retraction, 0.5 - 3.0 * trajectory.time, atol=1e-15)
+    np.testing.assert_array_equal(trajectory.tip, trajectory.centre_line[:, 2])
+    np.testing.assert_array_equal(trajectory.tip_velocity, trajectory.centre_line_velocity[:, 2])
     np.testing.assert_array_equal(trajectory.relative_rate, 3.0)
     np.testing.assert_array_equal(trajectory.total_energy, [0.0, 2.0, 6.0, 12.0, 20.0])
 
@@ -210,7 +224,7 @@ def rewrite(path: Path, change, dtype=None) -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        lambda meta: meta | {"format": 2},
+        lambda meta: meta | {"format": 3},
         lambda _: [],
         lambda _: None,
         lambda meta: {key: value for key, value in meta.items() if key != "cost"},
@@ -251,8 +265,8 @@ def test_damaged_files_are_refused_or_read_completely(trajectory: Trajectory, tm
 def test_another_format_is_named(trajectory: Trajectory, tmp_path: Path):
     path = tmp_path / "run.npz"
     trajectory.save(path)
-    rewrite(path, lambda meta: meta | {"format": 2})
-    with pytest.raises(ValueError, match="format 2 is not 1"):
+    rewrite(path, lambda meta: meta | {"format": 3})
+    with pytest.raises(ValueError, match="format 3 is not 2"):
         Trajectory.load(path)
 
 

@@ -127,13 +127,14 @@ class Log:
         """The finished result."""
         time, angle, rate, force = np.concatenate(self._rows).T
         hub_angle = self.mechanics.hub_angle(time)
-        tip = self.mechanics.tip_position(hub_angle, angle)
+        corners, velocities = self.mechanics.centre_line(hub_angle, angle, rate)
         return Trajectory(
             time=time,
             hub_angle=hub_angle,
             angles=(hub_angle + angle)[:, np.newaxis],
             rates=(self.mechanics.speed + rate)[:, np.newaxis],
-            tip=np.column_stack([tip.real, tip.imag]),
+            centre_line=np.stack([corners.real, corners.imag], axis=-1),
+            centre_line_velocity=np.stack([velocities.real, velocities.imag], axis=-1),
             kinetic_energy=self.mechanics.kinetic_energy(angle, rate),
             potential_energy=self.mechanics.potential_energy(hub_angle, angle),
             normal_force=force,

@@ -47,7 +47,7 @@ class Mechanics:
     """A tool's bristle and hub as plain numbers, SI units.
 
     Attributes:
-        tip: the centre line's end.
+        corners: of the centre line after the root, the tip last.
         centre_distance, centre_lead: of the centre of mass, its distance rho from the root, and the angle delta by which
             it is ahead of the shank, 0 for a straight wire.
         start_hub_angle: psi_0, rad.
@@ -56,7 +56,7 @@ class Mechanics:
     speed: float
     hub_radius: float
     length: float
-    tip: complex
+    corners: tuple[complex, ...]
     centre_distance: float
     centre_lead: float
     mass: float
@@ -74,7 +74,7 @@ class Mechanics:
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
             length=tool.bristle.length,
-            tip=complex(*tool.bristle.tip),
+            corners=tuple(complex(*corner) for corner in tool.bristle.path),
             centre_distance=abs(centre),
             centre_lead=float(np.angle(1j * centre)),
             mass=tool.bristle.mass,
@@ -116,9 +116,25 @@ class Mechanics:
         """Unit vector (sin, -cos) of an angle from -y."""
         return -1j * np.exp(1j * angle)
 
+    @property
+    def tip(self) -> complex:
+        """The centre line's end, seen from the root as ``corners``, m."""
+        return self.corners[-1]
+
     def tip_position(self, hub_angle: Number, angle: Number) -> Vector:
         """Position of the centre line's end, m."""
         return self.root(hub_angle) + self.tip * np.exp(1j * (hub_angle + angle))
+
+    def centre_line(self, hub_angle: Number, angle: Number, rate: Number) -> tuple[Vector, Vector]:
+        """Corners of the centre line from the root to its end, m, and their velocities, m/s; corners on a last axis.
+
+        The root moves with i omega times its position, a corner with the arm r from it with i phi' r more, where phi' is
+        the wire's absolute rate omega + alpha'.
+        """
+        root = np.asarray(self.root(hub_angle))[..., np.newaxis]
+        arms = np.exp(1j * np.asarray(hub_angle + angle))[..., np.newaxis] * np.array([0.0, *self.corners])
+        swing = 1j * (self.speed + np.asarray(rate))[..., np.newaxis] * arms
+        return root + arms, 1j * self.speed * root + swing
 
     def kinetic_energy(self, angle: Number, rate: Number) -> Number:
         """Kinetic energy of the whole wire, J."""

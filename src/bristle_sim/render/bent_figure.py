@@ -53,20 +53,10 @@ def _draw_path(axes: Axes, tool: Tool, run: Trajectory, shape: str) -> None:
     origin = np.array([np.interp(contact.time, run.time, run.tip[:, 0]), -tool.workpart_depth])
     for first, last, style in ((-BEFORE, 0.0, "--"), (0.0, AFTER, "-")):
         time = contact.time + np.linspace(first, last, 300)
-        points = (_corners(tool, motion, time)[-1] - origin[:, None]) * MILLIMETRES
-        axes.plot(*points, style, color=colour, label=NAMES[shape] if style == "-" else None, gid=f"path {shape}")
-    wire = np.array(_corners(tool, motion, np.array([contact.time])))[:, :, 0] - origin
+        points = (motion.centre_line(time)[:, -1] - origin) * MILLIMETRES
+        axes.plot(*points.T, style, color=colour, label=NAMES[shape] if style == "-" else None, gid=f"path {shape}")
+    wire = motion.centre_line(contact.time) - origin
     axes.plot(*(wire.T * MILLIMETRES), color=colour, linewidth=2.4, alpha=0.45, gid=f"wire {shape}")
-
-
-def _corners(tool: Tool, motion: Motion, time: np.ndarray) -> list[np.ndarray]:
-    """Root, knee if there is one, and tip at instants, each of shape (2, n), m."""
-    hub, angle = motion.hub_angle(time), motion.angles(time)[:, 0]
-    root = tool.hub.radius * np.array([np.sin(hub), -np.cos(hub)])
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return [
-        root + np.array([cosine * x - sine * y, sine * x + cosine * y]) for x, y in ((0.0, 0.0), *tool.bristle.path)
-    ]
 
 
 def _draw_speed(axes: Axes, run: Trajectory, shape: str) -> None:

@@ -45,7 +45,16 @@ FIRST, LAST = 1e-6, 1.0
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
 """Noted at the end of a run in which the other event never happened."""
 
-SAMPLES = ("hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
+SAMPLES = (
+    "hub_angle",
+    "angles",
+    "rates",
+    "centre_line",
+    "centre_line_velocity",
+    "kinetic_energy",
+    "potential_energy",
+    "normal_force",
+)
 
 PARTS: dict[str, type[Any]] = {
     "hub": Hub,

@@ -225,6 +225,7 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
     poses = [scene.mechanism.poses(state)[-1] for state in states]
     velocity = np.array([pose.centre_velocity for pose in poses])
     height = np.array([pose.centre[1] for pose in poses])
+    centre_line, centre_line_velocity = scene.mechanism.centre_line(time, angles, rates)
     kinetic = 0.5 * (velocity**2).sum(axis=1) + 0.5 * scene.mechanism.links[-1].inertia * rates[:, 0] ** 2
     potential = 0.5 * (scene.effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2 + scene.effects.gravity * height
     return Trajectory(
@@ -232,7 +233,8 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
         hub_angle=hub,
         angles=angles,
         rates=rates / units.time,
-        tip=np.array([pose.tip for pose in poses]) * units.length,
+        centre_line=centre_line * units.length,
+        centre_line_velocity=centre_line_velocity * units.velocity,
         kinetic_energy=kinetic * units.energy,
         potential_energy=potential * units.energy,
         normal_force=np.array(recording.forces) * units.force,

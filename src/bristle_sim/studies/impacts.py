@@ -36,6 +36,8 @@ class Impacts:
         law: the one asked for.
         strikes: by law.
         refusals: why a law that was not asked for has no answer, by law.
+        contact_duration: requested for the contact resolved in time, s, or None.
+        timing: what a film says about the time that its contact takes.
     """
 
     chain: Chain
@@ -43,6 +45,8 @@ class Impacts:
     law: str
     strikes: dict[str, ChainStrike]
     refusals: dict[str, str]
+    contact_duration: float | None = None
+    timing: str = ""
 
 
 def oblique_impact(
@@ -225,7 +229,7 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
             strikes[law] = strike(chain, surface, Contact(law), settings)
         except ValueError as error:
             refusals[law] = str(error)
-    return Impacts(chain, surface, contact.law, strikes, refusals)
+    return Impacts(chain, surface, contact.law, strikes, refusals, contact.duration)
 
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], rate_name: str) -> Report:
