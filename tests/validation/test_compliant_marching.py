@@ -5,6 +5,7 @@ each step the tangential force that would stop the tip, cut to friction's limit.
 follows from that; nothing is located.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -114,7 +115,7 @@ def history(record: ContactRecord) -> ContactHistory:
 def integral(time: Array, values: Array) -> float:
     """By splines through the samples of each phase; phases meet where two samples share an instant."""
     edges = [0, *(np.flatnonzero(np.diff(time) <= 1e-12 * (time[-1] - time[0])) + 1), len(time)]
-    parts = [(time[a:b], values[a:b]) for a, b in zip(edges, edges[1:], strict=False) if b - a > 1]
+    parts = [(time[a:b], values[a:b]) for a, b in itertools.pairwise(edges) if b - a > 1]
     return sum(float(CubicSpline(t, y).integrate(t[0], t[-1])) for t, y in parts)
 
 
@@ -170,12 +171,25 @@ class TestAgainstTheMarch:
         assert record.rates_after[0] == pytest.approx(march.rates[0, 0], rel=1e-3)
         assert record.impulse == pytest.approx(tuple(march.impulse[0]), rel=1e-3)
 
+    @pytest.mark.parametrize("friction", [1.0, 2.0])
+    def test_parallel_rods_that_fold_meanwhile(self, friction: float) -> None:
+        """Stiction for the rigid law, whose tip can only move along one line; 20 ms later the rods are not parallel."""
+        chain, surface = Chain((1.0, 1.0), (1.0, 0.8), (-0.6, -0.6), (3.0, 9.0)), Surface(friction, None, 0.5)
+        assert strike(chain, surface, Contact(), Settings()).contact.outcome == "stiction"
+        assert found(chain, surface, None).outcome == "stiction"
+        record = found(chain, surface, 0.02)
+        assert record.outcome == "rebound"
+        march = Marched([chain], [surface], history(record).normal_force[1:2] / history(record).penetration[1:2])
+        march.go(np.array([record.duration]), STEPS)
+        assert march.left.all()
+        assert record.rates_after == pytest.approx(tuple(march.rates[0]), rel=2e-3)
+
     def test_a_jam_that_lasts_stays_one(self) -> None:
         """Ten times 0.1 ms later the hub's root has hardly moved on: the record ends where the tip stuck."""
         record = found(JAMMED, Surface(3.0, None, 0.9), 1e-4)
         limit = strike(JAMMED, Surface(3.0, None, 0.9), Contact(), Settings()).contact
         assert record.outcome == limit.outcome == "jam"
-        assert record.phases == limit.phases[:1] + ("compression stick",)
+        assert record.phases == (*limit.phases[:1], "compression stick")
         # The hub turns by 6e-4 in a duration, and a rod at its rates by as much.
         assert record.impulse == record.compressive_impulse == pytest.approx(limit.impulse, rel=1e-3)
 

@@ -42,7 +42,7 @@ bodies' motion carries along, so that stick always ends in slip; as the contact 
 
 PATIENCE = 10.0
 """A contact that lasts this many times longer than an impact of its speed would is no impact: something presses the
-point on. It ends as ``no rebound``, to be held; or where the rigid-body law's jam began, if it has one."""
+point on. It ends as ``no rebound``, to be held; or where the rigid-body law ends, in a jam or in stiction."""
 
 SHORTEST = 1e-9
 """Stretches shorter than this share of a contact mean that none is short enough: rounding exceeds the tolerance."""
@@ -86,12 +86,14 @@ class Passage:
         self.done = ""
         self.most_stretches = max(MOST_STRETCHES, int(4 * duration / stepper.propose(longest)))
         self.turns_meanwhile = self.longest * SAMPLES <= 1.5 * self.duration
+        # A single rod comes to rest for good, or goes where its hub goes: no impact.
+        self.goes_on = self.turns_meanwhile and (expected == "jam" or len(scene.links) > 1)
         self.phases: list[_Phase] = []
         self.totals = np.zeros(4)
         self.at_compression_end: np.ndarray | None = None
         self.rows: list[tuple[float, ...]] = []
         self.stick_force = 0.0
-        self._jam: _Jam | None = None
+        self._stop: _Stop | None = None
         if not spring.slip:
             self._settle()
         self._note_phase()
@@ -102,10 +104,10 @@ class Passage:
         try:
             self._go(last)
         except ValueError:
-            if self._jam is None:
+            if self._stop is None:
                 raise
-        if self._jam is not None and self.done != "rebound":
-            self._end_in_jam(self._jam)
+        if self._stop is not None and self.done != "rebound":
+            self._end_at(self._stop)
 
     def _go(self, last: int) -> None:
         for _ in range(self.most_stretches):
@@ -202,9 +204,10 @@ class Passage:
         spring.unload(self.scene.mechanism.poses(self.state)[-1].tip)
         if spring.coefficients.restitution == 0.0:
             self.done = "no rebound"
-        elif self.expected == "stiction":
-            self.done = "stiction"
-        elif not spring.slip:
+            return
+        if self.expected == "stiction":
+            self._stopped()
+        if not spring.slip and not self.done:
             self._settle()
 
     def _separate(self) -> None:
@@ -229,10 +232,14 @@ class Passage:
         here = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, probe[4], probe[4]), 0.0)
         if spring.tangential and self._spare(here) < 0.0:
             self._break()
+        if not (spring.loading and self.rows):
+            return
         stopped = self.expected == "stiction" and not spring.slip
-        if spring.loading and self.rows and (stopped or -self._now()[0] <= SAME * abs(self.rows[0][4])):
-            # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
+        # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
+        if (stopped and not self.goes_on) or -self._now()[0] <= SAME * abs(self.rows[0][4]):
             self._end_compression()
+        elif stopped:
+            self._stopped()
 
     def _quickest(self) -> float:
         """Time scale of slip, much shorter than the contact where a heavy link lets the tip hardly out of stick."""
@@ -259,15 +266,24 @@ class Passage:
             return
         spring = self.spring
         self.phases.append(_Phase(spring.loading, spring.slip, float(self.totals[0])))
-        if self.expected == "jam" and not spring.slip and spring.loading and self._jam is None:
-            self._jam = _Jam(self.state, self.totals.copy(), self.stick_force, len(self.rows), len(self.phases))
+        if self.expected == "jam" and not spring.slip and spring.loading:
+            self._stopped()
 
-    def _end_in_jam(self, jam: _Jam) -> None:
-        """The contact does not end by itself either: it ends where friction began to hold the point."""
-        self.done = "jam"
-        self.state, self.totals, self.at_compression_end = jam.state, jam.totals, None
-        self.spring.loading, self.spring.slip, self.stick_force = True, 0.0, jam.stick_force
-        del self.rows[jam.rows :], self.phases[jam.phases :]
+    def _stopped(self) -> None:
+        """The rigid-body law ends here without rebound; a contact of a given duration may still find its way out."""
+        if not self.goes_on:
+            self.done = self.expected
+        elif self._stop is None:
+            spring = self.spring
+            forces = spring.loading, spring.slip, self.stick_force
+            self._stop = _Stop(self.state, self.totals.copy(), forces, len(self.rows), len(self.phases))
+
+    def _end_at(self, stop: _Stop) -> None:
+        """The contact comes to no end of its own either: it ends where the rigid-body law does."""
+        self.done = self.expected
+        self.state, self.totals, self.at_compression_end = stop.state, stop.totals, None
+        self.spring.loading, self.spring.slip, self.stick_force = stop.forces
+        del self.rows[stop.rows :], self.phases[stop.phases :]
         self._sample()
 
     def _names(self) -> tuple[str, ...]:
@@ -333,12 +349,15 @@ class _Phase:
 
 
 @dataclass(frozen=True, slots=True)
-class _Jam:
-    """Where the rigid-body law's jam began: state, what had been added up, force of stick, numbers of samples and phases."""
+class _Stop:
+    """Where the rigid-body law ends without rebound: state, what had been added up, numbers of samples and phases.
+
+    ``forces``: whether the spring loads, direction of slip, and the force of stick.
+    """
 
     state: State
     totals: NDArray[np.float64]
-    stick_force: float
+    forces: tuple[bool, float, float]
     rows: int
     phases: int
 
