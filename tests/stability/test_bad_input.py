@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import inspect
 import json
 import math
 import random
@@ -30,6 +31,7 @@ from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.hard_cases import bad_input
 from bristle_sim.studies.hard_cases.attempts import Tally, finite
 from bristle_sim.studies.hard_cases.case import HardCase
+from bristle_sim.studies.hard_cases.theory_samples import MODULES, WHOLE, samples_of
 from bristle_sim.studies.impacts import single_pendulum
 from bristle_sim.theory import cueing, monofilament
 from bristle_sim.theory.checks import checked, ranges
@@ -204,6 +206,21 @@ def test_formulas_of_any_numbers(four: list[float], many: list[float]) -> None:
         tally = Tally()
         tally.attempt("call", call, finite)
         assert not tally.faults
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_truth_values_and_text_are_no_numbers(module: str) -> None:
+    """True would count as 1, "0.5" as a half."""
+    loaded = importlib.import_module(f"bristle_sim.theory.{module}")
+    for function in filter(inspect.isfunction, (getattr(loaded, name) for name in loaded.__all__)):
+        good = samples_of(function)
+        for name in good:
+            for bad in (True, np.True_, [True], [0.5, False], "0.5", ["0.5"]) if name not in WHOLE else ():
+                if isinstance(bad, str) and name == "path" and function.__name__ == "read_force_csv":
+                    continue
+                with pytest.raises(ValueError, match=r"allowed|shape") as refusal:
+                    function(**{**good, name: bad})
+                assert "\n" not in str(refusal.value)
 
 
 LENGTH = Range("length", "m", 0.0, 10.0, False, "test")

@@ -148,7 +148,8 @@ def friction_for_crater_depth(
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
     given = (sine <= np.cos(2.0 * gamma) + 1e-12) & (sine > -np.sin(gamma))
     require("depth", depth, given, "a depth that some friction >= tan(impact_angle) gives is allowed (in m)")
-    return 1.0 / np.tan(np.arcsin(sine) + gamma)
+    # arcsin(1 - 2 x) = pi/2 - 2 arcsin(sqrt(x)) keeps the digits of a small depth.
+    return np.tan(2.0 * np.arcsin(np.sqrt(np.maximum(depth / deepest, 0.0))) - gamma)
 
 
 def _depth_ratio(
