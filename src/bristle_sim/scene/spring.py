@@ -43,7 +43,7 @@ class Spring:
         x, y, _, _ = self._tip()
         self.surface = x * self.normal[0] + y * self.normal[1]
         self.inverse_mass = inverse_mass
-        (_, self.coupling), (_, self.tangential) = inverse_mass.tolist()
+        self.follow(inverse_mass)
         self.stiffness = stiffness
         self.coefficients = coefficients
         self.loading = True
@@ -53,7 +53,9 @@ class Spring:
 
     def follow(self, inverse_mass: NDArray[np.float64]) -> None:
         """Compute stick with the K of the bodies as they stand now: they turn while the contact lasts."""
-        (_, self.coupling), (_, self.tangential) = inverse_mass.tolist()
+        (normal, self.coupling), (_, tangential) = inverse_mass.tolist()
+        # A tip that moves straight up alone has a K_tt of rounding, and no slip to stop.
+        self.tangential = tangential if tangential > 1e-14 * normal else 0.0
 
     @property
     def friction(self) -> float:
