@@ -114,7 +114,8 @@ PROMISES = {
         keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *RUBBING, *LAW)
     ),
     "force_history": Promise(
-        ("peak_force", "compression_time", "compressive_impulse"), (*TOOL, "impact_angle_deg", *RUBBING, "force_csv")
+        ("peak_force", "compression_time", "compressive_impulse"),
+        (*TOOL, "impact_angle_deg", *RUBBING, "force_csv", "time_column", "force_column", "force_per_volt"),
     ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
