@@ -56,6 +56,7 @@ SAMPLES = TOOL | IMPACTS | CRATERS
 OWN: dict[str, dict[str, Any]] = {
     "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "terms": 1, "duration": 1e-4, "peak_force": 60.0}
     | {"start": 0.0},
+    "constant_for_crater_depth": {"depth": 1e-4},
     "friction_for_crater_depth": {"depth": 1.6e-4},
     "crater_depth_from_contact": {
         "time": RAMP * 5e-5,
