@@ -105,7 +105,7 @@ def _fit_record(
     """Find the contact in the record, then fit its start and the baseline with its curve."""
     found = find_contact(time, force)
     if found is None:
-        raise ValueError("force: no contact found in the record; a force that rises and falls must be in it")
+        raise ValueError("force: no contact found in the record; there must be a force in it that rises and falls")
     since = (time - found.start) / found.duration
     near = (since >= -AROUND) & (since <= 1.0 + AROUND)
     outside = near & ((since < -ENDS) | (since > 1.0 + ENDS))
@@ -137,21 +137,23 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
     ratio = (right - left) / unknowns / max(left / freedom, np.finfo(float).tiny)
     places = max(1.0, PLACES * (length / fit.curve.duration - 1.0))
     if not (ratio > 0.0 and places * fdtrc(unknowns, freedom, ratio) <= MOST_CHANCE):
-        raise ValueError("force: no contact found in the record; a force must rise and fall above its noise")
+        raise ValueError(
+            "force: no contact found in the record; there must be a force that rises and falls above the noise"
+        )
     if fit.start < time[0] - MISSING_START * fit.curve.duration - (time[1] - time[0]):
         raise ValueError(
-            f"time: the contact seems to begin at {fit.start:.9g} s, the record at {time[0]:.9g} s; the record must hold"
-            " the contact from its start"
+            f"time: the contact seems to begin at {fit.start:.9g} s, the record at {time[0]:.9g} s;"
+            " the contact's start must be in the record"
         )
     if fit.start + fit.curve.peak_time() > time[-1] + MISSING_START * fit.curve.duration:
         raise ValueError(
-            f"time: the record ends at {time[-1]:.9g} s, before the force has passed its peak; it must not"
+            f"time: the record ends at {time[-1]:.9g} s, before the force has passed its peak, which must be in it"
         )
     level = max(LEVEL * fit.curve.peak_force(), 4.0 * fit.root_mean_square)
     if "baseline" not in fit.names and force[0] * force[-1] > 0.0 and min(abs(force[0]), abs(force[-1])) > level:
         raise ValueError(
-            f"force: the record begins at {force[0]:g} N and ends at {force[-1]:g} N; it must hold samples from before or"
-            " after the contact, or its zero is unknown"
+            f"force: the record begins at {force[0]:g} N and ends at {force[-1]:g} N, where a"
+            " contact has 0; samples outside the contact must be in it, as they show its zero"
         )
 
 

@@ -105,7 +105,7 @@ class FitProblem:
                 best = min(runs, key=lambda run: float(run.cost))
                 return self.report(best.x, best.jac, noise, origin)
         except np.linalg.LinAlgError:
-            raise ValueError("force: no curve of (3.3) fits; the points must rise and fall once") from None
+            raise ValueError("force: no curve of (3.3) fits; it must be a force that rises and falls once") from None
 
     def residuals(self, unknowns: Array) -> Array:
         """Fitted minus measured force, N."""
@@ -174,7 +174,7 @@ class FitProblem:
 
     def _indistinct(self) -> ValueError:
         if self.shifted and self.terms == 1:
-            return ValueError("force: no contact found in the record; its points determine no curve of (3.3)")
+            return ValueError("force: no contact found in the record; there must be more points, or less noise")
         return ValueError(f"terms = {self.terms}: the points do not tell so many terms apart; there must be fewer")
 
     @property
