@@ -117,6 +117,16 @@ PROMISES = {
         ("peak_force", "compression_time", "compressive_impulse"),
         (*TOOL, "impact_angle_deg", *RUBBING, "force_csv", "time_column", "force_column", "force_per_volt"),
     ),
+    "inertia_driven": Promise(
+        (
+            "largest_retraction_deg",
+            "time_to_radial",
+            "relative_speed_at_radial",
+            "tip_speed_at_radial",
+            "hub_speed_for_equal_tip_speed",
+        ),
+        (*TOOL, *BELT, *BAR, "penetration", "reference"),
+    ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
         ("shear_yield_stress", "plies", "friction", "impact_angle_deg"),

@@ -131,6 +131,10 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
     """Refuse a fit that noise alone could give, by the F test, or whose contact begins before the record."""
     from scipy.special import fdtrc
 
+    try:
+        peak = fit.curve.peak_time()
+    except ValueError:
+        raise ValueError("force: no contact found in the record; there must be a force that rises and falls") from None
     unknowns = len(fit.names)
     left, right = float(np.sum(fit.residuals**2)), float(np.sum((force - force.mean()) ** 2))
     freedom = force.size - unknowns
@@ -145,11 +149,11 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
             f"time: the contact seems to begin at {fit.start:.9g} s, the record at {time[0]:.9g} s;"
             " the contact's start must be in the record"
         )
-    if fit.start + fit.curve.peak_time() > time[-1] + MISSING_START * fit.curve.duration:
+    if fit.start + peak > time[-1] + MISSING_START * fit.curve.duration:
         raise ValueError(
             f"time: the record ends at {time[-1]:.9g} s, before the force has passed its peak, which must be in it"
         )
-    level = max(LEVEL * fit.curve.peak_force(), 4.0 * fit.root_mean_square)
+    level = max(LEVEL * float(fit.curve(peak)), 4.0 * fit.root_mean_square)
     if "baseline" not in fit.names and force[0] * force[-1] > 0.0 and min(abs(force[0]), abs(force[-1])) > level:
         raise ValueError(
             f"force: the record begins at {force[0]:g} N and ends at {force[-1]:g} N, where a"
