@@ -126,6 +126,7 @@ PROMISES = {
             "hub_speed_for_equal_tip_speed",
         ),
         (*TOOL, *BELT, *BAR, "penetration", "reference"),
+        integrates=True,
     ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable
 from typing import Any
 
 from bristle_sim.comparison import Quantity
@@ -46,11 +47,16 @@ def constant_row(crater: Crater, depth: float) -> Quantity:
     return Quantity(name, "deg", found, theory, tolerance=max(error / constant, 1e-12))
 
 
-def constants_over(crater: Crater, depth: float) -> list[dict[str, Any]]:
+def constants_over(
+    crater: Crater,
+    depth: float,
+    frictions: Iterable[float] = FRICTIONS,
+    impact_angles_deg: Iterable[float] = IMPACT_ANGLES_DEG,
+) -> list[dict[str, Any]]:
     """C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
-    rows = []
-    for gamma in IMPACT_ANGLES_DEG:
-        for friction in FRICTIONS:
+    rows, frictions = [], tuple(frictions)
+    for gamma in impact_angles_deg:
+        for friction in frictions:
             tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
             constant = _closed_form_deg(tried, depth)
             shear = None if constant is None else 0.5 * (constant - math.degrees(_resultant_angle(tried)))
