@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.quantity import ANY, quantity, shown, validate
+from bristle_sim.quantity import ANY, Range, quantity, shown, validate
 
 __all__ = ["Crater", "ForceHistory", "InputFile", "Measurement"]
 
@@ -43,10 +43,53 @@ def _is_file(name: str) -> bool:
         return False
 
 
+@dataclass(frozen=True, slots=True)
+class ColumnName:
+    """A column of a file; None where the file itself says which."""
+
+    key: str
+    source: str
+    unit: str = "column"
+    allowed: str = "the heading of a column, or its number from 1 on"
+    optional: bool = True
+    meaning: str = ""
+    needs: str = ""
+
+    def parse(self, text: str) -> str:
+        """Take typed text as it is; raises ValueError in one line if there is none."""
+        return self.check(text)
+
+    def check(self, value: Any) -> str:
+        """Return the name, or raise ValueError with key, value and what it must be."""
+        if not isinstance(value, str) or not value.strip():
+            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
+        return value
+
+
 _FORCE_CSV = InputFile(
     "force_csv",
     "none: the measured points are not in print",
-    meaning="measured force history: two columns, time in s and force in N",
+    meaning="measured force history: columns of time and force as an oscilloscope exports them",
+)
+_TIME_COLUMN = ColumnName(
+    "time_column",
+    "the one that the file marks as time, else the first",
+    meaning="column of the time in the file",
+)
+_FORCE_COLUMN = ColumnName(
+    "force_column",
+    "the one that the file marks as force, or the only other one",
+    meaning="column of the force in the file",
+)
+_FORCE_PER_VOLT = Range(
+    "force_per_volt",
+    "N/V",
+    -1e12,
+    1e12,
+    True,
+    "none: the file holds a force, not a voltage",
+    optional=True,
+    meaning="calibration of a force that was recorded as a voltage",
 )
 
 
@@ -55,10 +98,20 @@ class Measurement:
     """A measured force history that takes the place of the published curve."""
 
     force_csv: str | None = field(default=None, metadata={"declaration": _FORCE_CSV})
+    time_column: str | None = field(default=None, metadata={"declaration": _TIME_COLUMN})
+    force_column: str | None = field(default=None, metadata={"declaration": _FORCE_COLUMN})
+    force_per_volt: float | None = field(default=None, metadata={"declaration": _FORCE_PER_VOLT})
 
     def __post_init__(self) -> None:
-        if self.force_csv is not None:
-            _FORCE_CSV.check(self.force_csv)
+        for declared in (_FORCE_CSV, _TIME_COLUMN, _FORCE_COLUMN, _FORCE_PER_VOLT):
+            value = getattr(self, declared.key)
+            if value is None:
+                continue
+            declared.check(value)
+            if self.force_csv is None:
+                raise ValueError(f"{declared.key} = {shown(value)}: must be given with force_csv, which it describes")
+        if self.force_per_volt == 0.0:
+            raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
 
 
 @dataclass(frozen=True, slots=True)

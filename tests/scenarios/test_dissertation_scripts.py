@@ -124,10 +124,10 @@ def test_force_history_of_measured_points(tmp_path: Path):
     ("text", "words"),
     [
         (None, ("force_csv", "must be a readable file")),
-        ("0,0\n1,nan\n", ("line 2", "nan", "a finite number is allowed")),
-        ("0,0\n1,1\n0.5,2\n", ("line 3", "more than the time before")),
-        ("a,b,c\n", ("line 1", "3 columns")),
-        ("", ("0 points", "at least 4")),
+        ("0,0\n1,nan\n2,1\n3,0\n", ("force_csv", "line 2", "nan", "must be a finite number")),
+        ("0,0\n1,1\n0.5,2\n1,1\n", ("line 3", "more than the time before")),
+        ("a,b,c\n0,1,2\n1,2,3\n", ("columns 2 (b), 3 (c)", "force_column")),
+        ("", ("force_csv", "no line with two numbers")),
     ],
 )
 def test_force_files_that_are_none(tmp_path: Path, text: str | None, words: tuple[str, ...]):

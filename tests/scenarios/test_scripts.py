@@ -121,7 +121,19 @@ PROMISES = {
         keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *RUBBING, *LAW)
     ),
     "force_history": Promise(
-        ("peak_force", "compression_time", "compressive_impulse"), (*TOOL, "impact_angle_deg", *RUBBING, "force_csv")
+        ("peak_force", "compression_time", "compressive_impulse"),
+        (*TOOL, "impact_angle_deg", *RUBBING, "force_csv", "time_column", "force_column", "force_per_volt"),
+    ),
+    "inertia_driven": Promise(
+        (
+            "largest_retraction_deg",
+            "time_to_radial",
+            "relative_speed_at_radial",
+            "tip_speed_at_radial",
+            "hub_speed_for_equal_tip_speed",
+        ),
+        (*TOOL, *BELT, *BAR, "penetration", "reference"),
+        integrates=True,
     ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
@@ -482,7 +494,10 @@ def test_an_impact_at_an_instant_has_no_time_series(tmp_path: Path, capsys: pyte
 
 
 def bad_texts(found: Range | Choice) -> Iterator[str]:
-    """Nothing, words, what floats know besides numbers, and the nearest numbers out of range."""
+    """Nothing, words, what floats know besides numbers, and the nearest numbers out of range; a heading may be any word."""
+    if found.unit == "column":
+        yield from ("", " ", "\t")
+        return
     yield from ("", " ", "abc", "nan", "inf", "-inf", "1e999", "1_0", "0x10", "1,5", "\u22121", "1\n2")
     if isinstance(found, Range):
         yield repr(math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest)

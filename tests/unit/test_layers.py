@@ -18,6 +18,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 RANKS = {
     "quantity": 0,
     "files": 0,
+    "force_file": 0,
     "parameters": 1,
     "crater_parameters": 1,
     "settings": 1,

@@ -1,4 +1,4 @@
-"""The crater on one page: depth over plies, the chip to scale, every estimate, and the crater in three dimensions."""
+"""The crater on one page: depth over plies, the chip to scale, every estimate, the crater in three dimensions, and C."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bristle_sim.render.crater_constant_panel import draw_constants
 from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, axes_at, blank_figure, signed, styled
 from bristle_sim.render.sweep_panels import panel_title
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
@@ -23,7 +24,7 @@ __all__ = ["crater_figure", "crater_floor"]
 
 Array = NDArray[np.float64]
 
-WIDTH, HEIGHT = 16.0, 15.6
+WIDTH, HEIGHT = 22.4, 15.6
 """Printed size, cm."""
 
 MICRO = 1e6
@@ -53,6 +54,9 @@ def crater_figure(study: CraterStudy) -> Figure:
     _draw_chip(chip, study)
     _draw_estimates(estimates, study)
     _draw_crater(crater, study)
+    constants = axes_at(figure, 17.3, 1.1, 4.7, 13.1)
+    panel_title(constants, "e", "C for the measured depth")
+    draw_constants(constants, study)
     return figure
 
 

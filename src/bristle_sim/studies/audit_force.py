@@ -41,7 +41,7 @@ def table_fit() -> ForceFit:
     step = COMPRESSION_TIME / len(TABLE_3_1)
     time = step * (np.arange(len(TABLE_3_1)) + 0.5)
     force = 1e-4 * np.array(TABLE_3_1, dtype=float) / step
-    return fit_force_history(time, force, duration=BRISTLE.duration, peak_force=2.0 * BRISTLE.swing)
+    return fit_force_history(time, force, duration=BRISTLE.duration, peak_force=2.0 * BRISTLE.swing, start=0.0)
 
 
 def _ball() -> tuple[AuditRow, ...]:

@@ -18,6 +18,7 @@ from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
+from bristle_sim.studies.crater_constant import constant_in_words, constant_row, constants_over
 from bristle_sim.studies.crater_sums import (
     energy_depth_course,
     merchant_depth_course,
@@ -86,9 +87,14 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     study = _with_contact(_with_angles(crater), hub, bristle, settings)
     report = Report(
         outcome="no contact",
-        quantities=(*_merchant_rows(study), _energy_row(crater), *_contact_rows(study, hub, bristle)),
+        quantities=(
+            *_merchant_rows(study),
+            _energy_row(crater),
+            *_contact_rows(study, hub, bristle),
+            constant_row(crater, MEASURED),
+        ),
         remarks=_remarks(study),
-        extra={"measured_crater_depth": MEASURED},
+        extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
     )
     contact = study.contact
@@ -222,7 +228,9 @@ def _rigid_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[f
 
 def _remarks(study: CraterStudy) -> tuple[str, ...]:
     measured = f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13), shown as printed where the dissertation has no number"
-    return ("", measured, _chip_line(study), *_second_reckoning(study), *_energy_lines(study), *_contact_lines(study))
+    constant = constant_in_words(study.crater, MEASURED)
+    lines = (_chip_line(study), constant, *_second_reckoning(study), *_energy_lines(study), *_contact_lines(study))
+    return ("", measured, *lines)
 
 
 def _second_reckoning(study: CraterStudy) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ SEGMENTS = len(TABLE_3_1)
 def points_figure() -> Redrawn:
     """Figure 3.1: points of the ball's impact."""
     time, force = noisy_points(BALL, POINTS, NOISE)
-    fit = fit_force_history(time, force, duration=BALL.duration, peak_force=2.0 * BALL.swing)
+    fit = fit_force_history(time, force, duration=BALL.duration, peak_force=2.0 * BALL.swing, start=0.0)
     shown = f"fit: c = {fit.values[0]:.3f}, $\\lambda$ = {fit.values[1]:.0f} /s"
     curve = curve_of(shown, fit.curve, np.linspace(0.0, BALL.duration, 201), {"sampled": (time, force)})
     return Redrawn(

@@ -54,9 +54,10 @@ SAMPLES = TOOL | IMPACTS | CRATERS
 """By the arguments' names."""
 
 OWN: dict[str, dict[str, Any]] = {
-    "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "terms": 1, "duration": 1e-4, "peak_force": 60.0},
+    "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "terms": 1, "duration": 1e-4, "peak_force": 60.0}
+    | {"start": 0.0},
+    "constant_for_crater_depth": {"depth": 1e-4},
     "friction_for_crater_depth": {"depth": 1.6e-4},
-    "read_force_csv": {"path": "no such file"},
     "crater_depth_from_contact": {
         "time": RAMP * 5e-5,
         "normal_force": RAMP * 50.0,
