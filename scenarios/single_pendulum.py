@@ -27,8 +27,10 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
     from bristle_sim.render.impact_figures import single_pendulum_figure
     from bristle_sim.render.style import save_figure
+    from bristle_sim.studies.impact_sweeps import single_pendulum_families
 
-    save_figure(single_pendulum_figure(report.subject), path)
+    families = single_pendulum_families(report.subject.chain, report.subject.surface)
+    save_figure(single_pendulum_figure(report.subject, families), path)
 
 
 def video(report: Report, path: Path) -> None:

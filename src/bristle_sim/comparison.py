@@ -82,7 +82,7 @@ class Report:
     """What a scenario found.
 
     Attributes:
-        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``.
+        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None where no impact is asked about.
         quantities: the comparison.
         phases: of the impact, in order.
         events: (name, time in s), in order.
@@ -92,7 +92,7 @@ class Report:
         subject: what pictures are made of.
     """
 
-    outcome: str
+    outcome: str | None
     quantities: tuple[Quantity, ...]
     phases: tuple[str, ...] = ()
     events: tuple[tuple[str, float], ...] = ()

@@ -21,12 +21,18 @@ from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_fi
 from bristle_sim.render.impact_video import ImpactScene, impact_video
 from bristle_sim.render.prefixes import scale_for
 from bristle_sim.render.style import save_figure
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.strike import Chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import CueTiming, cue_timing
+from bristle_sim.studies.impact_sweeps import (
+    double_pendulum_families,
+    oblique_families,
+    single_pendulum_families,
+)
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import energetic_course
-from bristle_sim.studies.law_convergence import Convergence
+from bristle_sim.studies.law_convergence import Convergence, engine_energy
 
 ROUGH = Surface(friction=0.5, restitution=0.5)
 TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
@@ -45,6 +51,15 @@ def rods(surface: Surface = ROUGH, **pendulum: float) -> Impacts:
     return report.subject
 
 
+def oblique(impacts: Impacts) -> Figure:
+    return oblique_figure(impacts, oblique_families(impacts.chain, impacts.surface))
+
+
+def two_rods(impacts: Impacts) -> Figure:
+    energy = engine_energy(impacts.chain, impacts.surface) if any(impacts.chain.rates) else None
+    return double_pendulum_figure(impacts, double_pendulum_families(impacts.chain, impacts.surface), energy)
+
+
 @pytest.fixture(scope="module")
 def strike() -> Impacts:
     return bristle()
@@ -57,12 +72,12 @@ def pendulum() -> Impacts:
 
 @pytest.fixture(scope="module")
 def strike_figure(strike: Impacts) -> Figure:
-    return oblique_figure(strike)
+    return oblique(strike)
 
 
 @pytest.fixture(scope="module")
 def pendulum_figure(pendulum: Impacts) -> Figure:
-    return double_pendulum_figure(pendulum)
+    return two_rods(pendulum)
 
 
 @pytest.fixture(scope="module")
@@ -176,7 +191,8 @@ def test_points_of_a_family_lie_on_its_curves(strike_figure: Figure) -> None:
 def test_single_pendulum_figure_shows_the_formula() -> None:
     report = single_pendulum(SinglePendulum(), Surface(), Contact(), Settings())
     assert isinstance(report.subject, Impacts)
-    figure = single_pendulum_figure(report.subject)
+    families = single_pendulum_families(report.subject.chain, report.subject.surface)
+    figure = single_pendulum_figure(report.subject, families)
     drag = 0.31 / math.tan(math.radians(23.4))
     expected = -0.42 * math.sqrt((1.0 - drag) / (1.0 + drag))
     assert data(panel(figure, "b"), "at hand") == pytest.approx((23.4, expected), rel=1e-9)
@@ -195,6 +211,31 @@ def test_double_pendulum_figure_shows_rates_impulses_and_energies(pendulum_figur
     assert energies.get_ylim()[1] > engine.max()
 
 
+def test_figures_never_simulate(strike: Impacts, pendulum: Impacts, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Studies compute and figures draw: no scene can be built while they do."""
+    families = oblique_families(strike.chain, strike.surface)
+    rates, energy = double_pendulum_families(pendulum.chain, pendulum.surface), engine_energy(pendulum.chain, ROUGH)
+
+    def refuse(*_: object) -> None:
+        pytest.fail("a figure builds a scene")
+
+    monkeypatch.setattr(Scene, "__init__", refuse)
+    oblique_figure(strike, families)
+    single_pendulum_figure(strike, {"rebound over angle": (), "rebound over friction": ()})
+    double_pendulum_figure(pendulum, rates, energy)
+
+
+def test_panels_of_one_page_have_titles_of_their_own(strike_figure: Figure, pendulum_figure: Figure) -> None:
+    for figure in (strike_figure, pendulum_figure):
+        titles = [axes.get_title(loc="left").split("  ", 1)[1] for axes in figure.axes]
+        assert len(set(titles)) == len(titles) == 4
+
+
+def test_every_dotted_line_of_stiction_is_explained(strike_figure: Figure) -> None:
+    for letter in "cd":
+        assert "stiction, μ = tan" in words(panel(strike_figure, letter))
+
+
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
 def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: str) -> None:
     path = save_figure(pendulum_figure, tmp_path / f"impact{suffix}")
@@ -202,14 +243,14 @@ def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: st
 
 
 def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
-    away = oblique_figure(bristle(Strike(speed_ratio=0.0)))
+    away = oblique(bristle(Strike(speed_ratio=0.0)))
     assert "no ratio" in words(panel(away, "b"))
-    resting = double_pendulum_figure(rods(rate_1=0.0, rate_2=0.0))
+    resting = two_rods(rods(rate_1=0.0, rate_2=0.0))
     assert "no contact" in words(panel(resting, "a"))
     assert "no energy" in words(panel(resting, "d"))
     unresolved = rods()
     del unresolved.strikes["compliant"]
-    names = {each.get_gid() for each in panel(double_pendulum_figure(unresolved), "a").get_lines()}
+    names = {each.get_gid() for each in panel(two_rods(unresolved), "a").get_lines()}
     assert not any(name and "resolved" in name for name in names)
     for number, figure in enumerate((away, resting)):
         save_figure(figure, tmp_path / f"{number}.png")
@@ -217,7 +258,7 @@ def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("surface", [{"friction": 0.6}, {"restitution": 0.0}, {"restitution_friction": 0.9}])
 def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_path: Path) -> None:
-    figure = oblique_figure(bristle(**surface))
+    figure = oblique(bristle(**surface))
     assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
     save_figure(figure, tmp_path / "stuck.png")
 

@@ -19,6 +19,8 @@ __all__ = ["draw_energy", "draw_family", "explain_marks", "note", "panel_title",
 Scaled = Callable[[Any], Any]
 
 CREATED = "#fbe3d6"
+MANY = 6
+"""Curves whose names need closer spacing to fit in the row above a panel."""
 
 _MARKS: dict[str, dict[str, Any]] = {
     "closed form": {"color": BLACK},
@@ -59,15 +61,15 @@ def draw_family(
         loc="lower left",
         bbox_to_anchor=(-0.08, 0.985),
         ncols=len(lines),
-        handlelength=1.0,
+        handlelength=1.0 if len(curves) < MANY else 0.7,
         handletextpad=0.4,
-        columnspacing=0.9,
+        columnspacing=0.9 if len(curves) < MANY else 0.5,
     )
 
 
 def _keep_apart(axes: Axes) -> None:
-    """Values that differ by rounding alone are shown as equal."""
-    bottom, top = axes.get_ylim()
+    """Show values that differ by rounding alone as equal."""
+    bottom, top = axes.dataLim.intervaly
     size = max(abs(bottom), abs(top))
     if top - bottom < max(1e-3 * size, 1e-12):
         margin = max(0.1 * size, 1e-3)
@@ -113,11 +115,12 @@ def plain_decades(axes: Axes) -> None:
 
 def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any) -> None:
     """Small words beside a place, ``offset`` in points."""
-    axes.annotate(words, place, offset, textcoords="offset points", **{"fontsize": 7.0, "color": GREY, **look})
+    axes.annotate(words, place, offset, **{"textcoords": "offset points", "fontsize": 7.0, "color": GREY, **look})
 
 
 def say(axes: Axes, words: str) -> None:
-    """Words in the middle of a panel that has nothing to show."""
+    """Write words in the middle of a panel that has nothing to show, without scales."""
+    axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 

@@ -24,11 +24,15 @@ __all__ = [
     "HEAVY_ROD",
     "HEAVY_ROD_SURFACE",
     "Curve",
+    "Families",
+    "double_pendulum_families",
     "final_rates_over_mass_ratio",
     "heavy_rod_impulse_over_friction",
     "impulse_over_friction",
+    "oblique_families",
     "rebound_over_angle",
     "rebound_over_friction",
+    "single_pendulum_families",
     "stiction_friction",
     "weighted",
     "with_own",
@@ -40,6 +44,11 @@ Case = Callable[[float], tuple[Chain, Surface]]
 
 POINTS = 81
 """Places on a closed form: enough for a smooth curve half a page wide."""
+
+FRICTIONS = (0.0, 0.1, 0.3, 0.6, 1.0)
+ANGLES = tuple(math.radians(angle) for angle in (15.0, 23.4, 35.0, 50.0, 70.0))
+RESTITUTIONS = (0.0, 0.2, 0.42, 0.7, 1.0)
+"""What the families of a scenario's figure vary, beside the value of the impact at hand; rad."""
 
 SIMULATED = 9
 NEAR_STICTION = 0.95
@@ -65,6 +74,51 @@ class Curve:
     x: Array
     theory: Array
     points: dict[str, tuple[Array, Array]]
+
+
+Families = Mapping[str, tuple[Curve, ...]]
+"""The curves of a figure's panels, by what they show."""
+
+
+def oblique_families(chain: Chain, surface: Surface) -> Families:
+    """Return the families that a bristle's strike belongs to (Zhang 2020, figs. 2.22-2.24); impacts are simulated.
+
+    A bristle at rest before the impact has no rebound ratio.
+    """
+    angles, restitutions = with_own(ANGLES, -chain.angles[0]), with_own(RESTITUTIONS, surface.restitution)
+    return {
+        "rebound over angle": _moving(rebound_over_angle, chain, surface, with_own(FRICTIONS, surface.friction)),
+        "impulse by angle": impulse_over_friction(chain, surface, angles=angles),
+        "impulse by restitution": impulse_over_friction(chain, surface, restitutions=restitutions),
+    }
+
+
+def single_pendulum_families(chain: Chain, surface: Surface) -> Families:
+    """Return the families that a single pendulum's impact belongs to (Zhang 2020, fig. 2.26); impacts are simulated.
+
+    A pendulum at rest before the impact has no rebound ratio.
+    """
+    return {
+        "rebound over angle": _moving(rebound_over_angle, chain, surface, with_own(FRICTIONS, surface.friction)),
+        "rebound over friction": _moving(rebound_over_friction, chain, surface, with_own(ANGLES, -chain.angles[0])),
+    }
+
+
+def double_pendulum_families(chain: Chain, surface: Surface) -> Families:
+    """Return the families that a double pendulum's impact belongs to (Zhang 2020, figs. 2.28-2.30), simulated too."""
+    return {
+        "rates over mass ratio": final_rates_over_mass_ratio(chain, surface),
+        "heavy rod": heavy_rod_impulse_over_friction(),
+    }
+
+
+def _moving(
+    family: Callable[[Chain, Surface, Sequence[float]], tuple[Curve, ...]],
+    rod: Chain,
+    surface: Surface,
+    values: Sequence[float],
+) -> tuple[Curve, ...]:
+    return family(rod, surface, values) if rod.rates[0] != 0.0 else ()
 
 
 def with_own(values: Sequence[float], own: float) -> tuple[float, ...]:
