@@ -41,7 +41,7 @@ class Scenario:
         plot, video: draw a report to a path; they import what they need themselves.
         defaults: key values that differ from the parameter classes' own.
         without: keys of the parts that mean nothing to the question.
-        plot_is_folder: ``--plot`` names a folder instead of a picture.
+        plot_is_folder: ``--plot`` names a folder, or a PDF of several pages, instead of a picture.
         options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
 
@@ -93,7 +93,8 @@ def _answer(scenario: Scenario, options: argparse.Namespace) -> int:
         _say(_key_list(scenario))
         return 0
     values = _values(scenario, options.set)
-    plot = _target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder)
+    several_pages = (options.plot or "").lower().endswith(".pdf")
+    plot = _target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder and not several_pages)
     video = _target("--video", options.video, VIDEOS)
     json_file = None if options.json in (None, "-") else _target("--json", options.json)
     report = _run(scenario, values, options.set)
@@ -128,7 +129,7 @@ def _parser(scenario: Scenario) -> _Parser:
     )
     parser.add_argument("--json", metavar="FILE", help="write the results as JSON; - for standard output")
     if scenario.plot is not None:
-        what = "FOLDER" if scenario.plot_is_folder else "FILE"
+        what = "FOLDER|FILE.pdf" if scenario.plot_is_folder else "FILE"
         parser.add_argument("--plot", metavar=what, help="draw a figure (png, svg, pdf)")
     else:
         parser.set_defaults(plot=None)

@@ -5,7 +5,9 @@ import math
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
+from bristle_sim.render.contact_sheet import contact_sheet
 from bristle_sim.render.dissertation_figures import draw, save_figures
 from bristle_sim.studies.dissertation_curves import NUMBERS, impact, redrawn
 from bristle_sim.studies.dissertation_curves.model import (
@@ -288,6 +290,31 @@ def test_drawn_lines_are_the_data_in_the_units_named(figures):
     np.testing.assert_allclose(line.get_ydata(), 1e3 * curve.theory)
     assert "(mm)" in axes.get_xlabel()
     assert "(mN·s)" in axes.get_ylabel()
+
+
+def test_a_sheet_has_a_cell_for_each_panel_and_is_read_on_a_screen(figures):
+    """Figure 4.2 has six panels, the table a cell of its own; text is at least 8 pixels high at full size."""
+    chosen = [figures[number] for number in ("2.22", "4.2", "table_3.1", "4.19")]
+    sheet = contact_sheet(chosen)
+    assert len(sheet.axes) == 9
+    width, _ = sheet.get_size_inches() * sheet.dpi
+    assert width <= 1366
+    sheet.draw_without_rendering()
+    texts = [text for axes in sheet.axes for text in axes.findobj(Text) if text.get_text() and text.get_visible()]
+    assert min(text.get_fontsize() * sheet.dpi / 72.0 for text in texts) >= 8.0
+    for axes in sheet.axes:
+        box = axes.get_tightbbox()
+        assert box.x0 >= 0.0
+        assert box.x1 <= width
+    stiction = [text.get_text() for text in sheet.axes[0].get_legend().get_texts()]
+    assert "stiction, $\\mu$ = tan $\\gamma$" in stiction
+
+
+def test_several_figures_are_pages_of_one_pdf(figures, tmp_path):
+    target = tmp_path / "all.pdf"
+    assert save_figures([figures["2.9"], figures["table_3.1"], figures["4.6"]], target) == [target]
+    # A page is an object of its own, and its type stands in plain text.
+    assert target.read_bytes().count(b"/Type /Page ") == 3
 
 
 def test_pictures_are_named_after_their_numbers(figures, tmp_path):

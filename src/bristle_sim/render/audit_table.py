@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("target", type=Path, metavar="FILE.md")
     target = parser.parse_args(arguments).target
     if target.suffix != ".md" or not target.parent.is_dir():
-        print(f"{parser.prog}: error: {target}: a file name that ends in .md, in an existing folder, is allowed",
+        print(f"{parser.prog}: error: {target}: must be a file name that ends in .md, in an existing folder",
               file=sys.stderr)  # fmt: skip
         return 2
     write_page(target)

@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bristle_sim.render.style import BLACK, GREY, LIGHT, SERIES, axes_at, blank_figure, save_figure, styled
+from bristle_sim.render.style import (
+    BLACK,
+    GREY,
+    LIGHT,
+    SERIES,
+    axes_at,
+    blank_figure,
+    complete_or_absent,
+    save_figure,
+    styled,
+)
 from bristle_sim.studies.dissertation_curves.model import SOURCES, Curve, Level, Mark, Panel, Redrawn
 
-__all__ = ["draw", "draw_panel", "save_figures"]
+__all__ = ["draw", "draw_panel", "draw_table", "handles", "save_figures"]
 
 _OPERATING: dict[str, Any] = {
     "marker": "o",
@@ -30,6 +41,9 @@ PANEL = (9.0, 6.4)
 
 SMALL = (4.3, 3.4)
 """The same where a figure has several."""
+
+TABLE_WIDTH = 12.0
+"""cm."""
 
 COLUMNS = 3
 _DASHES = ((4.0, 2.0), (1.0, 1.5))
@@ -57,14 +71,25 @@ def draw(figure: Redrawn) -> Figure:
     return _draw_one(figure) if len(figure.panels) == 1 else _draw_several(figure)
 
 
-def save_figures(figures: Iterable[Redrawn], folder: Path) -> list[Path]:
-    """Draw each into a file of its own, ``figure_2.7.png``, in a folder that is made if it is not there.
+def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
+    """Draw each figure: on the pages of one PDF if the target ends in .pdf, else into a folder, ``figure_2.7.png``.
+
+    The folder is made if it is not there.
 
     Raises:
-        OSError: if the folder cannot be made or written to.
+        OSError: if the folder cannot be made or the target cannot be written.
     """
-    folder.mkdir(exist_ok=True)
-    return [save_figure(draw(figure), folder / f"{figure.name}.png") for figure in figures]
+    if target.suffix.lower() == ".pdf":
+        with (
+            complete_or_absent(target) as partial,
+            PdfPages(partial, metadata={"CreationDate": None}) as pages,
+            styled(),
+        ):
+            for figure in figures:
+                pages.savefig(draw(figure))
+        return [target]
+    target.mkdir(exist_ok=True)
+    return [save_figure(draw(figure), target / f"{figure.name}.png") for figure in figures]
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
@@ -129,8 +154,9 @@ def _draw_one(figure: Redrawn) -> Figure:
     panel = figure.panels[0]
     draw_panel(axes, panel)
     _head(page, figure, 1.5)
-    handles = _handles(panel)
-    axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.02, 1.02), labelspacing=0.45, handlelength=1.8)
+    axes.legend(
+        handles=handles(panel), loc="upper left", bbox_to_anchor=(1.02, 1.02), labelspacing=0.45, handlelength=1.8
+    )
     return page
 
 
@@ -143,7 +169,7 @@ def _draw_several(figure: Redrawn) -> Figure:
         place = (1.5 + column * (SMALL[0] + 1.8), 1.9 + (rows - 1 - row) * (SMALL[1] + 1.3))
         axes = axes_at(page, *place, *SMALL)
         draw_panel(axes, panel)
-        axes.legend(handles=_handles(panel)[:1], loc="best")
+        axes.legend(handles=handles(panel)[:1], loc="best")
     _head(page, figure, 1.5)
     laws = dict.fromkeys(law for panel in figure.panels for curve in panel.curves for law in curve.points)
     page.legend(handles=[_source(law) for law in laws], loc="lower center", ncols=len(laws))
@@ -151,23 +177,26 @@ def _draw_several(figure: Redrawn) -> Figure:
 
 
 def _draw_table(figure: Redrawn) -> Figure:
-    head, *rows = figure.table
-    widths = np.array([1.6, 2.0, *(2.1 for _ in head[2:])])
-    page = blank_figure(float(widths.sum()) + 1.6, 0.5 * len(figure.table) + 2.6)
-    axes = axes_at(page, 0.8, 0.7, float(widths.sum()), 0.5 * len(figure.table))
+    page = blank_figure(TABLE_WIDTH + 1.6, 0.5 * len(figure.table) + 2.6)
+    draw_table(axes_at(page, 0.8, 0.7, TABLE_WIDTH, 0.5 * len(figure.table)), figure.table)
+    _head(page, figure, 0.8)
+    return page
+
+
+def draw_table(axes: Axes, table: Sequence[Sequence[str]], fontsize: float = 8.0) -> None:
+    """Draw rows that fill the axes, the head first and the sums last."""
+    head, *rows = table
+    rights = np.linspace(0.0, 1.0, len(head) + 1)[1:]
     axes.set_axis_off()
-    axes.set(xlim=(0.0, float(widths.sum())), ylim=(len(figure.table), 0.0))
-    rights = np.cumsum(widths)
+    axes.set(xlim=(0.0, 1.0), ylim=(len(table), 0.0))
     for line, row in enumerate((head, *rows)):
         if line % 2:
             axes.axhspan(line, line + 1, color=LIGHT, alpha=0.45, linewidth=0.0)
         weight = "bold" if line in (0, len(rows)) else "normal"
         for right, cell in zip(rights, row, strict=True):
-            axes.text(right - 0.2, line + 0.5, cell, ha="right", va="center", fontweight=weight)
+            axes.text(right - 0.02, line + 0.5, cell, ha="right", va="center", fontweight=weight, fontsize=fontsize)
     for line in (1, len(rows)):
         axes.axhline(line, color=BLACK, linewidth=0.8)
-    _head(page, figure, 0.8)
-    return page
 
 
 def _head(page: Figure, figure: Redrawn, left: float) -> None:
@@ -179,21 +208,27 @@ def _head(page: Figure, figure: Redrawn, left: float) -> None:
     page.text(left / width, 1.0 - 1.02 / height, figure.note, fontsize=7.0, color=GREY, va="baseline")
 
 
-def _handles(panel: Panel) -> list[Line2D]:
-    """Curves, led by the family's symbol, then what the points and the dot are."""
-    several = len(panel.curves) > 1
-    found = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
-    found += [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
-    laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
-    found += [Line2D([], [], linestyle="none", label=" ")] if several and laws else []
-    found += [_source(law) for law in laws]
-    found += [
+def handles(panel: Panel, *, key: bool | None = None) -> list[Line2D]:
+    """Entries of a legend: curves, led by the family's symbol, and levels; then what the points and the dot are.
+
+    ``key``: False for the curves and levels alone, True for points and dot alone, None for all.
+    """
+    own = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
+    own += [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
+    levels = [
         Line2D([], [], color=GREY, linewidth=1.0, dashes=dashes, label=level.label)
         for level, dashes in zip(_flat(panel), _DASHES, strict=False)
     ]
-    if any(not mark.label for mark in panel.marks):
-        found.append(Line2D([], [], linestyle="none", label="operating point", **_OPERATING))
-    return found
+    upright = dict.fromkeys(level.label for level in panel.levels if level.upright)
+    levels += [Line2D([], [], color=GREY, linewidth=0.8, dashes=(3, 2), label=label) for label in upright]
+    laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
+    points = [_source(law) for law in laws]
+    dot = [Line2D([], [], linestyle="none", label="operating point", **_OPERATING)]
+    dot = dot if any(not mark.label for mark in panel.marks) else []
+    if key is not None:
+        return [*points, *dot] if key else [*own, *levels]
+    gap = [Line2D([], [], linestyle="none", label=" ")] if len(panel.curves) > 1 and laws else []
+    return [*own, *gap, *points, *levels, *dot]
 
 
 def _source(law: str) -> Line2D:

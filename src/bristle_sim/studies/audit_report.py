@@ -20,9 +20,6 @@ WIDTH = 120
 PRINTED, COMPUTED, UNIT = 22, 12, 9
 """Columns of the table's narrow cells; the status is the last and the place takes the rest."""
 
-OUTCOME = "rebound"
-"""Of the dissertation's operating point, whose formulas and whose simulated pass the audit computes."""
-
 
 @dataclass(frozen=True, slots=True)
 class AuditView:
@@ -44,7 +41,7 @@ def audit_report(view: AuditView) -> Report:
     names = {REPRODUCED: "rows_reproduced", DIFFERS: "rows_that_differ", NOT_COMPUTABLE: "rows_not_computable"}
     shown = [row for row in rows if view.show in ("all", row.status)]
     return Report(
-        outcome=OUTCOME,
+        outcome=None,
         quantities=tuple(Quantity(name, "rows", float(counts[status])) for status, name in names.items()),
         wall_s=clock.perf_counter() - begin,
         remarks=("", terminal_table(shown)),

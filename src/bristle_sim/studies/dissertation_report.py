@@ -12,9 +12,6 @@ from bristle_sim.studies.dissertation_curves.model import SOURCES, Redrawn, larg
 
 __all__ = ["Selection", "figures_report"]
 
-OUTCOME = "rebound"
-"""Of the dissertation's operating point, which most figures start from."""
-
 
 @dataclass(frozen=True, slots=True)
 class Selection:
@@ -33,7 +30,7 @@ def figures_report(selection: Selection) -> Report:
     figures = tuple(redrawn(number) for number in numbers)
     heads = tuple(f"{figure.name}: {figure.title}" for figure in figures)
     return Report(
-        outcome=OUTCOME,
+        outcome=None,
         quantities=tuple(row for figure in figures for row in _rows(figure)),
         wall_s=clock.perf_counter() - begin,
         remarks=(

@@ -251,7 +251,8 @@ def _stiction(sweep: Sweep) -> tuple[Level, ...]:
     if not sweep.until_stiction:
         return ()
     angles = dict.fromkeys(case.impact_angle for case in sweep.cases())
-    return tuple(Level(math.tan(angle), "tan $\\gamma$", upright=True) for angle in angles)
+    label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
+    return tuple(Level(math.tan(angle), label, upright=True) for angle in angles)
 
 
 def _top(curves: Sequence[Curve]) -> float:

@@ -83,7 +83,7 @@ def heavy_rod_figure() -> Redrawn:
                 AXES["normal_final_impulse"],
                 tuple(curves),
                 marks=(mark,),
-                levels=(Level(stiction, "tan $\\gamma$", upright=True),),
+                levels=(Level(stiction, "stiction, $\\mu$ = tan $\\gamma$", upright=True),),
                 top=3.0 * float(curves[-1].theory[0]),
             ),
         ),

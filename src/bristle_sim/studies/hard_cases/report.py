@@ -33,9 +33,6 @@ THEMES = (
 )
 """Modules of this package that hold cases, one a theme."""
 
-OUTCOME = "rebound"
-"""Of a bristle that is not a hard case; the cases have outcomes of every kind."""
-
 
 @dataclass(frozen=True, slots=True)
 class HardCaseChoice:
@@ -61,7 +58,7 @@ def hard_cases(asked: HardCaseChoice) -> Report:
     themes = THEMES if asked.theme == "all" else (asked.theme,)
     tried = [(case, case.run()) for theme in themes for case in cases_of(theme, full=asked.effort == "full")]
     return Report(
-        outcome=OUTCOME,
+        outcome=None,
         quantities=tuple(_kept(theme, tried) for theme in themes),
         wall_s=clock.perf_counter() - begin,
         steps=sum(finding.steps for _, finding in tried),
