@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -67,9 +69,9 @@ def _head(figure: Figure, bent: BentBristles) -> None:
     tool = bent.tools["forward"]
     assert tool.workpart is not None
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
-    place = {"x": 1.4 / WIDTH, "va": "baseline"}
-    figure.text(y=1.0 - 0.65 / HEIGHT, s=f"Three bristles strike: {what}", fontsize=10.0, **place)
-    figure.text(y=1.0 - 1.15 / HEIGHT, s=against_film(bent.slides), fontsize=8.0, color=GREY, **place)
+    left = 1.4 / WIDTH
+    figure.text(left, 1.0 - 0.65 / HEIGHT, f"Three bristles strike: {what}", fontsize=10.0)
+    figure.text(left, 1.0 - 1.15 / HEIGHT, against_film(bent.slides), fontsize=8.0, color=GREY)
 
 
 def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
@@ -88,8 +90,7 @@ def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, conta
         paths.plot(*(MILLIMETRES * (tips - origin)).T, style, color=colour, linewidth=1.0, gid=f"path {shape}")
     if contact.history is not None:
         along, above = slide_path(contact.history), -contact.history.penetration
-        look = {"color": colour, "linewidth": IN_TOUCH, "gid": f"touch {shape}"}
-        paths.plot(MILLIMETRES * along, MILLIMETRES * above, **look)
+        paths.plot(MILLIMETRES * along, MILLIMETRES * above, color=colour, linewidth=IN_TOUCH, gid=f"touch {shape}")
 
 
 def _draw_in_touch(speeds: Axes, slides: Axes, shape: str, contact: ContactRecord) -> None:
@@ -141,7 +142,7 @@ def _explain(figure: Figure, struck: dict[str, ContactRecord | None]) -> None:
     """Two rows at the foot: what colours, and what line styles and marks mean."""
     shapes = [Line2D([], [], color=COLOURS[shape], linewidth=2.0) for shape in struck]
     names = [NAMES[shape] + ("" if contact is not None else " (never strikes)") for shape, contact in struck.items()]
-    place = {"loc": "lower center", "ncols": 5, "columnspacing": 1.6, "borderaxespad": 0.0}
+    place: dict[str, Any] = {"loc": "lower center", "ncols": 5, "columnspacing": 1.6, "borderaxespad": 0.0}
     figure.legend(shapes, names, bbox_to_anchor=(0.5, 0.75 / HEIGHT), **place)
     marks = [
         Line2D([], [], color=BLACK, linestyle="--", linewidth=1.0),

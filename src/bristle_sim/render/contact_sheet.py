@@ -72,10 +72,15 @@ def _draw(axes: Axes, panel: Panel) -> None:
     draw_panel(axes, panel)
     axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
     axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
-    lines = [line for line in handles(panel, key=False) if line.get_label().strip()]
+    lines = [line for line in handles(panel, key=False) if str(line.get_label()).strip()]
     look: dict[str, Any] = {"fontsize": 6.5, "handlelength": 1.1, "handletextpad": 0.4, "labelspacing": 0.25}
     if panel.family:
-        place = {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.7}
+        place: dict[str, Any] = {
+            "loc": "lower left",
+            "bbox_to_anchor": (-0.12, 0.985),
+            "ncols": len(lines),
+            "columnspacing": 0.7,
+        }
         axes.legend(handles=lines, **place, **look)
     else:
         axes.legend(handles=lines, loc="best", frameon=True, framealpha=0.8, edgecolor="none", **look)

@@ -174,7 +174,7 @@ def _panel(axes: Axes, case: _Case, points: Sequence[Point]) -> None:
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
     axes.set_title(case.title, loc="left", pad=16.0)
-    axes.annotate(verdict(points), (0.0, 1.0), (0.0, 5.0), "axes fraction", "offset points", fontsize=7.0, color=GREY)
+    axes.annotate(verdict(points), (0.0, 1.0), (0.0, 5.0), "axes fraction", "offset points", fontsize=6.5, color=GREY)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
     _legend(axes, len(named), _notes(case, points))
