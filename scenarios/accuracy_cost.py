@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.benchmarks.accuracy_cost.measure import Effort
 from bristle_sim.comparison import Report
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.studies.accuracy_cost.measure import Effort
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Measure with the effort asked for."""
-    from bristle_sim.studies.accuracy_cost.study import accuracy_cost
+    from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
 
     return accuracy_cost(build(Effort, values))
 

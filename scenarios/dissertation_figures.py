@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
+from bristle_sim.dissertation.figures import Selection, figures_report
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.studies.dissertation_report import Selection, figures_report
 
 
 def run(values: Mapping[str, Any]) -> Report:

@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.dissertation.figures import NUMBERS
 from bristle_sim.render import audit_table, contact_sheet
 from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.studies.dissertation_curves import NUMBERS
 from bristle_sim.theory.force_history import BALL
 
 ROOT = Path(__file__).parents[2]

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases import jam
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.jam import cases, critical_frictions
+from bristle_sim.benchmarks.hard_cases.one_rod import rod_strike, sine_and_cosine
 from bristle_sim.parameters import Contact, Surface, Tool, Workpart
 from bristle_sim.scene import contact_laws
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import jam
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.jam import cases, critical_frictions
-from bristle_sim.studies.hard_cases.one_rod import rod_strike, sine_and_cosine
 from bristle_sim.theory.impact import Impact, energetic_impact, stick_threshold
 from bristle_sim.theory.pendulums import stick_friction
 

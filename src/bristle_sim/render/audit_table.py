@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
+from bristle_sim.dissertation.audit import audit_rows, shown_number
+from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
 from bristle_sim.files import complete_or_absent
-from bristle_sim.studies.audit import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow, audit_rows
-from bristle_sim.studies.audit_report import shown_number
 
 __all__ = ["main", "markdown_page", "write_page"]
 

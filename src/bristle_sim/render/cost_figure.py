@@ -11,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
+from bristle_sim.benchmarks.accuracy_cost.results import OURS
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
@@ -23,8 +25,6 @@ from bristle_sim.render.style import (
     blank_figure,
     styled,
 )
-from bristle_sim.studies.accuracy_cost.measure import Point, cheapest, package_of
-from bristle_sim.studies.accuracy_cost.results import OURS
 
 __all__ = ["best_methods", "cost_figure", "verdict"]
 

@@ -12,6 +12,7 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.render.style import (
     BLACK,
     GREY,
@@ -23,7 +24,7 @@ from bristle_sim.render.style import (
     save_figure,
     styled,
 )
-from bristle_sim.studies.dissertation_curves.model import SOURCES, Curve, Level, Mark, Panel, Redrawn
+from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 
 __all__ = ["draw", "draw_panel", "draw_table", "handles", "save_figures"]
 

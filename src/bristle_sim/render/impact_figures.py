@@ -22,11 +22,11 @@ from bristle_sim.render.sweep_panels import (
     say,
     star,
 )
+from bristle_sim.studies.curves import Curve
 from bristle_sim.studies.impact_sweeps import (
     ANGLES,
     HEAVY_ROD,
     HEAVY_ROD_SURFACE,
-    Curve,
     Families,
     stiction_friction,
     with_own,

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from bristle_sim.render.style import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
-from bristle_sim.studies.impact_sweeps import Curve
+from bristle_sim.studies.curves import Curve
 from bristle_sim.studies.law_convergence import EngineEnergy
 
 __all__ = ["draw_energy", "draw_family", "explain_marks", "note", "panel_title", "plain_decades", "say", "star"]

@@ -10,7 +10,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +17,12 @@ from numpy.typing import NDArray
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
+from bristle_sim.studies.curves import Curve
 from bristle_sim.studies.impact_measures import IMPULSE, REBOUND, ROD_IMPULSE, Measure, final_rate
 
 __all__ = [
     "HEAVY_ROD",
     "HEAVY_ROD_SURFACE",
-    "Curve",
     "Families",
     "double_pendulum_families",
     "final_rates_over_mass_ratio",
@@ -58,22 +57,6 @@ HEAVY_ROD = Chain((700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(2
 """The bristle as the second rod of a double pendulum whose first is 700 times as heavy (Zhang 2020, fig. 2.30)."""
 
 HEAVY_ROD_SURFACE = Surface(friction=0.31, restitution=0.42)
-
-
-@dataclass(frozen=True, slots=True)
-class Curve:
-    """A closed form over x and simulated impacts beside it.
-
-    Attributes:
-        name: what tells the curve from others of its family.
-        x, theory: the closed form.
-        points: by contact law, x and result of each simulated impact; one that comes to no end is left out.
-    """
-
-    name: str
-    x: Array
-    theory: Array
-    points: dict[str, tuple[Array, Array]]
 
 
 Families = Mapping[str, tuple[Curve, ...]]
