@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.impulse_course import tip_response, tip_velocity
 
 __all__ = ["ContactPhase", "TipContact"]
 
@@ -44,6 +45,7 @@ class TipContact:
 
     Attributes:
         normal_inverse_mass: K_nn, 1/kg.
+        response: rates that a unit (normal, tangential) impulse gives the rods, shape (rods, 2), rad/s per N s.
         unit_impulse: of the scaled impulses, N s.
         k_nt, k_tt: of K over K_nn.
         v_t: tangential velocity before the contact over the speed of approach.
@@ -54,14 +56,13 @@ class TipContact:
 
     def __init__(self, chain: Chain, surface: Surface) -> None:
         self.chain, self.surface = chain, surface
-        jacobian, root = _tip(chain)
-        self.response = np.linalg.solve(_mass_matrix(chain), jacobian.T)
-        inverse_mass = jacobian @ self.response
-        speeds = jacobian @ np.asarray(chain.rates) + root
+        jacobian, response = tip_response(chain)
+        inverse_mass, speeds = jacobian @ response, tip_velocity(chain)
+        self.response = response / np.array(chain.lengths)[:, None]
         self.normal_inverse_mass = float(inverse_mass[0, 0])
-        self.unit_impulse = -float(speeds[0]) / self.normal_inverse_mass
+        self.unit_impulse = -speeds[0] / self.normal_inverse_mass
         (_, self.k_nt), (_, self.k_tt) = (inverse_mass / inverse_mass[0, 0]).tolist()
-        self.v_t = -float(speeds[1] / speeds[0])
+        self.v_t = -speeds[1] / speeds[0]
 
     def solve(self, follow: Callable[[TipContact, ContactPhase, list[float]], list[float]]) -> tuple[float, ...]:
         """Rates of the rods after the contact, rad/s; ``follow`` carries (delta, p_n, p_t) to the end of a phase."""
@@ -116,20 +117,3 @@ class TipContact:
 
 SMALL = 1e-9
 """Scaled velocities and depths below this are zero: solvers locate an event to rounding, not to nothing."""
-
-
-def _mass_matrix(chain: Chain) -> Array:
-    """M_ij = c_ij L_i L_j cos(q_i - q_j) of uniform rods: c_ii = m_i/3 + all beyond, c_ij = m_j/2 + all beyond j > i."""
-    masses, lengths, angles = (np.asarray(each) for each in (chain.masses, chain.lengths, chain.angles))
-    beyond = masses.sum() - np.cumsum(masses)
-    shared = np.maximum.outer(np.arange(masses.size), np.arange(masses.size))
-    weights = (masses / 2.0 + beyond)[shared]
-    np.fill_diagonal(weights, masses / 3.0 + beyond)
-    return np.asarray(weights * np.outer(lengths, lengths) * np.cos(np.subtract.outer(angles, angles)))
-
-
-def _tip(chain: Chain) -> tuple[Array, Array]:
-    """Jacobian of the tip's (normal, tangential) velocity, and the hub's share of that velocity."""
-    lengths, angles = np.asarray(chain.lengths), np.asarray(chain.angles)
-    hub = chain.hub_radius * chain.hub_speed * np.array([math.sin(chain.hub_angle), math.cos(chain.hub_angle)])
-    return np.array([lengths * np.sin(angles), lengths * np.cos(angles)]), hub

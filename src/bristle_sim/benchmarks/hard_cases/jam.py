@@ -25,6 +25,7 @@ from bristle_sim.scene.compliant import LEAST_DURATION
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.impulse_course import contact_inverse_mass
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
@@ -169,21 +170,11 @@ def _push(distance: float) -> Finding:
 
 def critical_frictions(chain: Chain) -> dict[str, float]:
     """Those at which the tip no longer reverses its slip, and at which slip no longer slows the approach."""
-    (normal, coupling), (_, tangential) = _inverse_mass(chain).tolist()
+    (normal, coupling), (_, tangential) = contact_inverse_mass(chain).tolist()
     return {"sticks": abs(coupling) / tangential, "presses on": normal / abs(coupling)}
 
 
-def _inverse_mass(chain: Chain) -> np.ndarray:
-    """K, order (normal, tangential), of two rods on a fixed hinge, 1/kg."""
-    (first, second), (upper, lower) = chain.masses, chain.lengths
-    coupled = second * upper * lower * math.cos(chain.angles[0] - chain.angles[1]) / 2.0
-    inertia = np.array([[(first / 3.0 + second) * upper**2, coupled], [coupled, second * lower**2 / 3.0]])
-    arms = np.array([[length * turn(angle) for length, angle in zip(chain.lengths, chain.angles, strict=True)]
-                     for turn in (math.sin, math.cos)])  # fmt: skip
-    return np.asarray(arms @ np.linalg.solve(inertia, arms.T))
-
-
-CONDITION = float(np.linalg.cond(_inverse_mass(TWO_RODS)))
+CONDITION = float(np.linalg.cond(contact_inverse_mass(TWO_RODS)))
 
 NONE = 1e-12
 """Share of the rods' speeds that their closed form takes for none."""
