@@ -1,92 +1,20 @@
-"""Figures 2.7-2.24: impulses, works and rebound of the radial bristle (Zhang 2020, sec. 2.3)."""
+"""Figures 2.7-2.30: impulses, works and rebound of the radial bristle and of Stronge's pendulums (Zhang 2020, secs. 2.3, 2.4)."""
 
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bristle_sim.dissertation.redrawn import Redrawn
-from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.scene.strike import strike
-from bristle_sim.settings import Settings
-from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of
-from bristle_sim.studies.timed_contact import radial_chain
-from bristle_sim.studies.whole_pass import contact_quantities
-from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
+from bristle_sim.parameters import DoublePendulum, Surface
+from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.curves import Axis, Level, Panel
+from bristle_sim.studies.impact_sweeps import OPERATING_POINT, TOTAL, Sweep, sweep_panel
+from bristle_sim.studies.pendulum_sweeps import Case, final_rate, heavy_rod_panel, pendulum_curve, weighted
 
-__all__ = ["OPERATING_POINT", "Case", "Sweep", "impact_figure", "struck", "sweep_panel"]
-
-Array = NDArray[np.float64]
-
-GRID = 401
-"""Places on a curve."""
-
-ENERGETIC, COMPLIANT = 6, 5
-"""Simulated impacts on a curve by law: at ends and steps, and between them."""
-
-NEAREST = 0.9
-"""Share of the stiction friction up to which impacts are simulated where p_fy grows without bound; curves end at 0.9999 of it."""
-
-TOTAL = "total_compressive_work"
-
-
-@dataclass(frozen=True, slots=True)
-class Case:
-    """One strike of the radial bristle; SI and rad, the dissertation's operating point by default."""
-
-    friction: float = Surface().friction
-    restitution_friction: float | None = None
-    restitution: float = Surface().restitution
-    impact_angle: float = math.radians(Strike().impact_angle_deg)
-    length: float = Bristle().length
-    hub_radius: float = Hub().radius
-    hub_speed: float = Hub().speed
-    speed_ratio: float = Strike().speed_ratio
-
-    @property
-    def surface(self) -> Surface:
-        """What is struck."""
-        return Surface(self.friction, self.restitution_friction, self.restitution)
-
-
-OPERATING_POINT = Case()
-
-
-@dataclass(frozen=True, slots=True)
-class Sweep:
-    """A family of strikes: ``along`` varies on a curve from ``low`` to ``high``, ``family`` from curve to curve.
-
-    Attributes:
-        along, family: fields of Case.
-        values: of the family.
-        until_stiction: the curve ends, instead of at ``high``, where the friction that varies reaches tan gamma.
-    """
-
-    along: str
-    low: float
-    high: float
-    family: str
-    values: tuple[float, ...]
-    until_stiction: bool = False
-    base: Case = OPERATING_POINT
-
-    def cases(self) -> list[Case]:
-        """The curve's fixed part, one for each value of the family."""
-        return [dataclasses.replace(self.base, **{self.family: value}) for value in self.values]
-
-    def ends(self, case: Case) -> tuple[float, float, float]:
-        """Where curve and simulated impacts begin, where those impacts end, and where the curve ends."""
-        if not self.until_stiction:
-            return self.low, self.high, self.high
-        stiction = math.tan(case.impact_angle)
-        return self.low, min(self.high, NEAREST * stiction), min(self.high, 0.9999 * stiction)
-
+__all__ = ["FIGURES", "double_pendulum_figure", "heavy_rod_figure", "impact_figure", "single_pendulum_figure"]
 
 FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (10.0, 15.0, 23.4, 30.0)))
 LENGTH = Sweep("length", 0.01, 0.05, "hub_radius", (0.02, 0.0275, 0.035))
@@ -98,33 +26,6 @@ COMMON_FRICTION = Sweep(
 )
 RESTITUTION = Sweep("friction", 0.0, 1.0, "restitution", (0.2, 0.42, 0.6, 0.8), True)
 REBOUND = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0))
-
-AXES = {
-    "friction": Axis("friction coefficient $\\mu$"),
-    "restitution_friction": Axis("friction coefficient in restitution $\\mu_2$"),
-    "length": Axis("bristle length $L$", "mm", 1e3),
-    "hub_radius": Axis("hub radius", "mm", 1e3),
-    "hub_speed": Axis("hub speed", "rad/s"),
-    "speed_ratio": Axis("speed ratio $R$"),
-    "impact_angle": Axis("impact angle $\\gamma$", "°", math.degrees(1.0)),
-    "restitution": Axis("restitution $e^*$"),
-    "normal_compressive_impulse": Axis("normal compressive impulse", "mN·s", 1e3),
-    "tangential_compressive_impulse": Axis("tangential compressive impulse", "mN·s", 1e3),
-    "normal_final_impulse": Axis("normal final impulse", "mN·s", 1e3),
-    "normal_compressive_work": Axis("normal compressive work", "mJ", 1e3),
-    "tangential_compressive_work": Axis("tangential compressive work", "mJ", 1e3),
-    TOTAL: Axis("total compressive work", "mJ", 1e3),
-    "rebound_ratio": Axis("rate after / rate before"),
-}
-
-SYMBOLS = {
-    "friction": "$\\mu$",
-    "restitution_friction": "$\\mu_2$",
-    "hub_radius": "$r_h$",
-    "hub_speed": "$\\omega$",
-    "impact_angle": "$\\gamma$",
-    "restitution": "$e^*$",
-}
 
 FIGURES: dict[str, tuple[str, Sweep, str]] = {
     "2.7": ("normal_compressive_impulse", FRICTION, "normal compressive impulse over friction"),
@@ -155,107 +56,64 @@ NOTES = {
     "2.24": "flat where the tip stays at rest: $\\mu$ ≥ tan $\\gamma$",
 }
 
+FRICTIONS = (0.3, 0.5, 0.7)
+RATES = {"2.28": (1, "rod BC"), "2.29": (0, "rod OB")}
+
 
 def impact_figure(number: str) -> Redrawn:
-    """One of figures 2.7-2.24."""
+    """Return one of figures 2.7-2.24."""
     quantity, sweep, title = FIGURES[number]
     return Redrawn(number, title, (sweep_panel(quantity, sweep),), NOTES.get(number, ""))
 
 
-def sweep_panel(quantity: str, sweep: Sweep) -> Panel:
-    """A quantity over a sweep: closed form, simulated impacts, the operating point and where stiction begins."""
-    curves = tuple(_curve(quantity, sweep, case) for case in sweep.cases())
-    own = getattr(OPERATING_POINT, sweep.along)
-    at = OPERATING_POINT.friction if own is None else own
-    mark = Mark(at, float(_formula(quantity, OPERATING_POINT, sweep.along)(np.array([at]))[0]))
-    shows_own = sweep.base == OPERATING_POINT
-    return Panel(
-        AXES[sweep.along],
-        AXES[quantity],
-        curves,
-        family=SYMBOLS[sweep.family],
-        marks=(mark,) if shows_own else (),
-        levels=_stiction(sweep),
-        top=_top(curves) if sweep.until_stiction else None,
+def single_pendulum_figure() -> Redrawn:
+    """Return figure 2.26: the bristle's rebound ratio with a hub of no radius."""
+    base = dataclasses.replace(OPERATING_POINT, hub_radius=0.0)
+    panel = sweep_panel("rebound_ratio", dataclasses.replace(REBOUND, base=base))
+    return Redrawn(
+        "2.26", "rebound ratio of Stronge's single pendulum", (panel,), "the bristle on a hub of no radius, $r_h$ = 0"
     )
 
 
-@functools.cache
-def struck(case: Case, law: str) -> dict[str, float | None]:
-    """Quantities of a strike through the scene; empty for a contact that comes to no end."""
-    hub, bristle = Hub(case.hub_speed, case.hub_radius), Bristle(case.length)
-    chain = radial_chain(hub, bristle, case.impact_angle, case.speed_ratio * case.hub_speed)
-    try:
-        found = contact_quantities(strike(chain, case.surface, Contact(law), Settings()).contact)
-    except ValueError:
-        return {}
-    normal, tangential = found["normal_compressive_work"], found["tangential_compressive_work"]
-    total = None if normal is None or tangential is None else normal + tangential
-    return found | {TOTAL: total}
+def double_pendulum_figure(number: str) -> Redrawn:
+    """Return figures 2.28 and 2.29: rates after impact over the mass ratio, for frictions that stick and reverse."""
+    rod, name = RATES[number]
+    pendulum = DoublePendulum()
+    angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
+    chain = Chain(
+        (pendulum.mass, pendulum.mass),
+        (pendulum.length, pendulum.length),
+        (-angles[0], -angles[1]),
+        (-pendulum.rate_1, -pendulum.rate_2),
+    )
+    measure = final_rate(rod)
+    curves = tuple(
+        pendulum_curve(f"{mu:g}", measure, _over_mass_ratio(chain, Surface(mu, None, 0.5)), _RATIOS, _SIMULATED)
+        for mu in FRICTIONS
+    )
+    levels = (Level(pendulum.rate_1, "before the impact"),) if rod == 0 else ()
+    axis = Axis(f"rate after impact, {name}", "rad/s")
+    return Redrawn(
+        number,
+        f"double pendulum: rate of {name}, over the mass ratio",
+        (Panel(Axis("mass ratio $n$", log=True), axis, curves, family="$\\mu$", levels=levels),),
+        "slip stops and reverses for $\\mu$ = 0.3 and 0.5; with 0.7 the tip sticks",
+    )
 
 
-def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
-    low, simulated, high = sweep.ends(case)
-    points: dict[str, tuple[list[float], list[float]]] = {}
-    for law, number in (("energetic", ENERGETIC), ("compliant", COMPLIANT)):
-        for at in _places(low, simulated, number, between=law == "compliant"):
-            here = dataclasses.replace(case, **{sweep.along: at})
-            value = struck(here, law).get(quantity)
-            if value is not None:
-                places, values = points.setdefault(law, ([], []))
-                places.append(at)
-                values.append(value)
-    return curve_of(_name(sweep, case), _formula(quantity, case, sweep.along), _grid(low, high, sweep), points)
+def _over_mass_ratio(chain: Chain, surface: Surface) -> Case:
+    return lambda ratio: (weighted(chain, ratio), surface)
 
 
-def _places(low: float, high: float, number: int, *, between: bool) -> Sequence[float]:
-    """Equally spaced; ``between`` keeps to the middles of as many parts."""
-    if not between:
-        return [float(each) for each in np.linspace(low, high, number)]
-    step = (high - low) / number
-    return [low + (i + 0.5) * step for i in range(number)]
+def heavy_rod_figure() -> Redrawn:
+    """Return figure 2.30: final impulse of the bristle as the second rod of a double pendulum, and the monofilament's."""
+    return Redrawn(
+        "2.30",
+        "final impulse of the modified double pendulum over friction",
+        (heavy_rod_panel(),),
+        "the heavy rod is 0.027 m long where the hub has 0.0275: half a per cent less impulse",
+    )
 
 
-def _grid(low: float, high: float, sweep: Sweep) -> Array:
-    """Closer together at the end where a curve grows without bound."""
-    if sweep.until_stiction:
-        return np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
-    return np.linspace(low, high, GRID)
-
-
-def _formula(quantity: str, case: Case, along: str) -> Callable[[Array], Array]:
-    """The closed form over one field of the case."""
-
-    def value(x: Array) -> Array:
-        given = {each.name: getattr(case, each.name) for each in dataclasses.fields(case)} | {along: x}
-        found = monofilament_impact(mass=Bristle().mass, **given)
-        return np.broadcast_to(_read(quantity, found), np.shape(x))
-
-    return value
-
-
-def _read(quantity: str, found: MonofilamentImpact) -> Array:
-    if quantity == TOTAL:
-        return np.asarray(found.normal_compressive_work + found.tangential_compressive_work)
-    return np.asarray(getattr(found, quantity))
-
-
-def _name(sweep: Sweep, case: Case) -> str:
-    axis = AXES[sweep.family]
-    value = getattr(case, sweep.family) * axis.factor
-    unit = {"1": "", "°": "°"}.get(axis.unit, f" {axis.unit}")
-    return f"{round(value, 6):g}{unit}"
-
-
-def _stiction(sweep: Sweep) -> tuple[Level, ...]:
-    """Upright lines at tan gamma, where a friction along the curves reaches it."""
-    if not sweep.until_stiction:
-        return ()
-    angles = dict.fromkeys(case.impact_angle for case in sweep.cases())
-    label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
-    return tuple(Level(math.tan(angle), label, upright=True) for angle in angles)
-
-
-def _top(curves: Sequence[Curve]) -> float:
-    """Twice what the curves begin with: the rest leads to infinity."""
-    return 2.2 * max(float(curve.theory[0]) for curve in curves)
+_RATIOS = np.geomspace(1.0, 1e4, 121)
+_SIMULATED = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(10**0.5, 10**3.5, 4)}

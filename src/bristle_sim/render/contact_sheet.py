@@ -17,8 +17,9 @@ from PIL import Image
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.dissertation_figures import draw_panel, draw_table, handles
+from bristle_sim.render.dissertation_figures import draw_table
 from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import draw_panel, handles
 from bristle_sim.studies.curves import Panel
 
 __all__ = ["contact_sheet", "main"]
