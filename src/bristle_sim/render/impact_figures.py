@@ -176,7 +176,10 @@ def _draw_rates(axes: Axes, panel: Panel) -> None:
     plain_decades(axes)
     for level in panel.levels:
         place = (float(panel.curves[0].x[-1]), level.value)
-        note(axes, level.label, place, (0.0, -3.0), ha="right", va="top")
+        if level.value > axes.get_ylim()[0]:
+            note(axes, level.label, place, (0.0, -3.0), ha="right", va="top")
+        else:
+            note(axes, level.label, place, (0.0, 3.0), ha="right", va="bottom")
 
 
 def _draw_heavy_rod(axes: Axes, panel: Panel) -> None:
