@@ -16,7 +16,7 @@ from bristle_sim.scenario_cli import Scenario, build, main
 
 
 def run(values: Mapping[str, Any]) -> Report:
-    """Compute the figures asked for."""
+    """Compute the requested figures."""
     return figures_report(build(Selection, values))
 
 

@@ -50,7 +50,7 @@ ASKED = {
     "double_pendulum": ("bristle_sim compliant", 1e-6),
     "whole_pass": ("bristle_sim simulate", 1e-9),
 }
-"""Methods that are asked for an accuracy, and down to which: rounding, what positions leave of the penetrations of a
+"""Methods that take a requested accuracy, and down to which: rounding, what positions leave of the penetrations of a
 short contact, and the pass's reference are not far below."""
 
 
@@ -89,7 +89,7 @@ def _measured(effort: Effort) -> AccuracyCost:
 
 
 def _rows(measured: AccuracyCost) -> list[Quantity]:
-    """CPU time of ours (simulated) beside the cheapest peer's (reference), and errors over the accuracy asked for."""
+    """Return our CPU time (simulated) with the cheapest peer's (reference), and errors over the requested accuracy."""
     rows = []
     for each in comparisons(measured):
         name = f"{each.case}_cpu_at_{each.target:.0e}"
@@ -100,7 +100,7 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
 
 
 def _reached(measured: AccuracyCost, case: str) -> Quantity:
-    """Whether asking for an accuracy gives it: the largest ratio of error to accuracy asked for, at most 1."""
+    """Return the largest ratio of error to requested accuracy, which must be at most 1."""
     method, least = ASKED[case]
     asked = [(float(each.setting.split("=")[1]), each.error) for each in measured.of(case) if each.method == method]
     worst = max(error / accuracy for accuracy, error in asked if accuracy >= 0.999 * least)
