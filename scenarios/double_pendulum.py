@@ -27,8 +27,12 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, final rates over the mass ratio, energy over the engine's iterations."""
     from bristle_sim.render.impact_figures import double_pendulum_figure
     from bristle_sim.render.style import save_figure
+    from bristle_sim.studies.impact_families import double_pendulum_panels
+    from bristle_sim.studies.law_convergence import engine_energy
 
-    save_figure(double_pendulum_figure(report.subject), path)
+    impacts = report.subject
+    energy = engine_energy(impacts.chain, impacts.surface) if any(impacts.chain.rates) else None
+    save_figure(double_pendulum_figure(impacts, double_pendulum_panels(impacts), energy), path)
 
 
 def video(report: Report, path: Path) -> None:

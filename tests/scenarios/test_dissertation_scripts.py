@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.dissertation.figures import NUMBERS
 from bristle_sim.render import audit_table, contact_sheet
 from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.studies.dissertation_curves import NUMBERS
 from bristle_sim.theory.force_history import BALL
 
 ROOT = Path(__file__).parents[2]
@@ -218,7 +218,7 @@ def test_the_audit_page_is_what_its_command_makes(tmp_path: Path):
 @pytest.mark.parametrize("writer", [audit_table.main, contact_sheet.main])
 @pytest.mark.parametrize("target", ["page.txt", "no/such/folder/page.md", "no/such/folder/sheet.png"])
 def test_pages_are_written_where_they_can_be(writer: Callable[[list[str]], int], target: str, tmp_path: Path):
-    refused(ended(lambda: writer([str(tmp_path / target)])), target, "is allowed")
+    refused(ended(lambda: writer([str(tmp_path / target)])), target, "must be a file name")
     assert not list(tmp_path.iterdir())
 
 
@@ -228,6 +228,21 @@ def test_one_figure_alone(tmp_path: Path):
     assert (found.returncode, found.stderr) == (0, f"--plot: wrote {folder}\n")
     assert [path.name for path in folder.iterdir()] == ["figure_2.24.png"]
     assert (folder / "figure_2.24.png").read_bytes().startswith(PNG)
+
+
+def test_figures_on_the_pages_of_one_pdf(tmp_path: Path):
+    """A name that ends in .pdf is a file like in every script, an existing one is replaced; one page a figure."""
+    target = tmp_path / "figures.pdf"
+    for _ in range(2):
+        found = run("dissertation_figures", "--only", "4.6", "--plot", str(target))
+        assert (found.returncode, found.stderr) == (0, f"--plot: wrote {target}\n")
+        assert target.read_bytes().startswith(b"%PDF")
+    assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("name", ["dissertation_audit", "dissertation_figures"])
+def test_no_impact_is_asked_about(name: str):
+    assert document(name, *(["--only=4.6"] if name == "dissertation_figures" else []))["outcome"] is None
 
 
 def test_the_option_is_short_for_the_key():

@@ -159,7 +159,7 @@ PROMISES = {
     ),
 }
 
-OUTCOMES = {"rebound", "no rebound", "stiction", "no contact"}
+OUTCOMES = {"rebound", "no rebound", "stiction", "no contact", None}
 SIDES = ("simulated", "theory", "reference", "printed")
 TIMINGS = ("wall_s", "cpu_s")
 SIGNATURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF", ".gif": b"GIF89a"}

@@ -20,6 +20,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bristle_sim.benchmarks.hard_cases import bad_input
+from bristle_sim.benchmarks.hard_cases.attempts import Tally, finite
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.theory_samples import MODULES, WHOLE, samples_of
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Release, SinglePendulum, Surface, Tool, Workpart
 from bristle_sim.quantity import Choice, Range, shown
@@ -28,10 +32,6 @@ from bristle_sim.scene import contact_laws
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
-from bristle_sim.studies.hard_cases import bad_input
-from bristle_sim.studies.hard_cases.attempts import Tally, finite
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.theory_samples import MODULES, WHOLE, samples_of
 from bristle_sim.studies.impacts import single_pendulum
 from bristle_sim.theory import cueing, monofilament
 from bristle_sim.theory.checks import checked, ranges
@@ -175,7 +175,7 @@ def test_refusals_do_not_rest_on_asserts(name: str) -> None:
 def test_refusals_stay_without_asserts() -> None:
     """Everything again in a process that leaves asserts out, where the engine would end the process for a bad mass."""
     program = (
-        "from bristle_sim.studies.hard_cases.bad_input import cases\n"
+        "from bristle_sim.benchmarks.hard_cases.bad_input import cases\n"
         "for case in cases(full=False):\n"
         "    if 'every' in case.name and 'theory' not in case.name: print(case.run().ok)\n"
     )

@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.budget import ONE_STRETCH, SPENT, arrays_of, cases, within_budget
+from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.parameters import Contact, Tool, Workpart
 from bristle_sim.scenario_cli import main
 from bristle_sim.scene import run as scene_run
@@ -18,8 +20,6 @@ from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.plan import Plan
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.budget import ONE_STRETCH, SPENT, arrays_of, cases, within_budget
-from bristle_sim.studies.hard_cases.case import HardCase
 from bristle_sim.trajectory import Trajectory
 
 ROOT = Path(__file__).parents[2]

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.chatter import SURFACE, cases, falling, most_taps, tapping, taps_of
 from bristle_sim.parameters import Tool, Workpart
 from bristle_sim.scene import run as scene_run
 from bristle_sim.scene.contact_laws import Coefficients
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.chatter import SURFACE, cases, falling, most_taps, tapping, taps_of
 
 
 @pytest.mark.parametrize("case", cases(full=False), ids=lambda case: case.name)

@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bristle_sim.benchmarks.hard_cases import mass_ratio
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.mass_ratio import MOTIONS, cases
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene import contact_laws, contact_space
 from bristle_sim.scene.build import Effects, Scene
@@ -18,9 +21,6 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import mass_ratio
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.mass_ratio import MOTIONS, cases
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 

@@ -16,6 +16,9 @@ import numpy as np
 import pymunk
 import pytest
 
+from bristle_sim.benchmarks.hard_cases import repeatability
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.repeatability import bits, difference, guards
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scenario_cli import main
@@ -23,9 +26,6 @@ from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.going_on import go_on, simulated_with
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import repeatability
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.repeatability import bits, difference, guards
 from bristle_sim.trajectory import Trajectory
 
 SETTINGS = Settings(accuracy=1e-6)

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.touching import between, cases, contact_work, deepest, wedge_closes
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene import contact_laws
@@ -21,8 +23,6 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Touch
 from bristle_sim.scene.tool import build_tool, simulate, tool_units
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.touching import between, cases, contact_work, deepest, wedge_closes
 from bristle_sim.trajectory import Trajectory
 
 FEW = Settings(maximum_steps=5000)
@@ -43,7 +43,7 @@ def kept(part: str) -> list[bool]:
 class TestPromisesNotice:
     def test_a_jam_that_is_not_seen(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(scene_run, "room", lambda *_: math.inf)
-        monkeypatch.setattr("bristle_sim.studies.hard_cases.touching.Settings", lambda **_: FEW)
+        monkeypatch.setattr("bristle_sim.benchmarks.hard_cases.touching.Settings", lambda **_: FEW)
         assert not any(kept("restitution 0.5"))
 
     def test_neighbours_that_are_struck_at_rest(self, monkeypatch: pytest.MonkeyPatch) -> None:

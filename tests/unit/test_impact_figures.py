@@ -32,15 +32,19 @@ from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_fi
 from bristle_sim.render.impact_video import ImpactScene, impact_video
 from bristle_sim.render.prefixes import scale_for
 from bristle_sim.render.style import save_figure
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import CueTiming, cue_timing
+from bristle_sim.studies.impact_families import double_pendulum_panels, oblique_panels, single_pendulum_panels
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import energetic_course
-from bristle_sim.studies.law_convergence import Convergence
+from bristle_sim.studies.law_convergence import Convergence, engine_energy
 from bristle_sim.studies.timed_contact import with_visible_contact
 
+STICTION = "stiction, $\\mu$ = tan $\\gamma$"
+HAND = "the impact at hand"
 ROUGH = Surface(friction=0.5, restitution=0.5)
 TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
 """Relative error of an impulse summed by the trapezoidal rule over the 24 stretches of a record."""
@@ -58,6 +62,15 @@ def rods(surface: Surface = ROUGH, **pendulum: float) -> Impacts:
     return report.subject
 
 
+def oblique(impacts: Impacts) -> Figure:
+    return oblique_figure(impacts, oblique_panels(impacts))
+
+
+def two_rods(impacts: Impacts) -> Figure:
+    energy = engine_energy(impacts.chain, impacts.surface) if any(impacts.chain.rates) else None
+    return double_pendulum_figure(impacts, double_pendulum_panels(impacts), energy)
+
+
 @pytest.fixture(scope="module")
 def strike() -> Impacts:
     return bristle()
@@ -70,12 +83,12 @@ def pendulum() -> Impacts:
 
 @pytest.fixture(scope="module")
 def strike_figure(strike: Impacts) -> Figure:
-    return oblique_figure(strike)
+    return oblique(strike)
 
 
 @pytest.fixture(scope="module")
 def pendulum_figure(pendulum: Impacts) -> Figure:
-    return double_pendulum_figure(pendulum)
+    return two_rods(pendulum)
 
 
 @pytest.fixture(scope="module")
@@ -167,21 +180,21 @@ def test_impulses_that_fall_together_share_a_name(strike_figure: Figure) -> None
 
 def test_oblique_figure_shows_families_and_the_impact_at_hand(strike_figure: Figure) -> None:
     rebound, by_angle, by_restitution = (panel(strike_figure, letter) for letter in "bcd")
-    assert data(rebound, "at hand") == pytest.approx((23.4, -0.539903), rel=2e-6)
+    assert data(rebound, HAND) == pytest.approx((23.4, -0.539903), rel=2e-6)
     for axes in (by_angle, by_restitution):
-        assert data(axes, "at hand") == pytest.approx((0.31, 2.504205), rel=5e-7)
+        assert data(axes, HAND) == pytest.approx((0.31, 2.504205), rel=5e-7)
     # Without friction the rate after is -e* kappa/R - r_h/(L R) of that before at any angle.
-    _, frictionless = data(rebound, "theory 0")
+    _, frictionless = data(rebound, "curve 0")
     radius = 0.0275 / 0.027
     np.testing.assert_allclose(frictionless, -(0.42 * (3.23 + radius) + radius) / 3.23, rtol=1e-12)
-    assert data(by_angle, "stiction")[0][0] == pytest.approx(math.tan(math.radians(15.0)))
+    assert data(by_angle, STICTION)[0][0] == pytest.approx(math.tan(math.radians(15.0)))
     assert "23.4°" in [text.get_text() for text in by_angle.get_legend().get_texts()]
 
 
 def test_points_of_a_family_lie_on_its_curves(strike_figure: Figure) -> None:
     rebound = panel(strike_figure, "b")
     for name in ("0", "0.1", "0.31", "0.6", "1"):
-        curve, points = data(rebound, f"theory {name}"), data(rebound, f"energetic {name}")
+        curve, points = data(rebound, f"curve {name}"), data(rebound, f"energetic {name}")
         # Linear between 81 places that lie closer where the curve is steep.
         np.testing.assert_allclose(points[1], np.interp(points[0], *curve), atol=2e-3)
 
@@ -189,23 +202,48 @@ def test_points_of_a_family_lie_on_its_curves(strike_figure: Figure) -> None:
 def test_single_pendulum_figure_shows_the_formula() -> None:
     report = single_pendulum(SinglePendulum(), Surface(), Contact(), Settings())
     assert isinstance(report.subject, Impacts)
-    figure = single_pendulum_figure(report.subject)
+    figure = single_pendulum_figure(report.subject, single_pendulum_panels(report.subject))
     drag = 0.31 / math.tan(math.radians(23.4))
     expected = -0.42 * math.sqrt((1.0 - drag) / (1.0 + drag))
-    assert data(panel(figure, "b"), "at hand") == pytest.approx((23.4, expected), rel=1e-9)
-    assert data(panel(figure, "c"), "at hand") == pytest.approx((0.31, expected), rel=1e-9)
+    assert data(panel(figure, "b"), HAND) == pytest.approx((23.4, expected), rel=1e-9)
+    assert data(panel(figure, "c"), HAND) == pytest.approx((0.31, expected), rel=1e-9)
 
 
 def test_double_pendulum_figure_shows_rates_impulses_and_energies(pendulum_figure: Figure) -> None:
     rates, impulses, energies = (panel(pendulum_figure, letter) for letter in "bcd")
-    stars = [each.get_ydata()[0] for each in rates.get_lines() if each.get_gid() == "at hand"]
+    stars = [each.get_ydata()[0] for each in rates.get_lines() if each.get_gid() == HAND]
     assert stars == pytest.approx([-0.19893234, 0.22313679], abs=5e-9)  # eqs. 2.74-2.89 evaluated on their own
-    assert data(rates, "rod 1 before")[1][0] == -0.1
-    assert data(impulses, "stiction")[0][0] == pytest.approx(math.tan(math.radians(23.4)))
+    assert data(rates, "rod 1 before the impact")[1][0] == -0.1
+    assert data(impulses, STICTION)[0][0] == pytest.approx(math.tan(math.radians(23.4)))
     iterations, engine = data(energies, "engine")
     assert (iterations[0], iterations[-1]) == (1.0, 1000.0)
     assert engine[-1] > 1.0 > data(energies, "energetic")[1][0]
     assert energies.get_ylim()[1] > engine.max()
+
+
+def test_figures_never_simulate(strike: Impacts, pendulum: Impacts, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Studies compute and figures draw: no scene can be built while they do."""
+    panels, rates = oblique_panels(strike), double_pendulum_panels(pendulum)
+    energy = engine_energy(pendulum.chain, ROUGH)
+
+    def refuse(*_: object) -> None:
+        pytest.fail("a figure builds a scene")
+
+    monkeypatch.setattr(Scene, "__init__", refuse)
+    oblique_figure(strike, panels)
+    single_pendulum_figure(strike, {"rebound over angle": panels["rebound over angle"]})
+    double_pendulum_figure(pendulum, rates, energy)
+
+
+def test_panels_of_one_page_have_titles_of_their_own(strike_figure: Figure, pendulum_figure: Figure) -> None:
+    for figure in (strike_figure, pendulum_figure):
+        titles = [axes.get_title(loc="left").split("  ", 1)[1] for axes in figure.axes]
+        assert len(set(titles)) == len(titles) == 4
+
+
+def test_every_dotted_line_of_stiction_is_explained(strike_figure: Figure) -> None:
+    for letter in "cd":
+        assert f"dashed: {STICTION}" in words(panel(strike_figure, letter))
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
@@ -215,14 +253,14 @@ def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: st
 
 
 def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
-    away = oblique_figure(bristle(Strike(speed_ratio=0.0)))
+    away = oblique(bristle(Strike(speed_ratio=0.0)))
     assert "no ratio" in words(panel(away, "b"))
-    resting = double_pendulum_figure(rods(rate_1=0.0, rate_2=0.0))
+    resting = two_rods(rods(rate_1=0.0, rate_2=0.0))
     assert "no contact" in words(panel(resting, "a"))
     assert "no energy" in words(panel(resting, "d"))
     unresolved = rods()
     del unresolved.strikes["compliant"]
-    names = {each.get_gid() for each in panel(double_pendulum_figure(unresolved), "a").get_lines()}
+    names = {each.get_gid() for each in panel(two_rods(unresolved), "a").get_lines()}
     assert not any(name and "resolved" in name for name in names)
     for number, figure in enumerate((away, resting)):
         save_figure(figure, tmp_path / f"{number}.png")
@@ -230,7 +268,7 @@ def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("surface", [{"friction": 0.6}, {"restitution": 0.0}, {"restitution_friction": 0.9}])
 def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_path: Path) -> None:
-    figure = oblique_figure(bristle(**surface))
+    figure = oblique(bristle(**surface))
     assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
     save_figure(figure, tmp_path / "stuck.png")
 

@@ -8,26 +8,35 @@ import numpy as np
 import pytest
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Contact, Hub, Surface, Tool
+from bristle_sim.parameters import (
+    Bar,
+    Belt,
+    Bristle,
+    Contact,
+    DoublePendulum,
+    Hub,
+    SinglePendulum,
+    Strike,
+    Surface,
+    Tool,
+)
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.contact_laws import EnergeticLaw
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_places import BarPlace, formula_motion, full_pass
 from bristle_sim.studies.cue_timing import cue_timing
-from bristle_sim.studies.impact_measures import closed_form
-from bristle_sim.studies.impact_sweeps import (
-    HEAVY_ROD,
-    HEAVY_ROD_SURFACE,
-    final_rates_over_mass_ratio,
-    heavy_rod_impulse_over_friction,
-    impulse_over_friction,
-    rebound_over_angle,
-    rebound_over_friction,
+from bristle_sim.studies.impact_families import (
+    double_pendulum_panels,
+    oblique_panels,
+    single_pendulum_panels,
     with_own,
 )
+from bristle_sim.studies.impact_sweeps import Case, Sweep, sweep_panel
+from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import contact_inverse_mass, energetic_course, recorded_course, tip_velocity
 from bristle_sim.studies.law_convergence import IDENTICAL_RODS, compliant_convergence, engine_energy, strike_by
+from bristle_sim.studies.pendulum_sweeps import HEAVY_ROD, HEAVY_ROD_SURFACE, closed_form, heavy_rod_panel
 
 ROUNDING = 1e-11
 """Relative: a few hundred operations on doubles, amplified by what cancels in K near a jam."""
@@ -142,20 +151,39 @@ def pendulum_rebound(angle: np.ndarray, friction: float, restitution: float) -> 
     return -restitution * np.sqrt((1.0 - drag) / (1.0 + drag))
 
 
+def over_friction(rod: Chain, family: str, values: tuple[float, ...], *, until_stiction: bool = True) -> Sweep:
+    return Sweep("friction", 0.0, 1.0, family, values, until_stiction, Case.of(rod, Surface()))
+
+
+def over_angle(rod: Chain, frictions: tuple[float, ...]) -> Sweep:
+    return Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", frictions, base=Case.of(rod, Surface()))
+
+
+def test_a_case_is_its_chain_and_surface() -> None:
+    surface = Surface(0.2, 0.3, 0.7)
+    for rod in (BRISTLE, ROD):
+        case = Case.of(rod, surface)
+        assert case.surface == surface
+        found = strike(case.chain, surface, Contact(), Settings()).contact
+        expected = strike(rod, surface, Contact(), Settings()).contact
+        assert found.impulse == pytest.approx(expected.impulse, rel=ROUNDING)
+        assert found.rates_after == pytest.approx(expected.rates_after, rel=ROUNDING)
+
+
 def test_rebound_of_a_pendulum_over_the_angle() -> None:
-    curves = rebound_over_angle(ROD, Surface(), (0.0, 0.31, 1.0))
+    curves = sweep_panel("rebound_ratio", over_angle(ROD, (0.0, 0.31, 1.0))).curves
     assert [curve.name for curve in curves] == ["0", "0.31", "1"]
     for curve, friction in zip(curves, (0.0, 0.31, 1.0), strict=True):
         x, simulated = curve.points["energetic"]
-        assert x.size == 9
+        assert x.size >= 6
         # Near stiction the root magnifies rounding to its square root.
         np.testing.assert_allclose(curve.theory, pendulum_rebound(curve.x, friction, 0.42), atol=1e-7)
         np.testing.assert_allclose(simulated, pendulum_rebound(x, friction, 0.42), atol=1e-7)
-    assert curves[2].points["energetic"][1][0] == pytest.approx(0.0, abs=1e-12)  # 6 deg sticks at mu = 1
+    assert curves[2].points["energetic"][1][0] == pytest.approx(0.0, abs=1e-12)  # 2 deg sticks at mu = 1
 
 
 def test_rebound_over_friction_agrees_with_rebound_over_angle() -> None:
-    (curve,) = rebound_over_friction(ROD, Surface(), (GAMMA,))
+    (curve,) = sweep_panel("rebound_ratio", over_friction(ROD, "impact_angle", (GAMMA,))).curves
     assert curve.name == "23.4°"
     for x, values in ((curve.x, curve.theory), curve.points["energetic"]):
         expected = [float(pendulum_rebound(np.array(GAMMA), mu, 0.42)) for mu in x]
@@ -165,7 +193,7 @@ def test_rebound_over_friction_agrees_with_rebound_over_angle() -> None:
 
 def test_rebound_of_the_bristle_is_the_printed_one() -> None:
     """phi'_f/phi'(0) at the operating point, eq. 2.65 evaluated on its own."""
-    (curve,) = rebound_over_angle(BRISTLE, Surface(), (0.31,))
+    (curve,) = sweep_panel("rebound_ratio", over_angle(BRISTLE, (0.31,))).curves
     at_rest = -0.0275 / (0.027 * 3.23)
     assert curve.theory[0] == pytest.approx(at_rest, rel=ROUNDING)  # stiction: the tip stays
     near = np.abs(curve.x - GAMMA).argmin()
@@ -173,14 +201,41 @@ def test_rebound_of_the_bristle_is_the_printed_one() -> None:
     assert curve.theory[near] + slope * (GAMMA - curve.x[near]) == pytest.approx(-0.539903, abs=1e-3)
 
 
+def bristle_impacts(speed_ratio: float = 3.23, surface: Surface | None = None) -> Impacts:
+    parts = (Hub(), Bristle(), Strike(speed_ratio=speed_ratio), surface or Surface(), Contact(), Settings())
+    found = oblique_impact(*parts).subject
+    assert isinstance(found, Impacts)
+    return found
+
+
+def test_families_of_a_bristle_mark_the_impact_at_hand() -> None:
+    """p_f and the ratio at the operating point, eqs. 2.48 and 2.65 evaluated on their own to seven digits."""
+    panels = oblique_panels(bristle_impacts())
+    for name in ("impulse by angle", "impulse by restitution"):
+        (mark,) = panels[name].marks
+        assert (mark.x, mark.y) == pytest.approx((0.31, 2.504205e-3), rel=5e-7)
+    (mark,) = panels["rebound over angle"].marks
+    assert (mark.x, mark.y) == pytest.approx((GAMMA, -0.539903), rel=2e-6)
+
+
 def test_no_rebound_ratio_at_rest() -> None:
-    still = Chain(BRISTLE.masses, BRISTLE.lengths, BRISTLE.angles, (0.0,), 0.0275, 261.8, -GAMMA)
-    with pytest.raises(ValueError, match="rate = 0: another rate"):
-        rebound_over_angle(still, Surface(), (0.1,))
+    assert set(oblique_panels(bristle_impacts(0.0))) == {"impulse by angle", "impulse by restitution"}
+    resting = single_pendulum(SinglePendulum(rate=0.0), Surface(), Contact(), Settings()).subject
+    assert single_pendulum_panels(resting) == {}
+    with pytest.raises(ValueError, match="rebound ratio"):
+        sweep_panel("rebound_ratio", over_angle(Chain(ROD.masses, ROD.lengths, ROD.angles, (0.0,)), (0.1,)))
+
+
+def test_friction_of_restitution_alone_bounds_no_impulse() -> None:
+    """With mu_2 given, p_f stays finite beyond tan gamma = 0.43, and no line of stiction is drawn."""
+    panel = oblique_panels(bristle_impacts(surface=Surface(restitution_friction=0.2)))["impulse by restitution"]
+    assert panel.curves[0].x[-1] == 1.0
+    assert panel.levels == ()
+    assert panel.top is None
 
 
 def test_final_impulse_over_friction() -> None:
-    curves = impulse_over_friction(BRISTLE, Surface(), restitutions=(0.0, 0.42))
+    curves = sweep_panel("normal_final_impulse", over_friction(BRISTLE, "restitution", (0.0, 0.42))).curves
     # p_cy and p_fy without friction, from eqs. 2.37 and 2.48 evaluated on their own to seven digits.
     assert curves[0].theory[0] == pytest.approx(2.113995e-3, rel=5e-7)
     assert curves[1].theory[0] == pytest.approx(3.001874e-3, rel=5e-7)
@@ -191,17 +246,27 @@ def test_final_impulse_over_friction() -> None:
 
 
 def test_final_impulse_ends_short_of_stiction() -> None:
-    for curve, degrees in zip(impulse_over_friction(BRISTLE, Surface(), angles=(0.3, 1.4)), (0.3, 1.4), strict=True):
-        assert curve.x[-1] < min(1.0, math.tan(degrees))
+    panel = sweep_panel("normal_final_impulse", over_friction(BRISTLE, "impact_angle", (0.3, 1.4)))
+    for curve, angle in zip(panel.curves, (0.3, 1.4), strict=True):
+        assert curve.x[-1] <= min(1.0, 0.9999 * math.tan(angle))
         assert np.isfinite(curve.theory).all()
+    assert [level.value for level in panel.levels] == [math.tan(0.3)]  # that of 1.4 rad is beyond the curves
+
+
+def rods(mass_ratio: float = 1.0) -> Impacts:
+    found = double_pendulum(DoublePendulum(mass_ratio=mass_ratio), ROUGH, Contact(), Settings()).subject
+    assert isinstance(found, Impacts)
+    return found
 
 
 def test_final_rates_over_the_mass_ratio() -> None:
-    first, second = final_rates_over_mass_ratio(IDENTICAL_RODS, ROUGH)
+    panel = double_pendulum_panels(rods())["rates over mass ratio"]
+    first, second = panel.curves
     assert first.x[-1] == pytest.approx(1e4)
     # Eqs. 2.92-2.108 at n = 1e4, evaluated on their own to eight digits.
     assert first.theory[-1] == pytest.approx(-0.10002302, abs=5e-9)
     assert second.theory[-1] == pytest.approx(0.12120826, abs=5e-9)
+    assert [mark.y for mark in panel.marks] == pytest.approx([-0.19893234, 0.22313679], abs=5e-9)
     for rod, curve in enumerate((first, second), start=1):
         for law, tolerance in (("energetic", 1e-11), ("compliant", 1e-5)):  # rounding; ten times the accuracy asked for
             x, simulated = curve.points[law]
@@ -216,16 +281,14 @@ def test_bristle_as_a_double_pendulum() -> None:
     """Fig. 2.30: p_f at mu = 0.31 and n = 700, eq. 2.87 evaluated on its own."""
     found = closed_form(HEAVY_ROD, HEAVY_ROD_SURFACE).normal_final_impulse
     assert found == pytest.approx(2.4923689e-3, rel=5e-8)
-    (curve,) = heavy_rod_impulse_over_friction((700.0,))
+    curve = next(each for each in heavy_rod_panel().curves if each.name == "$n$ = 700")
     # A heavy first rod is a hub of radius L: p_f of the bristle on it, to the share of the masses, 1/700.
-    x, simulated = curve.points["energetic"]
     angle = math.radians(23.4)
-    s_1, s_2 = (math.sin(angle) + sign * x * math.cos(angle) for sign in (1.0, -1.0))
     momentum = 8.387e-5 * 0.027 * (845.6 + 261.8) / 3.0
-    np.testing.assert_allclose(simulated, momentum * (s_2 + 0.42 * np.sqrt(s_1 * s_2)) / (s_1 * s_2), rtol=1.0 / 700.0)
-    x, resolved = curve.points["compliant"]
-    s_1, s_2 = (math.sin(angle) + sign * x * math.cos(angle) for sign in (1.0, -1.0))
-    np.testing.assert_allclose(resolved, momentum * (s_2 + 0.42 * np.sqrt(s_1 * s_2)) / (s_1 * s_2), rtol=1.0 / 700.0)
+    for x, simulated in curve.points.values():
+        s_1, s_2 = (math.sin(angle) + sign * x * math.cos(angle) for sign in (1.0, -1.0))
+        expected = momentum * (s_2 + 0.42 * np.sqrt(s_1 * s_2)) / (s_1 * s_2)
+        np.testing.assert_allclose(simulated, expected, rtol=1.0 / 700.0)
 
 
 def kinetic_energy(rates: tuple[float, float]) -> float:

@@ -118,11 +118,11 @@ def checked_target(path: str | Path, suffixes: Collection[str]) -> Path:
     """
     target = Path(path)
     if target.suffix.lower() not in suffixes:
-        raise ValueError(f"{target}: a file name that ends in {', '.join(sorted(suffixes))} is allowed")
+        raise ValueError(f"{target}: must be a file name that ends in {', '.join(sorted(suffixes))}")
     if not target.parent.is_dir():
         raise ValueError(f"{target}: the folder {target.parent} does not exist")
     if target.is_dir():
-        raise ValueError(f"{target}: is a folder, a file name is allowed")
+        raise ValueError(f"{target}: must be a file name, not a folder")
     return target
 
 

@@ -53,8 +53,9 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None) -> int:
 
 
 def _answer(scenario: Scenario, options: argparse.Namespace, values: Values) -> int:
+    pages = (options.plot or "").lower().endswith(".pdf")
     targets = {
-        "--plot": output.target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder),
+        "--plot": output.target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder and not pages),
         "--video": output.target("--video", options.video, VIDEOS),
         "--csv": output.target("--csv", options.csv),
         "--json": None if options.json == "-" else output.target("--json", options.json),
@@ -113,7 +114,7 @@ def _parser(scenario: Scenario) -> _Parser:
         help="override a parameter, in SI units or with a unit (27mm); the last of a key counts",
     )
     parser.add_argument("--json", metavar="FILE", help="write the results as JSON; - for standard output")
-    where = "FOLDER" if scenario.plot_is_folder else "FILE"
+    where = "FOLDER|FILE.pdf" if scenario.plot_is_folder else "FILE"
     offers = (
         ("csv", scenario.series, "FILE", "write the time series, one row a sample"),
         ("plot", scenario.plot, where, "draw a figure (png, svg, pdf)"),

@@ -34,7 +34,7 @@ class Scenario:
         series: gives the time series of a report, by name and unit, one entry a sample; None without a motion.
         defaults: key values that differ from the parameter classes' own, each with its source.
         without: keys of the parts that mean nothing to the question.
-        plot_is_folder: ``--plot`` names a folder instead of a picture.
+        plot_is_folder: ``--plot`` names a folder, or a PDF of several pages, instead of a picture.
         options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
 

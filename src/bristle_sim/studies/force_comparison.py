@@ -30,9 +30,15 @@ from bristle_sim.studies.force_trials import (
     trial_row,
 )
 from bristle_sim.studies.measured_force import MeasuredForce, measured_force, measured_in_words, measured_rows
-from bristle_sim.studies.table_3_1 import TABLE_3_1
 from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
-from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, ForceCurve, segment_impulses
+from bristle_sim.theory.force_history import (
+    BALL,
+    BRISTLE,
+    PRINTED_BRISTLE_IMPULSE,
+    TABLE_3_1,
+    ForceCurve,
+    segment_impulses,
+)
 from bristle_sim.theory.monofilament import tip_speed
 
 __all__ = ["ForceComparison", "force_comparison", "segment_table"]

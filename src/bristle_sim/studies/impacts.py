@@ -1,6 +1,6 @@
-"""Single impacts beside their closed forms: radial bristle, Stronge's single and double pendulum.
+"""Single impacts compared with their closed forms: radial bristle, Stronge's single and double pendulum.
 
-The simulated side goes through the pymunk scene with the contact law asked for; the other laws run beside it. Rates of
+The simulated side goes through the pymunk scene with the requested contact law, and with the others for comparison. Rates of
 pendulums are signed as in the dissertation, negative approaching; in the scene the same motion turns the other way.
 """
 
@@ -33,9 +33,9 @@ class Impacts:
 
     Attributes:
         chain, surface: what strikes what.
-        law: the one asked for.
+        law: the requested one.
         strikes: by law.
-        refusals: why a law that was not asked for has no answer, by law.
+        refusals: why a law that was not requested has no answer, by law.
         contact_duration: requested for the contact resolved in time, s, or None.
         timing: what a film says about the time that its contact takes.
     """
@@ -222,7 +222,7 @@ def _widened(tolerance: float | None, rounding: float) -> float | None:
 
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    """The law asked for, and the others where they have an answer."""
+    """Strike by the requested law, and by the others where they have an answer."""
     strikes, refusals = {}, {}
     for law in LAWS:
         if law == contact.law:
