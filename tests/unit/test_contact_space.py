@@ -24,7 +24,7 @@ def rod(mass: float, length: float, root: tuple[float, float], angle: float) -> 
 
 
 def hinge(space: pymunk.Space, first: pymunk.Body, second: pymunk.Body, at: tuple[float, float]) -> None:
-    space.add(pymunk.PivotJoint(first, second, at))
+    space.add(*(each for each in (first, second) if each.space is None), pymunk.PivotJoint(first, second, at))
 
 
 def unit(angle: float) -> tuple[float, float]:
