@@ -50,7 +50,7 @@ DEPENDENT = 1e-12
 """A joint whose scaled rows are shortened to this fraction by orthogonalization repeats what other joints already say."""
 
 OPENS = 1e-9
-"""A joint at its limit opens if its rate is above this fraction of the terms that it is the sum of; the rest is rounding."""
+"""A joint at its limit opens if its rate is above this fraction of the bodies' own speeds; the rest is rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +142,8 @@ def contact_space(
         raise ValueError(f"normal = {tuple(normal)}: a vector of length 1 is allowed")
     ends = [each for each in (body, other) if each is not None]
     bodies, joints = joined(ends)
-    rows = [row for joint in joints for row in joint_rows(joint) if not row.limit or _pushes(row, released)]
+    rows = [row for joint in joints for row in joint_rows(joint) if not (row.limit and joint in released)]
+    rows = [row for row in rows if not (row.limit and _opens(row, bodies))]
     contact: list[list[Entry]] = []
     velocity = []
     for direction in ((normal[1], -normal[0]), normal):
@@ -216,10 +217,16 @@ def _limit_response(columns: Array, limits: list[bool]) -> Array:
     return -np.linalg.lstsq(held, columns[:, :-3:-1], rcond=DEPENDENT)[0][limits]
 
 
-def _pushes(limit: JointRow, released: Collection[pymunk.Constraint]) -> bool:
-    """Whether a limit that is reached can push in an impact: it is not released, and does not open already."""
+def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
+    """Whether a limit that is reached opens already, and cannot push: its rate is more than rounding.
+
+    It is compared in the norm of the kinetic energy, where rates of turning and shifting have the same units.
+    """
     excess, size = limit.excess()
-    return limit.joint not in released and excess <= OPENS * size
+    shares = ((x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in limit.entries if body in bodies)
+    energies = (each.mass * each.velocity.dot(each.velocity) for each in bodies)
+    turning = (each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf)
+    return excess > OPENS * max(size, math.sqrt(sum(shares) * (sum(energies) + sum(turning))))
 
 
 def _lengths(columns: Array) -> Array:
