@@ -78,14 +78,25 @@ class ContactSpace:
     limits: tuple[JointRow, ...] = ()
     limit_response: Array = field(default_factory=lambda: np.zeros((0, 2)))
 
-    def pulling_limit(self, impulse: Sequence[float]) -> pymunk.Constraint | None:
-        """The joint whose limit would have to pull most in an impact with this contact impulse; None if all push."""
+    def limits_push(self, impulse: Sequence[float]) -> bool:
+        """Whether all limits push, or carry nothing, in an impact with this contact impulse."""
         if not self.limits:
-            return None
+            return True
         impulses = self.limit_response @ np.asarray(impulse, dtype=float)
         sizes = np.abs(self.limit_response) @ np.abs(np.asarray(impulse, dtype=float))
-        worst = int(np.argmin(impulses))
-        return self.limits[worst].joint if impulses[worst] < -OPENS * sizes[worst] else None
+        return bool((impulses >= -OPENS * sizes).all())
+
+    def passes(self, limit: JointRow, impulse: Sequence[float]) -> bool:
+        """Whether a limit that takes no part is passed after an impact with this contact impulse."""
+        value, size = limit.excess()
+        change = (self.response @ np.asarray(impulse, dtype=float)).tolist()
+        for body, *factors in limit.entries:
+            if body in self.bodies:
+                at = 3 * self.bodies.index(body)
+                for factor, gain in zip(factors, change[at : at + 3], strict=True):
+                    value += factor * gain
+                    size += abs(factor * gain)
+        return value < -OPENS * size
 
     def apply(self, impulse: Sequence[float], velocity_after: Sequence[float] | None = None) -> None:
         """Change the velocities of all bodies by the contact impulse (normal, tangential) on the first body.
@@ -179,7 +190,8 @@ def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
         return columns, basis, triangle
     pivots = np.abs(np.diagonal(triangle))[:constraints]
     if len(pivots) == constraints and (pivots > DEPENDENT * _lengths(columns[:, :constraints])).all():
-        if len(triangle) == constraints + 2 and abs(triangle[-1, -1]) < WEAK * abs(triangle[-2:, -1]).max():
+        moves = abs(triangle[-2, -2]) > SINGULAR * _lengths(columns[:, -2:-1])[0]
+        if len(triangle) == constraints + 2 and moves and abs(triangle[-1, -1]) < WEAK * abs(triangle[-2:, -1]).max():
             _refine(basis, triangle, columns)
         basis, triangle = basis[:, constraints:], triangle[constraints:, constraints:]
         return basis @ triangle, basis, triangle
@@ -214,7 +226,8 @@ def _limit_response(columns: Array, limits: list[bool]) -> Array:
     if not any(limits):
         return np.zeros((0, 2))
     held = _of_length_one(columns[:, : len(limits)])
-    return -np.linalg.lstsq(held, columns[:, :-3:-1], rcond=DEPENDENT)[0][limits]
+    impulses = np.asarray(np.linalg.lstsq(held, columns[:, :-3:-1], rcond=DEPENDENT)[0], dtype=float)
+    return -impulses[limits]
 
 
 def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
@@ -223,7 +236,9 @@ def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
     It is compared in the norm of the kinetic energy, where rates of turning and shifting have the same units.
     """
     excess, size = limit.excess()
-    shares = ((x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in limit.entries if body in bodies)
+    shares = (
+        (x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in limit.entries if body in bodies
+    )
     energies = (each.mass * each.velocity.dot(each.velocity) for each in bodies)
     turning = (each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf)
     return excess > OPENS * max(size, math.sqrt(sum(shares) * (sum(energies) + sum(turning))))

@@ -98,6 +98,7 @@ class EnergeticContact:
         self._jammed: set[frozenset[pymunk.Shape]] = set()
         self._still_jammed: set[frozenset[pymunk.Shape]] = set()
         self._resting: float | None = None
+        self._static = space.static_body  # made at its first use, which must not be within a step
         self.add_pair(
             collision_type_a,
             collision_type_b,
@@ -196,13 +197,14 @@ class EnergeticContact:
                 self._divide(pair, arbiter)
 
     def _divide(self, pair: ContactPair, arbiter: pymunk.Arbiter) -> None:
+        """Tell rest from impact."""
         if self._resting is UNKNOWN:
             self._resting = self._resting_approach(self.space.current_time_step)
         shapes = arbiter.shapes
         jams = bool(self._jammed) and frozenset(shapes) in self._jammed
         if jams:
             self._still_jammed.add(frozenset(shapes))
-        if jams or not self._approaches(arbiter, shapes):
+        if jams or not self._approaches(arbiter, shapes, self._resting or 0.0):
             arbiter.friction, arbiter.restitution = pair.friction, 0.0
             return
         # The engine keeps the contact, wakes its bodies and reduces overlap, but takes it to fly apart.
@@ -211,16 +213,18 @@ class EnergeticContact:
         arbiter.friction, arbiter.restitution = 0.0, 0.0
         arbiter.surface_velocity = (OUT_OF_REACH * normal.x, OUT_OF_REACH * normal.y)
 
-    def _approaches(self, arbiter: pymunk.Arbiter, shapes: tuple[pymunk.Shape, pymunk.Shape]) -> bool:
+    def _approaches(self, arbiter: pymunk.Arbiter, shapes: tuple[pymunk.Shape, pymunk.Shape], resting: float) -> bool:
         """Whether any point approaches faster than at rest; read with as few calls as possible."""
         first, second = shapes[0].body, shapes[1].body
+        assert first is not None
+        assert second is not None
         found = arbiter.contact_point_set
-        (x, y), still = found.normal, self.space._static_body
+        (x, y), still = found.normal, self._static
         for each in found.points:
             u, v = (0.0, 0.0) if first is still else first.velocity_at_world_point(each.point_a)
             p, q = (0.0, 0.0) if second is still else second.velocity_at_world_point(each.point_a)
             approach = (u - p) * x + (v - q) * y
-            if approach > self._resting and approach > ROUNDING * (abs(u) + abs(v) + abs(p) + abs(q)):
+            if approach > resting and approach > ROUNDING * (abs(u) + abs(v) + abs(p) + abs(q)):
                 return True
         return False
 

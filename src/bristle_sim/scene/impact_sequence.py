@@ -6,14 +6,15 @@ bodies that have nothing to do with each other do not notice each other's order.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import pymunk
 
 from bristle_sim.scene.contact_pair import TouchingPoint
 from bristle_sim.scene.contact_space import ContactSpace, contact_space
 from bristle_sim.scene.joint_projection import close_joints
-from bristle_sim.scene.joints import Vector
+from bristle_sim.scene.joints import JointRow, Vector
 from bristle_sim.theory.impact import JAM, Impact
 
 __all__ = ["ImpactSequence"]
@@ -23,6 +24,9 @@ ROUNDING = 1e-9
 
 COLLAPSE = 50
 """Impacts at one point after which it gives no restitution: bodies that bounce without end within an instant come to rest."""
+
+TRIALS = 255
+"""Sets of limits that are tried, all of them for up to eight limits reached at once; if none will do, all are held."""
 
 MOST = 10_000
 """Impacts at one point after which the step is given up."""
@@ -99,17 +103,38 @@ class ImpactSequence:
         return space.bodies
 
     def _law(self, point: TouchingPoint) -> tuple[ContactSpace, Impact, bool]:
-        """The impact, its joints' limits pushing only, and whether it is one of bodies at rest."""
+        """The impact, joints' limits pushing only and not passed, and whether it is one of bodies at rest."""
+        held = self._with_limits(point, ())
+        limits = held[0].limits
+        if _agrees(*held[:2], ()):
+            return held
+        for released in itertools.islice(_subsets(limits), TRIALS):
+            found = self._with_limits(point, released)
+            if _agrees(*found[:2], released):
+                return found
+        return held
+
+    def _with_limits(self, point: TouchingPoint, released: Sequence[JointRow]) -> tuple[ContactSpace, Impact, bool]:
         first, second = point.bodies
-        released: list[pymunk.Constraint] = []
-        while True:
-            space = contact_space(
-                first, point.point, point.normal, second, surface_velocity=point.surface_velocity, released=released
-            )
-            rests = -space.velocity[0] <= max(self._resting_speed, ROUNDING * point.speed)
-            spent = rests or point.impacts > COLLAPSE
-            impact = point.pair.impact(space, 0.0 if spent else point.pair.restitution)
-            pulling = space.pulling_limit((impact.impulse_normal, impact.impulse_tangential))
-            if pulling is None:
-                return space, impact, rests
-            released.append(pulling)
+        space = contact_space(
+            first,
+            point.point,
+            point.normal,
+            second,
+            surface_velocity=point.surface_velocity,
+            released=[each.joint for each in released],
+        )
+        rests = -space.velocity[0] <= max(self._resting_speed, ROUNDING * point.speed)
+        spent = rests or point.impacts > COLLAPSE
+        return space, point.pair.impact(space, 0.0 if spent else point.pair.restitution), rests
+
+
+def _subsets(limits: Sequence[JointRow]) -> Iterator[tuple[JointRow, ...]]:
+    """Every choice of some of the limits, few first."""
+    return itertools.chain.from_iterable(itertools.combinations(limits, count + 1) for count in range(len(limits)))
+
+
+def _agrees(space: ContactSpace, impact: Impact, released: Sequence[JointRow]) -> bool:
+    """Whether all limits that are held push, and none of the others is passed."""
+    impulse = (impact.impulse_normal, impact.impulse_tangential)
+    return space.limits_push(impulse) and not any(space.passes(each, impulse) for each in released)

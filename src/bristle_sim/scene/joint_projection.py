@@ -17,6 +17,7 @@ from bristle_sim.scene.joints import joined, joint_rows, scaled_jacobian
 __all__ = ["close_joints"]
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 
 CLOSED = 1e-14
 """A rate below this fraction of the terms that it is the sum of is rounding."""
@@ -36,7 +37,7 @@ def close_joints(*ends: pymunk.Body) -> None:
     if not rows:
         return
     rates, sizes = np.array([row.excess() for row in rows]).T
-    limits = np.array([row.limit for row in rows])
+    limits: Flags = np.array([row.limit for row in rows])
     wrong = np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes
     if not wrong.any():
         return
@@ -50,12 +51,12 @@ def close_joints(*ends: pymunk.Body) -> None:
         body.angular_velocity += turn
 
 
-def _least_change(columns: Array, rates: Array, rounding: Array, limits: Array) -> Array:
+def _least_change(columns: Array, rates: Array, rounding: Array, limits: Flags) -> Array:
     """The dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):
         held = columns[:, active]
-        change: Array = np.linalg.lstsq(held.T, -rates[active], rcond=DEPENDENT)[0]
+        change = np.asarray(np.linalg.lstsq(held.T, -rates[active], rcond=DEPENDENT)[0], dtype=float)
         impulses = np.zeros(len(rates))
         impulses[active] = np.linalg.lstsq(held, change, rcond=DEPENDENT)[0]
         after = rates + columns.T @ change
@@ -67,4 +68,6 @@ def _least_change(columns: Array, rates: Array, rounding: Array, limits: Array) 
             active[np.argmin(np.where(pulls, impulses, np.inf))] = False
         else:
             active[np.argmin(np.where(passed, after, np.inf))] = True
-    raise RuntimeError("limits of joints: no set of them pushes and keeps the others; remove joints that contradict each other")
+    raise RuntimeError(
+        "limits of joints: no set of them pushes and keeps the others; remove joints that contradict each other"
+    )
