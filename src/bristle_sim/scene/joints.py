@@ -40,6 +40,8 @@ Vector = tuple[float, float]
 Entry = tuple[pymunk.Body, float, float, float]
 """A body and the factors of its v_x, v_y and angular velocity in one row of J."""
 
+_SPRINGS = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
+
 REACHED = 1e-9
 """A limit is reached at this distance before it, relative to the joint's length, or in rad: positions are rounded."""
 
@@ -78,7 +80,7 @@ def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float
 
 def passes_impulse(joint: pymunk.Constraint) -> bool:
     """Whether a joint can pass an impulse in no time: it is in a space, is no spring, and its force has no bound."""
-    if isinstance(joint, pymunk.DampedSpring | pymunk.DampedRotarySpring) or joint.max_force < math.inf:
+    if isinstance(joint, _SPRINGS) or joint.max_force < math.inf:
         return False
     return any(space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space))
 
