@@ -46,11 +46,8 @@ class Tally:
                 kept = good(call())
         except ValueError as error:
             line = str(error)
-            clear = (
-                "\n" not in line
-                and len(line) <= LONGEST_LINE
-                and any(word in line for word in ("must be", "allowed", "shape"))
-            )
+            told = any(words in line for words in ("allowed", "must be", "shape"))
+            clear = "\n" not in line and len(line) <= LONGEST_LINE and told
             self._count(clear and (not words or any(word in line for word in words)), "refused", f"{what}: {line}")
         except Exception as error:
             self._count(False, "", f"{what}: {type(error).__name__}: {error}")
