@@ -38,7 +38,6 @@ HOMES = {
     "matplotlib": "render",
     "PIL": "render",
     "imageio_ffmpeg": "render",
-    "tqdm": "render",
 }
 """The only layer that may import a library."""
 
@@ -117,7 +116,6 @@ def test_the_package_itself_imports_nothing():
         ("studies", "from bristle_sim.render import style"),
         ("render", "from bristle_sim.scenario_cli import main"),
         ("scenario_cli", "def later():\n    from bristle_sim.render.style import save_figure"),
-        ("scenario_cli", "import tqdm"),
         ("quantity", "from bristle_sim.parameters import Tool"),
         ("parameters", "from bristle_sim.settings import Settings"),
         ("quantity", "from bristle_sim.files import complete_or_absent"),
