@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bar
-from bristle_sim.render.style import BLACK, BLUE, GREY, LIGHT, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.render.sweep_panels import panel_title
 from bristle_sim.studies.cue_map import CueMap, position_map
 
@@ -28,6 +28,9 @@ PANELS: tuple[tuple[str, str, str, float, str], ...] = (
     ("crater_depth", "crater depth", "µm", 1e6, "viridis"),
 )
 """Result, title, unit shown, factor to it, colours."""
+
+HIGHEST = 97.0
+"""Percentile of the values at which the colours end."""
 
 AXES = {
     "hub_speed": ("hub speed (rad/s)", 1.0),
@@ -64,19 +67,27 @@ def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, name: str, unit: str
     values = np.full((y.size, x.size), math.nan)
     if name in maps:
         values = factor * maps[name].values
-    limits: dict[str, float] = {}
-    if colors == "RdBu" and np.isfinite(values).any():
-        limits = {"vmin": -float(np.nanmax(np.abs(values))), "vmax": float(np.nanmax(np.abs(values)))}
+    low, high = _limits(values, symmetric=colors == "RdBu")
     axes.grid(visible=False)
-    image = axes.pcolormesh(x, y, values, cmap=colors, shading="nearest", rasterized=True, **limits)
+    image = axes.pcolormesh(x, y, values, cmap=colors, shading="nearest", rasterized=True, vmin=low, vmax=high)
     left, bottom, width, height = axes.get_position().bounds
     scale = figure.add_axes((left + 1.03 * width, bottom, 0.04 * width, height))
-    figure.colorbar(image, cax=scale)
+    figure.colorbar(image, cax=scale, extend="max" if np.nanmax(values, initial=high) > high else "neither")
     scale.set_title(unit, fontsize=7.0, color=GREY)
     axes.set_aspect("equal")
     lag = maps.get("lag_deg_at_contact")
     if lag is not None and np.nanmin(lag.values) < 0.0 < np.nanmax(lag.values):
         axes.contour(x, y, lag.values, levels=[0.0], colors=[BLACK], linewidths=0.9)
+
+
+def _limits(values: np.ndarray, *, symmetric: bool) -> tuple[float, float]:
+    """Of the colours: the few points next to a jam, where work grows without bound, are left beyond the end."""
+    finite = values[np.isfinite(values)]
+    if not finite.size:
+        return 0.0, 1.0
+    low, high = float(finite.min()), float(np.percentile(finite, HIGHEST))
+    most = max(-low, float(finite.max()))
+    return (-most, most) if symmetric else (low, max(high, low + 1e-12))
 
 
 def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
@@ -136,6 +147,6 @@ def _explain(figure: Figure, found: CueMap) -> None:
     """What the marks are, at the foot."""
     handles = [Line2D([], [], **look) for _, look in _places(found).values()]
     names = [f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in _places(found).items()]
-    handles += [Line2D([], [], color=BLACK, linewidth=0.9), Line2D([], [], color=LIGHT, linewidth=4.0)]
-    names += ["lag zero", ""]
-    figure.legend(handles[:-1], names[:-1], loc="lower center", ncols=5, columnspacing=1.0, handletextpad=0.3)
+    handles.append(Line2D([], [], color=BLACK, linewidth=0.9))
+    names.append("lag zero")
+    figure.legend(handles, names, loc="lower center", ncols=5, columnspacing=1.0, handletextpad=0.3)

@@ -7,6 +7,7 @@ is fastest near it: a maximum. The formulas (Zhang 2020, eq. 2.1) name the same 
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import functools
 import itertools
@@ -19,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from scipy.optimize import minimize_scalar, toms748
 
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameters import Bar, Tool
+from bristle_sim.parameters import Tool
 from bristle_sim.quantity import quantity, validate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import (
@@ -36,7 +37,17 @@ from bristle_sim.theory import cueing
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CueMap", "MapGrid", "Place", "cue_map", "fastest_place", "position_map", "radial_place"]
+__all__ = [
+    "CueMap",
+    "MapGrid",
+    "Place",
+    "cue_map",
+    "fastest_place",
+    "named",
+    "position_map",
+    "radial_place",
+    "simulation",
+]
 
 PRINTED = {
     "bar_direction_for_radial_strike_deg": math.degrees(math.atan2(0.05037, 0.0225)),
@@ -120,7 +131,7 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
     started = clock.perf_counter()
-    strike = _simulated(settings)
+    strike = simulation(settings)
     radial = radial_place(tool, strike)
     fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
@@ -233,7 +244,9 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
     return Place(float(found.x), strike(placed(tool, float(found.x))))
 
 
-def _simulated(settings: Settings) -> Strike:
+def simulation(settings: Settings) -> Strike:
+    """The strike by the simulation."""
+
     def strike(tool: Tool) -> Measures:
         return strike_measures(tool, simulated_strike(tool, settings))
 
@@ -284,7 +297,7 @@ UNITS = {
 def _quantities(
     tool: Tool, settings: Settings, radial: Place, fastest: Place, formula: float | None, *, with_reference: bool
 ) -> tuple[Quantity, ...]:
-    simulated = _named(tool, radial) | {
+    simulated = named(tool, radial) | {
         "bar_direction_for_highest_tip_speed_deg": math.degrees(fastest.direction),
         "highest_tip_speed": fastest.strike["tip_speed_at_contact"],
     }
@@ -292,7 +305,7 @@ def _quantities(
     referred: Measures = {}
     if with_reference:
         strike = _referred(settings)
-        referred = _named(tool, radial_place(tool, strike, radial.direction))
+        referred = named(tool, radial_place(tool, strike, radial.direction))
         referred["highest_tip_speed"] = strike(placed(tool, fastest.direction))["tip_speed_at_contact"]
     printed = PRINTED if tool == Tool() else {}
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
@@ -313,7 +326,7 @@ def _quantities(
     )
 
 
-def _named(tool: Tool, place: Place) -> Measures:
+def named(tool: Tool, place: Place) -> Measures:
     """What is reported of a radial strike."""
     bar = placed(tool, place.direction).bar
     assert bar is not None
@@ -331,7 +344,7 @@ def _by_formula(tool: Tool, direction: float) -> Measures:
     speed = cueing.cue(tool, _retraction(tool)).highest_relative_speed
     tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
     strike: Measures = {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip}
-    both = _named(tool, Place(direction, strike))
+    both = named(tool, Place(direction, strike))
     return both | {"bar_direction_for_highest_tip_speed_deg": math.degrees(direction), "highest_tip_speed": tip}
 
 
@@ -350,10 +363,8 @@ def _moves(tool: Tool, strike: Strike, start: float) -> list[dict[str, Any]]:
         for choice in choices:
             value = own[key] * choice if key in own else choice
             other, found = moved(tool, key, value), None
-            try:
+            with contextlib.suppress(ValueError):  # the row says so by having no direction
                 found = radial_place(other, strike, start)
-            except ValueError:
-                pass  # the row says so by having no direction
             formula = _formula(other)
             rows.append(
                 {

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
-from bristle_sim.quantity import shown
+from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.whole_pass import contact_quantities, require_result
@@ -68,6 +68,15 @@ def tool_of_keys(**values: float | str | None) -> Tool:
     if left:
         raise ValueError(f"{', '.join(left)}: must be keys of hub, belt, bristle, bar, workpart, contact or gravity")
     return Tool(**parts)
+
+
+def declared_keys() -> dict[str, Range | Choice]:
+    """What each key of a tool may be."""
+    return {
+        each.metadata["declaration"].key: each.metadata["declaration"]
+        for part in PARTS.values()
+        for each in dataclasses.fields(part)
+    }
 
 
 def keys_of(tool: Tool) -> dict[str, float | str]:
