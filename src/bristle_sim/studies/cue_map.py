@@ -76,7 +76,7 @@ JUMP = 1e-4
 MOVES = {
     "hub_speed": (0.9, 1.1),
     "belt_stiffness": (0.8, 1.25),
-    "belt_damping_ratio": (0.02, 0.05, 0.1),
+    "belt_damping_ratio": (0.05, 0.1),
 }
 """Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
 
@@ -184,7 +184,7 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
     """Two directions between which the lag falls through zero: outwards from a guess, first to where that is likely."""
     lags: dict[float, float] = {}
     reasons: list[str] = []
-    forwards, backwards = ([each for each in _outwards(guess, sign) if 0.0 < each < math.pi] for sign in (1.0, -1.0))
+    forwards, backwards = [*_outwards(guess, math.pi)], [*_outwards(guess, 0.0)]
     waiting = [guess]
     while waiting:
         direction = waiting.pop(0)
@@ -209,13 +209,14 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
     )
 
 
-def _outwards(guess: float, sign: float) -> Iterator[float]:
-    """Directions on one side of a guess, near it in smaller steps, rad."""
-    step, offset = FIRST_STEP, FIRST_STEP
-    while offset < math.pi:
+def _outwards(guess: float, end: float) -> Iterator[float]:
+    """Directions from a guess to an end, near the guess in smaller steps, rad."""
+    sign, step, offset = math.copysign(1.0, end - guess), FIRST_STEP, FIRST_STEP
+    while offset < abs(end - guess):
         yield guess + sign * offset
         step = min(2.0 * step, LARGEST_STEP)
         offset += step
+    yield end
 
 
 def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
@@ -306,12 +307,18 @@ def _quantities(
     if with_reference:
         strike = _referred(settings)
         referred = named(tool, radial_place(tool, strike, radial.direction))
-        referred["highest_tip_speed"] = strike(placed(tool, fastest.direction))["tip_speed_at_contact"]
+        highest = fastest_place(tool, strike, radial.direction)
+        referred["bar_direction_for_highest_tip_speed_deg"] = math.degrees(highest.direction)
+        referred["highest_tip_speed"] = highest.strike["tip_speed_at_contact"]
     printed = PRINTED if tool == Tool() else {}
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
     tolerance = 10.0 * max(1e-8, settings.accuracy)
     steep = abs(math.tan(radial.direction))
-    widened = {"bar_vertical": max(1.0, steep), "bar_horizontal": max(1.0, 1.0 / max(steep, 1e-300))}
+    widened = {
+        "bar_vertical": max(1.0, steep),
+        "bar_horizontal": max(1.0, 1.0 / max(steep, 1e-300)),
+        "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction / tolerance,
+    }
     return tuple(
         Quantity(
             name,

@@ -12,8 +12,8 @@ from typing import Any
 
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_map import named, radial_place, simulation
-from bristle_sim.studies.strike_point import keys_of, simulated_strike, strike_measures, tool_of_keys
+from bristle_sim.studies.cue_map import Place, named, placed, radial_place, simulation
+from bristle_sim.studies.strike_point import keys_of, tool_of_keys
 from bristle_sim.theory import cueing
 
 __all__ = ["HALF_UNITS", "propagated", "rounding_rows"]
@@ -43,6 +43,9 @@ PRINTED = {
     "bar_vertical": 0.0225,
 }
 
+STEP = math.radians(0.5)
+"""Turn of the bar over which the slope of the lag is taken: about what rounding turns it by."""
+
 Outputs = dict[str, float | None]
 
 
@@ -55,7 +58,7 @@ def rounding_rows(tool: Tool, settings: Settings) -> list[dict[str, Any]]:
     ways: dict[str, Callable[..., Outputs]] = {
         "formula": lambda **keys: _by_formula(cueing.cue, keys),
         "formula with centrifugal stiffening": lambda **keys: _by_formula(cueing.stiffened_cue, keys),
-        "simulated pass": lambda **keys: _by_simulation(settings, keys),
+        "simulated pass": _simulation(tool, settings),
     }
     rows = []
     for way, function in ways.items():
@@ -117,13 +120,24 @@ def _by_formula(cue: Callable[[Tool, float], cueing.Cue], keys: Mapping[str, flo
     }
 
 
-def _by_simulation(settings: Settings, keys: Mapping[str, float]) -> Outputs:
-    """The strike where the bar stands, and where it would have to stand for a radial one."""
-    tool, _ = _split(keys)
-    place = named(tool, radial_place(tool, simulation(settings)))
-    return {
-        "relative_speed": strike_measures(tool, simulated_strike(tool, settings))["relative_speed_at_contact"],
-        "bar_direction_deg": place["bar_direction_for_radial_strike_deg"],
-        "bar_horizontal": place["bar_horizontal"],
-        "bar_vertical": place["bar_vertical"],
-    }
+def _simulation(tool: Tool, settings: Settings) -> Callable[..., Outputs]:
+    """The strike where the bar stands, and where it would have to stand for a radial one.
+
+    The latter by one step of Newton's method from the printed tool's own direction; the lag is nearly linear in it.
+    """
+    strike = simulation(settings)
+    direction = radial_place(tool, strike).direction
+    ahead = strike(placed(tool, direction + STEP))["lag_deg_at_contact"] or math.nan
+
+    def by_simulation(**keys: float) -> Outputs:
+        other, _ = _split(keys)
+        lag = strike(placed(other, direction))["lag_deg_at_contact"] or 0.0
+        place = named(other, Place(direction - lag * STEP / ahead, strike(other)))
+        return {
+            "relative_speed": place["relative_speed_at_contact"],
+            "bar_direction_deg": place["bar_direction_for_radial_strike_deg"],
+            "bar_horizontal": place["bar_horizontal"],
+            "bar_vertical": place["bar_vertical"],
+        }
+
+    return by_simulation

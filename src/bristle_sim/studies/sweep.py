@@ -210,12 +210,12 @@ class _ExecutorBackend(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[
 
 def _counted(outcomes: Outcomes, grid: xr.Dataset, progress: bool | None) -> Outcomes:
     """The same outcomes, counted on standard error with the time left."""
+    if not (sys.stderr.isatty() if progress is None else progress):
+        return outcomes
     from tqdm import tqdm
 
-    disable = None if progress is None else not progress  # None: unless standard error is a terminal
     total = math.prod(grid.sizes.values())
-    with closing(outcomes):
-        yield from tqdm(outcomes, total=total, unit="point", file=sys.stderr, disable=disable)
+    return (each for each in tqdm(outcomes, total=total, unit="point", file=sys.stderr))
 
 
 def _write(target: Any, grid: xr.Dataset, units: Mapping[str, str], outcomes: Outcomes) -> None:
