@@ -143,8 +143,9 @@ def test_a_maximum_is_found_uphill(peak: float):
     assert found.direction == pytest.approx(peak, abs=1e-5)
 
 
-def test_how_the_answer_moves_agrees_with_asking_again():
+def test_how_the_answer_moves_agrees_with_asking_again(monkeypatch: pytest.MonkeyPatch):
     """The rows are the same questions, so that each can be asked by itself."""
+    monkeypatch.setattr(module, "MOVES", {"hub_speed": (0.9,), "belt_stiffness": (0.8, 1.25)})
     report = cue_map(Tool(), Settings(), with_reference=False)
     row = next(each for each in report.extra["moves"] if each["key"] == "hub_speed")
     again = radial_place(Tool(hub=Hub(speed=row["value"])), simulation(Settings()))

@@ -73,6 +73,9 @@ FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
 JUMP = 1e-4
 """Lag in deg at a root, beyond which it is a jump of the lag from one sign to the other: a bar that is just missed."""
 
+SWUNG = 0.01
+"""Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone."""
+
 MOVES = {
     "hub_speed": (0.9, 1.1),
     "belt_stiffness": (0.8, 1.25),
@@ -193,11 +196,13 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
         except NotCuedError as error:
             reasons.append(str(error))
         if direction == guess:
-            waiting = forwards + backwards if lags.get(guess, 0.0) >= 0.0 else backwards + forwards
-        ordered = sorted(lags)
-        for low, high in itertools.pairwise(ordered):
-            if lags[low] >= 0.0 >= lags[high] and high - low <= LARGEST_STEP * 1.001:
-                return low, high
+            first = lags.get(guess, 0.0)
+            near, far = (forwards, backwards) if first >= 0.0 else (backwards, forwards)
+            waiting = near + far if abs(first) > SWUNG else [near[0], far[0], *near[1:], *far[1:]]
+        if lags and min(lags.values()) < -SWUNG:
+            for low, high in itertools.pairwise(sorted(lags)):
+                if lags[low] >= 0.0 >= lags[high] and high - low <= LARGEST_STEP * 1.001:
+                    return low, high
     if not lags:
         raise NotCuedError(
             f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {reasons[0]}"
