@@ -60,6 +60,7 @@ class Promise:
         quick: arguments of a short run, for scripts that take long by default.
         times: what the quantities tell is time; only the lists are the same at every run.
         strikes: an impact is asked about, which has an outcome.
+        statistics: scipy's statistics are imported, and its integrators with them.
         integrates: by default the independent solution, or another peer, is asked for.
         film: module and name of the function that films, to be given a small size.
     """
@@ -71,6 +72,7 @@ class Promise:
     times: bool = False
     strikes: bool = True
     integrates: bool = False
+    statistics: bool = False
     film: tuple[str, str] | None = None
 
 
@@ -156,6 +158,27 @@ PROMISES = {
     "dissertation_figures": Promise(keys=("only",), strikes=False),
     "dissertation_audit": Promise(
         lists={"rows": {"where", "printed", "computed", "status", "why"}}, strikes=False, integrates=True
+    ),
+    "cue_map": Promise(
+        (
+            "bar_direction_for_radial_strike_deg",
+            "bar_horizontal",
+            "bar_vertical",
+            "relative_speed_at_contact",
+            "bar_direction_for_highest_tip_speed_deg",
+        ),
+        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", "accuracy", "map_points"),
+        lists={"moves": {"key", "value", "bar_direction_for_radial_strike_deg", "relative_speed_at_contact"}},
+        quick=("--set", "map_points=4"),
+        integrates=True,
+        strikes=False,
+    ),
+    "tolerances": Promise(
+        keys=(*TOOL, *BELT, *BAR, "penetration", *RUBBING, "samples", *(f"spread_{key}" for key in TOOL + BELT + BAR)),
+        lists={"rows": {"output", "mean", "std", "low", "high", "indices"}},
+        quick=("--set", "samples=2", "--set", "rounding=no"),
+        statistics=True,
+        strikes=False,
     ),
 }
 
@@ -590,7 +613,7 @@ def test_what_is_not_asked_for_is_not_imported(name: str):
     modules = set(run.stderr.split())
     assert "bristle_sim.scenario_cli" in modules
     assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "tqdm", "bristle_sim.render"}
-    assert ("scipy.integrate" in modules) is promise(name).integrates
+    assert ("scipy.integrate" in modules) is (promise(name).integrates or promise(name).statistics)
     assert ("bristle_sim.reference" in modules) is promise(name).integrates
 
 

@@ -42,7 +42,6 @@ HOMES = {
     "matplotlib": "render",
     "PIL": "render",
     "imageio_ffmpeg": "render",
-    "tqdm": "render",
 }
 """The only layer that may import a library."""
 
@@ -123,7 +122,6 @@ def test_the_package_itself_imports_nothing():
         ("dissertation", "from bristle_sim.benchmarks import law_benchmark"),
         ("render", "from bristle_sim.scenario_cli import main"),
         ("scenario_cli", "def later():\n    from bristle_sim.render.style import save_figure"),
-        ("scenario_cli", "import tqdm"),
         ("quantity", "from bristle_sim.parameters import Tool"),
         ("parameters", "from bristle_sim.settings import Settings"),
         ("quantity", "from bristle_sim.files import complete_or_absent"),

@@ -15,7 +15,7 @@ from bristle_sim.scene.contact_pair import TouchingPoint
 from bristle_sim.scene.contact_space import ContactSpace, contact_space
 from bristle_sim.scene.joint_projection import close_joints
 from bristle_sim.scene.joints import JointRow, Vector
-from bristle_sim.theory.impact import JAM, Impact
+from bristle_sim.theory.impact_result import JAM, Impact
 
 __all__ = ["ImpactSequence"]
 
