@@ -43,7 +43,7 @@ class Changes:
         here = _no_stretch(state)
         values = [(watch, watch.value(here)) for watch in watches]
         known = {watch.name: math.copysign(1.0, value) for watch, value in values if abs(value) > self.noise}
-        self.signs = {watch.name: 1.0 for watch, _ in values if watch.final} | known
+        self.signs = {watch.name: 1.0 for watch, _ in values if watch.final is not None} | known
 
     def look_back(self, stretch: Stretch, watches: Sequence[Watch]) -> bool:
         """Find signs at the very start exactly, if the first link's acceleration may have changed its sign since.

@@ -21,17 +21,12 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.run import CAPTURE
 from bristle_sim.scene.stepping import Extrapolation
-from bristle_sim.scene.tool import EVENTS, build_tool, simulate
+from bristle_sim.scene.tool import METHOD, build_tool, simulate
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
 __all__ = ["go_on", "simulated_with"]
-
-ENDS = ("jam", "retraction limit")
-"""Events after which nothing goes on."""
-
-PAUSES = ("end of the planned time", "step budget spent", *(event for event in EVENTS if event not in ENDS))
-"""Reasons to stop after which a run can go on."""
 
 CLEAR = 2.0 * GAP_ROUNDING
 """A gap that is open, of the bristle's length."""
@@ -41,9 +36,6 @@ PRESSING = 1e-13
 
 FIRST, LAST = 1e-6, 1.0
 """Flights tried until a gap opens, in the scene's time units."""
-
-ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
-"""Noted at the end of a run in which the other event never happened."""
 
 SAMPLES = ("hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
 
@@ -85,7 +77,7 @@ def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_afte
         if stop_after in _touches(name):
             # A run that begins in touch calls it one; the next one comes after the release.
             free = go_on(trajectory, settings, stop_after=f"{name} release")
-            return go_on(free, settings, stop_after=stop_after) if free.stop_reason.endswith(" release") else free
+            return go_on(free, settings, stop_after=stop_after) if free.stop_reason is StopReason.EVENT else free
     hub_angle, later = scene.mechanism.hub_angle(start.time), start.time * units.time
     rest = simulate(
         tool,
@@ -95,7 +87,7 @@ def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_afte
         start_relative_rate=start.rates[0] / units.time - tool.hub.speed,
         stop_after=_name_from_now_on(trajectory, stop_after),
     )
-    return _joined(trajectory, rest, later, held, settings)
+    return _joined(trajectory, rest, later, held, settings, stop_after)
 
 
 def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
@@ -107,6 +99,8 @@ def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
     parameters = getattr(trajectory, "parameters", None)
     try:
         stored, settings = dict(parameters["tool"]), dict(parameters["settings"])  # type: ignore[index]
+        if parameters["method"] != METHOD:  # type: ignore[index]
+            raise KeyError(METHOD)
         parts = {name: None if stored[name] is None else kind(**stored[name]) for name, kind in PARTS.items()}
         return Tool(**{**stored, **parts}), Settings(**settings)
     except (KeyError, TypeError) as error:
@@ -114,13 +108,13 @@ def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
 
 
 def _check(trajectory: Trajectory, stop_after: str | None) -> None:
-    if trajectory.stop_reason not in PAUSES:
+    if not trajectory.stop_reason.resumable:
         raise ValueError(
-            f"trajectory that stopped for {shown(trajectory.stop_reason)}: one that stopped at an event it was to stop"
+            f"trajectory that stopped for {trajectory.stop_reason}: one that stopped at an event it was to stop"
             " after, at its end or when its steps were spent is allowed"
         )
-    if stop_after is not None and shown(stop_after) not in map(shown, EVENTS):
-        raise ValueError(f"stop_after = {shown(stop_after)}: None or one of {', '.join(EVENTS)} is allowed")
+    if stop_after is not None:
+        checked_event("stop_after", stop_after, EVENTS)
 
 
 def _turn_left(trajectory: Trajectory, settings: Settings, later: float) -> float:
@@ -202,7 +196,9 @@ def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> S
     return after(locate(room, short, span, least, room(span), 0.5 * CLEAR))
 
 
-def _joined(first: Trajectory, rest: Trajectory, later: float, held: list[str], settings: Settings) -> Trajectory:
+def _joined(
+    first: Trajectory, rest: Trajectory, later: float, held: list[str], settings: Settings, stop_after: str | None
+) -> Trajectory:
     """Both parts as one run; what the rest tells of the touch that it began in is left out."""
     begin, skip = float(first.time[-1]) + later, 0 if later else 1
     struck = first.event_time("strike") is not None
@@ -227,9 +223,9 @@ def _joined(first: Trajectory, rest: Trajectory, later: float, held: list[str], 
             *(Event(each, begin + float(rest.time[-1])) for each in sorted(absent)),
         ),
         contacts=(*first.contacts, *(_later(each, begin) for each in contacts)),
-        stop_reason=called(rest.stop_reason),
+        stop_reason=rest.stop_reason,
         cost=_sum(first.cost, rest.cost),
-        parameters={"tool": first.parameters["tool"], "settings": dataclasses.asdict(settings)},
+        parameters={**first.parameters, "settings": dataclasses.asdict(settings), "stop_after": stop_after},
     )
 
 

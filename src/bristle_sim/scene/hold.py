@@ -12,6 +12,7 @@ from bristle_sim.scene.mechanism import Mechanism, State, Vector
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.watches import Watch
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
 __all__ = ["ELBOW", "MOST_GRIP", "STILL", "EngineHold", "elbow", "ledger_of_hold", "locking", "room", "set_back"]
@@ -171,8 +172,8 @@ def elbow(hold: EngineHold) -> Watch:
 def locking(hold: EngineHold) -> Watch:
     """The grip gets too small: friction locks the link, or without friction the link meets the obstacle end-on."""
     jams = hold.obstacle.friction > 0.0
-    name = "jam" if jams else f"{hold.obstacle.name} met end-on: no grip for the engine's contact"
-    return Watch(name, lambda at: hold.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=True)
+    final = StopReason.JAM if jams else StopReason.NO_GRIP
+    return Watch("locking", lambda at: hold.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=final)
 
 
 def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State, piece: int | None = None) -> State:

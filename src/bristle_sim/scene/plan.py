@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 
 from bristle_sim.scene.mechanism import State
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
 __all__ = ["Plan", "Recording"]
@@ -20,7 +21,7 @@ class Plan:
         accuracy: relative accuracy asked for; sets how finely events are located.
         stop_after: name of an event that ends the run.
         longest_stretch: upper bound of the distance between samples.
-        maximum_steps: engine steps after which the run gives up.
+        maximum_steps: work after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of the first link relative to the hub, rad.
     """
 
@@ -41,7 +42,7 @@ class Recording:
     events: list[Event] = field(default_factory=list)
     contacts: list[ContactRecord] = field(default_factory=list)
     error: float = 0.0
-    stop_reason: str = ""
+    stop_reason: StopReason | None = None
     wall_s: float = 0.0
     cpu_s: float = 0.0
     steps: int = 0

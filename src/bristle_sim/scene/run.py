@@ -25,6 +25,7 @@ from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.stepping import Advance, Stepper
 from bristle_sim.scene.touch_search import SHORTEST, Stretch, find_touch
 from bristle_sim.scene.watches import Watch, freedom, in_flight, in_touch
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
 __all__ = ["run"]
@@ -72,7 +73,7 @@ class _Runner:
         self.hold: EngineHold | None = None
         self.hold_start = start
         self.hold_sums: tuple[float, ...] = (0.0, 0.0, 0.0)
-        self.budget = scene.steps + plan.maximum_steps
+        self.budget = scene.work + plan.maximum_steps
         # After a contact the first stretch is short, and then each is at most twice the last: gaps that open
         # slowly are followed closely while they are small.
         self.shortest = min(1e-2, max(1e-5, math.sqrt(plan.accuracy)))
@@ -104,12 +105,12 @@ class _Runner:
                 self._start_in_touch(obstacle)
         while not self.stopped:
             if self.state.time >= self.plan.end * (1.0 - 1e-15):
-                self._stop("end of the planned time")
-            elif self.scene.steps >= self.budget:
-                self._stop("step budget spent")
+                self._stop(StopReason.END)
+            elif self.scene.work >= self.budget:
+                self._stop(StopReason.STEP_BUDGET)
             else:
                 self._stretch()
-        self._enter_hold(self.recording.stop_reason)
+        self._enter_hold(str(self.recording.stop_reason))
 
     def _start_in_touch(self, obstacle: Obstacle) -> None:
         if self.gaps.touch(obstacle, self.state).velocity[0] > 0.0:
@@ -127,7 +128,7 @@ class _Runner:
             return
         if not self.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
-                self._stop("no step is short enough for the accuracy asked for")
+                self._stop(StopReason.ACCURACY)
             return
         result, act = self._first_event(result)
         self._commit(result)
@@ -219,8 +220,8 @@ class _Runner:
     def _notice(self, watch: Watch, at: Advance) -> None:
         if watch.event is not None:
             self._event(watch.event, at.state.time)
-        if watch.final:
-            self._stop(watch.name)
+        if watch.final is not None:
+            self._stop(watch.final)
         if watch.name == ELBOW and self.held is not None:
             obstacle = self.held
             self._enter_hold(obstacle.name)
@@ -229,9 +230,9 @@ class _Runner:
     def _event(self, name: str, at: float) -> None:
         self.recording.events.append(Event(name, at))
         if name == self.plan.stop_after:
-            self._stop(name)
+            self._stop(FINAL.get(name, StopReason.EVENT))
 
-    def _stop(self, reason: str) -> None:
+    def _stop(self, reason: StopReason) -> None:
         self.stopped = True
         self.recording.stop_reason = self.recording.stop_reason or reason
 
@@ -252,10 +253,12 @@ class _Runner:
             self._sample(self.state, 0.0)
         self.state = after
         self._sample(after, 0.0)
+        jams = record.outcome == "jam" or left < -STILL
+        if jams:
+            self._stop(StopReason.JAM)
         self._event(_touch_event(obstacle.name, first), record.time)
-        if record.outcome == "jam" or left < -STILL:
+        if jams:
             self._event("jam", after.time)
-            self._stop("jam")
         elif record.outcome != "rebound" or self._stays(record):
             self._hold(obstacle)
         else:
@@ -302,9 +305,9 @@ class _Runner:
         grip = self.hold.engage(self.state)
         if grip <= 0.0:
             self._event("jam", self.state.time)
-            self._stop("jam")
+            self._stop(StopReason.JAM)
         elif grip > MOST_GRIP:
-            self._stop(f"{self.hold.obstacle.name} friction too high for the engine's contact")
+            self._stop(StopReason.FRICTION)
 
     def _let_go(self, state: State) -> None:
         """The contact's force has fallen to zero."""
@@ -338,6 +341,9 @@ class _Runner:
 def _touch_event(obstacle: str, first: bool) -> str:
     return f"{obstacle} touch" if obstacle != "workpart" else "strike" if first else "workpart touch"
 
+
+FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
+"""Events after which nothing goes on, requested or not."""
 
 LONGEST = 1.0
 """Of a stretch, in the scene's time units: within a radian of the fastest motion each thing that is looked out for

@@ -21,28 +21,19 @@ from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.run import run
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
 __all__ = ["build_tool", "contact_in_si", "contact_law", "simulate"]
+
+METHOD = "pymunk"
+"""Says in a trajectory's parameters that the scene was simulated."""
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
 
 RETRACTION_LIMIT = math.pi / 2.0
 """Angle of the bristle from the radial direction at which it lies on the hub, rad."""
-
-EVENTS = (
-    "bar touch",
-    "bar release",
-    "strike",
-    "workpart touch",
-    "workpart release",
-    "largest retraction",
-    "highest relative speed",
-    "retraction limit",
-    "jam",
-)
-"""What can happen in a run."""
 
 
 def tool_units(tool: Tool) -> Units:
@@ -131,8 +122,8 @@ def simulate(
         raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
     settings = settings or Settings()
     begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
-    if stop_after is not None and str(stop_after) not in EVENTS:
-        raise ValueError(f"stop_after = {shown(stop_after)}: None or one of {', '.join(EVENTS)} is allowed")
+    if stop_after is not None:
+        stop_after = checked_event("stop_after", stop_after, EVENTS)
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
     _check_start(scene, tool, begin.hub_angle + begin.relative_angle)
     start = State(
@@ -152,7 +143,14 @@ def simulate(
     stepper = stepper_for(scene, settings, units, start, plan.end)
     recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
     _note_absences(recording, tool)
-    return _trajectory(tool, settings, scene, units, recording)
+    parameters = {
+        "method": METHOD,
+        "tool": dataclasses.asdict(tool),
+        "settings": dataclasses.asdict(settings),
+        "start": dataclasses.asdict(begin),
+        "stop_after": stop_after,
+    }
+    return _trajectory(parameters, settings, scene, units, recording)
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,7 +214,9 @@ def _note_absences(recording: Recording, tool: Tool) -> None:
         recording.events.append(Event("workpart not reached", end))
 
 
-def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, recording: Recording) -> Trajectory:
+def _trajectory(
+    parameters: dict[str, Any], settings: Settings, scene: Scene, units: Units, recording: Recording
+) -> Trajectory:
     states = recording.states
     time = np.array([state.time for state in states])
     angles = np.array([state.angles for state in states])
@@ -236,17 +236,17 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
         kinetic_energy=kinetic * units.energy,
         potential_energy=potential * units.energy,
         normal_force=np.array(recording.forces) * units.force,
-        hub_speed=tool.hub.speed,
+        hub_speed=parameters["tool"]["hub"]["speed"],
         events=tuple(Event(event.name, event.time * units.time) for event in recording.events),
         contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
-        stop_reason=recording.stop_reason,
+        stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
             recording.wall_s,
             recording.cpu_s,
             recording.steps,
             recording.error / motion_scale(scene, states[0]) if settings.step is None else None,
         ),
-        parameters={"tool": dataclasses.asdict(tool), "settings": dataclasses.asdict(settings)},
+        parameters=parameters,
     )
 
 

@@ -12,6 +12,7 @@ from bristle_sim.scene.events import turns
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
+from bristle_sim.stop_reason import StopReason
 
 __all__ = ["Watch", "freedom", "in_flight", "in_touch"]
 
@@ -25,7 +26,7 @@ class Watch:
         value: function of the result of a stretch; a change of its sign is the event.
         falling: True or False if only falling or rising through zero counts, None for both.
         event: name under which it is recorded; None for a mere kink in the motion, where a stretch has to end.
-        final: whether it ends the run.
+        final: why the run stops there; None if it goes on.
         exact: the same as a function of the state, where ``value`` has the error of a difference over the stretch.
     """
 
@@ -33,7 +34,7 @@ class Watch:
     value: Callable[[Advance], float]
     falling: bool | None = None
     event: str | None = None
-    final: bool = False
+    final: StopReason | None = None
     exact: Callable[[State], float] | None = None
 
 
@@ -67,7 +68,7 @@ def freedom(mechanism: Mechanism, limit: float, start: State) -> Watch:
     def left(at: Advance) -> float:
         return limit - max(_leaning(mechanism, state) for state in (at.state, *turns(mechanism, start, at.state)))
 
-    return Watch("retraction limit", left, falling=True, event="retraction limit", final=True)
+    return Watch("retraction limit", left, falling=True, event="retraction limit", final=StopReason.RETRACTION_LIMIT)
 
 
 def _leaning(mechanism: Mechanism, state: State) -> float:
