@@ -63,7 +63,7 @@ class StopReason(StrEnum):
     ACCURACY = "no step is short enough for the requested accuracy", "a larger accuracy is easier", True
     NO_GRIP = (
         "no grip for the engine's contact",
-        "a bar at which the wire turns more freely, farther from the wire's root and not at its end, gives grip",
+        "a softer belt, or a bar that the wire does not leave over its end, gives grip",
         True,
     )
     FRICTION = "friction too high for the engine's contact", "less {friction} is easier", True

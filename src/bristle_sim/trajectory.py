@@ -184,7 +184,7 @@ class Trajectory:
             "hub_speed": self.hub_speed,
             "events": [dataclasses.asdict(event) for event in self.events],
             "contacts": contacts,
-            "stop_reason": StopReason(self.stop_reason).name,
+            "stop_reason": self.stop_reason.name,
             "cost": dataclasses.asdict(self.cost),
             "parameters": self.parameters,
         }

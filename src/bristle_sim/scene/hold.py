@@ -15,7 +15,18 @@ from bristle_sim.scene.watches import Watch
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["ELBOW", "MOST_GRIP", "STILL", "EngineHold", "elbow", "ledger_of_hold", "locking", "room", "set_back"]
+__all__ = [
+    "ELBOW",
+    "LEAST_GRIP",
+    "MOST_GRIP",
+    "STILL",
+    "EngineHold",
+    "elbow",
+    "ledger_of_hold",
+    "locking",
+    "room",
+    "set_back",
+]
 
 MOMENT = 1e-6
 """In the scene's time unit."""

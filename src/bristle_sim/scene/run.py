@@ -18,7 +18,17 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.changes import Changes
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
-from bristle_sim.scene.hold import ELBOW, MOST_GRIP, STILL, EngineHold, elbow, ledger_of_hold, locking, room, set_back
+from bristle_sim.scene.hold import (
+    ELBOW,
+    MOST_GRIP,
+    STILL,
+    EngineHold,
+    elbow,
+    ledger_of_hold,
+    locking,
+    room,
+    set_back,
+)
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.plan import Plan, Recording
@@ -196,6 +206,9 @@ class _Runner:
         if obstacle is self.departing:
             gap, rate = self.gaps.gap_and_rate(obstacle, result.state)
             if gap < -GAP_ROUNDING and rate < 0.0:
+                hop = self._hop(obstacle, result) if gap < -self.plan.accuracy else None
+                if hop is not None:
+                    return hop, None
                 # It is back within the shortest stretch: too low a rebound to follow.
                 return result, lambda _: self._touch(obstacle, rests=True)
             return result, act
@@ -207,6 +220,17 @@ class _Runner:
             return result, act
         reached, closed = found
         return reached, (lambda _: self._touch(obstacle)) if closed else None
+
+    def _hop(self, obstacle: Obstacle, result: Advance) -> Advance | None:
+        """The rise of a rebound that is back, deep inside, at the end of the stretch; None if it is too short."""
+        stretch = self._to(result)
+        span = 0.5 * stretch.length
+        while span > LEAST_HOP * stretch.length:
+            risen = stretch.again(span)
+            if self.gaps.gap(obstacle, risen.state) > GAP_ROUNDING:
+                return risen
+            span *= 0.5
+        return None
 
     def _watches(self) -> list[Watch]:
         """Events other than touches, for what the link is doing now."""
@@ -247,7 +271,13 @@ class _Runner:
         if rests or left <= STILL or -touch.velocity[0] <= CAPTURE * self.mechanism.speed_bound(self.state):
             law, coefficients = EnergeticLaw(), Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
         first = not any(each.obstacle == obstacle.name for each in self.recording.contacts)
-        after, record = law.resolve(self.scene, self.state, obstacle, coefficients)
+        try:
+            after, record = law.resolve(self.scene, self.state, obstacle, coefficients)
+        except ValueError:
+            if first:
+                raise
+            self._stop(StopReason.UNRESOLVED)
+            return
         self.recording.contacts.append(record)
         if record.history is not None:
             self._sample(self.state, 0.0)
@@ -351,6 +381,9 @@ changes its sign once at most, and the cubic through the ends is good to 1/384 o
 
 LOSSLESS = 1e-12
 """Share of the speed that an impact may lose by rounding."""
+
+LEAST_HOP = 1e-6
+"""Share of a stretch within which a rebound that is shorter is taken for none."""
 
 CAPTURE = 1e-8
 """An impact slower than this share of the fastest point's speed takes the rest of the approach away: repeated taps of

@@ -24,7 +24,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["build_tool", "contact_in_si", "contact_law", "simulate"]
+__all__ = ["build_tool", "contact_in_si", "contact_law", "refuse_endless", "simulate"]
 
 METHOD = "pymunk"
 """Says in a trajectory's parameters that the scene was simulated."""
@@ -133,7 +133,7 @@ def simulate(
     )
     speed = scene.mechanism.hub_speed
     plan = Plan(
-        end=settings.hub_turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
+        end=_end(settings, speed),
         accuracy=settings.accuracy,
         stop_after=stop_after,
         longest_stretch=longest_stretch(scene, settings.samples_per_period),
@@ -190,6 +190,32 @@ def _check_start(scene: Scene, tool: Tool, angle: float) -> None:
 
 REST_PERIODS = 3.0
 """Length of a run on a hub at rest, in the scene's periods."""
+
+
+def _end(settings: Settings, speed: float) -> float:
+    """Return the length of a run for a hub's speed, both in the scene's unit of time."""
+    return settings.hub_turn / speed if speed else REST_PERIODS * 2.0 * math.pi
+
+
+MOST_FIXED_STEPS = 100_000
+"""Fixed steps of a whole run; each is an interval of its own: measured, 55 us each, 5 s in all."""
+
+
+def refuse_endless(tool: Tool, settings: Settings) -> None:
+    """Refuse a fixed step so short that a whole run of the tool would take minutes.
+
+    Raises:
+        ValueError: if length of run and step, known before anything is computed, give more than ``MOST_FIXED_STEPS``.
+    """
+    if settings.step is None:
+        return
+    unit = tool_units(tool).time
+    end = _end(settings, tool.hub.speed * unit) * unit
+    if end > settings.step * MOST_FIXED_STEPS:
+        raise ValueError(
+            f"step = {settings.step:g}: must be at least {end / MOST_FIXED_STEPS:.3g} for a run of {end:.3g} s, which else"
+            f" takes more than {MOST_FIXED_STEPS} steps (in s)"
+        )
 
 
 ONE_CONTACT = 20_000

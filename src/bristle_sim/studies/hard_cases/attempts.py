@@ -46,7 +46,11 @@ class Tally:
                 kept = good(call())
         except ValueError as error:
             line = str(error)
-            clear = "\n" not in line and len(line) <= LONGEST_LINE and ("allowed" in line or "shape" in line)
+            clear = (
+                "\n" not in line
+                and len(line) <= LONGEST_LINE
+                and any(word in line for word in ("allowed", "must be", "shape"))
+            )
             self._count(clear and (not words or any(word in line for word in words)), "refused", f"{what}: {line}")
         except Exception as error:
             self._count(False, "", f"{what}: {type(error).__name__}: {error}")
