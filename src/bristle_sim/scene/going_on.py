@@ -19,9 +19,9 @@ from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.hold import LEAST_LEVER, set_back
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.scene.run import CAPTURE
 from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.tool import METHOD, build_tool, simulate
+from bristle_sim.scene.transitions import CAPTURE
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
