@@ -17,6 +17,7 @@ from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
@@ -166,8 +167,8 @@ class TestWatches:
             hold = on_workpart(0.7, friction)
             watch = locking(hold)
             assert watch.value(result) == pytest.approx(hold.grip(state) - 1e-3, abs=1e-15)
-            assert (watch.falling, watch.event, watch.final) == (True, event, True)
-            assert watch.name == ("jam" if friction else "workpart met end-on: no grip for the engine's contact")
+            assert (watch.falling, watch.event) == (True, event)
+            assert watch.final is (StopReason.JAM if friction else StopReason.NO_GRIP)
 
     def test_another_piece_that_meets_the_bar(self) -> None:
         """Its gap falls to zero; a straight wire has no other piece."""
