@@ -1,6 +1,6 @@
-"""The pymunk scene of a mechanism, built once by one function: exactly the effects it is asked for, in engine units.
+"""The pymunk scene of a mechanism, built once by one function: exactly the effects it is requested, in engine units.
 
-Biases and slop are set on purpose. Joints are not corrected (``error_bias`` 1): a stretch of motion starts from bodies
+Biases and slop are set on purpose. Joints are not corrected (``error_bias`` 1): an interval of motion starts from bodies
 placed exactly on their joints, and the drift within it is smooth in the step, so it vanishes when the step is
 extrapolated to zero; a correction would feed position errors into the velocities. Touching shapes are not pushed apart
 either (``collision_bias`` 1, slop above the shapes' margin), for the same reason.
@@ -79,7 +79,7 @@ class Scene:
         self.steps = self.work = self.motions = 0
         self.turned = 0.0
         self._last_length = math.inf
-        # Runs over one stretch all start from one state.
+        # Runs over one interval all start from one state.
         self._placed: tuple[State | None, list[Pose]] = (None, [])
         self.space = pymunk.Space()
         self.space.iterations = _flight_iterations(mechanism.links)

@@ -1,4 +1,4 @@
-"""The states of contact that a link passes through: in flight, separating from an obstacle, in sustained contact.
+"""The states of contact that a link passes through besides sustained contact: in flight, separating from an obstacle.
 
 Each state integrates one interval up to its first event, and says what that changes about the contact. It knows its event
 functions, and which obstacles it searches for touches. What follows a change is in :mod:`bristle_sim.scene.transitions`.
@@ -11,16 +11,15 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
+from bristle_sim.scene.event_functions import EventFunction, freedom, in_flight
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.hold import ELBOW, MOST_GRIP, EngineHold, elbow, ledger_of_hold, locking, set_back
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.touch_search import SHORTEST, Stretch, find_touch
-from bristle_sim.scene.watches import Watch, freedom, in_flight, in_touch
+from bristle_sim.scene.touch_search import SHORTEST, Interval, find_touch
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["Change", "ContactState", "InFlight", "InSustainedContact", "Opening", "Release", "Separating", "Touch"]
+__all__ = ["Change", "ContactState", "InFlight", "Opening", "Release", "Separating", "Touch"]
 
 LONGEST = 1.0
 """Of an interval, in the scene's time units: within a radian of the fastest motion each event function changes its sign
@@ -78,7 +77,7 @@ class ContactState:
         progress, plan = self.progress, self.progress.plan
         left = plan.end - progress.state.time
         limit = math.inf if self.limit is None else self.limit
-        length = progress.stepper.propose(min(left, plan.longest_stretch, limit, LONGEST))
+        length = progress.stepper.propose(min(left, plan.longest_interval, limit, LONGEST))
         result = self.advance(length)
         if self.ends_within(result):
             return self.approach_end(length)
@@ -130,26 +129,26 @@ class ContactState:
     ) -> tuple[Advance, Resolve | None]:
         """The interval cut short where it comes nearest to an obstacle, and the impact if it touches."""
         progress = self.progress
-        error = progress.stepper.stray(progress.state, result.state)
+        error = progress.stepper.interpolation_error(progress.state, result.state)
         found = find_touch(self.interval_to(result), progress.gaps, obstacle, error)
         if found is None:
             return result, resolve
         reached, closed = found
         return reached, partial(self.meet, obstacle) if closed else None
 
-    def interval_to(self, end: Advance) -> Stretch:
+    def interval_to(self, end: Advance) -> Interval:
         """The interval from the state that was reached to its end."""
-        return Stretch(self.progress.state, end, self.advance)
+        return Interval(self.progress.state, end, self.advance)
 
-    def event_functions(self) -> list[Watch]:
+    def event_functions(self) -> list[EventFunction]:
         """Functions whose change of sign is an event of this motion, besides touches."""
         return self._shared_functions()
 
-    def _shared_functions(self) -> list[Watch]:
+    def _shared_functions(self) -> list[EventFunction]:
         """Those whose signs are known when the motion begins."""
         return [*in_flight(self.progress.scene), *self.limits()]
 
-    def limits(self) -> list[Watch]:
+    def limits(self) -> list[EventFunction]:
         """The angle at which the bristle lies on the hub, if there is one."""
         limit = self.progress.plan.retraction_limit
         return [freedom(self.progress.mechanism, limit, self.progress.state)] if math.isfinite(limit) else []
@@ -158,7 +157,7 @@ class ContactState:
         """Return the touch of an obstacle at the state that was reached."""
         return Touch(obstacle, rests)
 
-    def note(self, function: Watch) -> Change | None:
+    def note(self, function: EventFunction) -> Change | None:
         """Record what an event function found."""
         progress = self.progress
         if function.event is not None:
@@ -229,114 +228,3 @@ class Separating(ContactState):
         super().commit(result)
         opens = self.progress.gaps.gap(self.obstacle, self.progress.state) > GAP_ROUNDING
         return Opening(result, self.limit or 0.0) if opens else None
-
-
-class InSustainedContact(ContactState):
-    """The engine's contact keeps the link on an obstacle, until its force has fallen to zero.
-
-    Attributes:
-        obstacle: that the link is on.
-        contact: the engine's contact as a load.
-        start, sums: state at which it began; impulses and friction's work since.
-        slope: rate of the normal force over the last interval.
-        ending: whether the force is known to vanish within the next interval of full length.
-    """
-
-    def __init__(self, progress: Progress, obstacle: Obstacle) -> None:
-        """Let the engine's contact act from here on, if it can."""
-        self.obstacle = obstacle
-        super().__init__(progress, progress.first_interval)
-        progress.state = set_back(progress.mechanism, obstacle, progress.state)
-        self.contact = EngineHold(progress.scene, obstacle)
-        self.start, self.sums = progress.state, (0.0, 0.0, 0.0)
-        self.slope, self.ending = 0.0, False
-        self._engage()
-
-    def advance(self, length: float) -> Advance:
-        """Integrate under the contact's force."""
-        return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, self.contact)
-
-    def ends_within(self, result: Advance) -> bool:
-        """Whether the force vanishes within the interval."""
-        return result.failed or result.totals[0] <= 0.0
-
-    def approach_end(self, length: float) -> Change | None:
-        """Come closer to where the force vanishes, or release the link."""
-        if self.before is None or length <= max(1e-9, 0.1 * self.progress.plan.accuracy):
-            self.release()
-            return Release(self.obstacle)
-        self.ending = True
-        predicted = -self.before.totals[0] / self.slope if self.slope < 0.0 else 0.0
-        self.limit = min(0.5 * length, max(0.95 * predicted, length / 16.0))
-        return None
-
-    def commit(self, result: Advance) -> Opening | None:
-        """Set the link back onto the obstacle, add up what the contact did, and let it act from there."""
-        progress = self.progress
-        length = result.state.time - progress.state.time
-        self.sums = tuple(a + b for a, b in zip(self.sums, result.totals[1:], strict=True))
-        if self.before is not None and length > 0.0:
-            self.slope = (result.totals[0] - self.before.totals[0]) / length
-        progress.state = set_back(progress.mechanism, self.obstacle, result.state, self.contact.piece)
-        self.before = result
-        self._engage()
-        progress.recording.error += result.error
-        progress.sample(result.totals[0])
-        near = self.ending and 0.0 < -self.slope * 4.0 * length > result.totals[0]
-        self.limit = length if near else max(2.0 * length, 0.0 if self.ending else progress.first_interval)
-        return None
-
-    def _engage(self) -> None:
-        """Have the engine's contact act from the state that was reached; stop where no force keeps the link on it."""
-        progress, grip = self.progress, self.contact.engage(self.progress.state)
-        if grip <= 0.0:
-            progress.event("jam", progress.state.time)
-            progress.stop(StopReason.JAM)
-        elif grip > MOST_GRIP:
-            progress.stop(StopReason.FRICTION)
-
-    def search_touch(
-        self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
-    ) -> tuple[Advance, Resolve | None]:
-        """Another obstacle may be touched all along; this one is."""
-        progress = self.progress
-        if obstacle is self.obstacle or progress.gaps.rests(obstacle, progress.state, result.state):
-            return result, resolve
-        return super().search_touch(obstacle, result, resolve)
-
-    def _shared_functions(self) -> list[Watch]:
-        """Extremes and kinks of the sustained motion."""
-        progress = self.progress
-        return [*in_touch(progress.mechanism, self.obstacle, progress.state), *self.limits()]
-
-    def event_functions(self) -> list[Watch]:
-        """The same, and what ends the contact besides its force."""
-        progress = self.progress
-        found = in_touch(progress.mechanism, self.obstacle, progress.state)
-        return [*found, locking(self.contact), elbow(self.contact), *self.limits()]
-
-    def meet(self, obstacle: Obstacle, rests: bool = False) -> Touch:
-        """The link leaves its obstacle before it meets another."""
-        self.release()
-        return super().meet(obstacle, rests)
-
-    def note(self, function: Watch) -> Change | None:
-        """Another piece of a bent wire takes over by an impact."""
-        super().note(function)
-        if function.name != ELBOW:
-            return None
-        self.end(self.obstacle.name)
-        return Touch(self.obstacle)
-
-    def release(self) -> None:
-        """Leave the obstacle, whose force has fallen to zero."""
-        self.end("release")
-        self.progress.event(f"{self.obstacle.name} release", self.progress.state.time)
-
-    def end(self, outcome: str) -> None:
-        """End the engine's contact and record it."""
-        progress = self.progress
-        progress.scene.release(self.obstacle)
-        if progress.state.time > self.start.time:
-            record = ledger_of_hold(progress.mechanism, self.obstacle, self.start, progress.state, self.sums, outcome)
-            progress.recording.contacts.append(record)

@@ -18,9 +18,9 @@ class Plan:
 
     Attributes:
         end: time at which the run stops.
-        accuracy: relative accuracy asked for; sets how finely events are located.
+        accuracy: relative requested accuracy; sets how finely events are located.
         stop_after: name of an event that ends the run.
-        longest_stretch: upper bound of the distance between samples.
+        longest_interval: upper bound of the distance between samples.
         maximum_steps: work after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of the first link relative to the hub, rad.
     """
@@ -28,7 +28,7 @@ class Plan:
     end: float
     accuracy: float
     stop_after: str | None = None
-    longest_stretch: float = math.inf
+    longest_interval: float = math.inf
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
 

@@ -16,9 +16,9 @@ from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
-from bristle_sim.scene.pace import longest_stretch, motion_scale, stepper_for
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.run import run
+from bristle_sim.scene.time_scales import longest_interval, motion_scale, stepper_for
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, StopReason, checked_event
@@ -136,7 +136,7 @@ def simulate(
         end=_end(settings, speed),
         accuracy=settings.accuracy,
         stop_after=stop_after,
-        longest_stretch=longest_stretch(scene, settings.samples_per_period),
+        longest_interval=longest_interval(scene, settings.samples_per_period),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
     )
@@ -157,11 +157,11 @@ def simulate(
 class _Start:
     """Where a run starts, checked."""
 
-    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="asked for")
+    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
     relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="asked for"
+        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="requested"
     )
-    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="asked for")
+    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested")
 
     def __post_init__(self) -> None:
         validate(self)
@@ -219,7 +219,7 @@ def refuse_endless(tool: Tool, settings: Settings) -> None:
 
 
 ONE_CONTACT = 20_000
-"""Engine steps that a contact resolved in time may take, whatever the budget: it counts as one stretch."""
+"""Engine steps that a contact resolved in time may take, whatever the budget: it counts as one interval."""
 
 
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
@@ -277,7 +277,7 @@ def _trajectory(
 
 
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
-    """A ledger entry turned from engine units to SI."""
+    """A contact record turned from engine units to SI."""
 
     def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
         return None if pair is None else (pair[0] * unit, pair[1] * unit)

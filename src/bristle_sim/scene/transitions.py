@@ -9,14 +9,14 @@ from bristle_sim.scene.contact_states import (
     Change,
     ContactState,
     InFlight,
-    InSustainedContact,
     Opening,
     Separating,
     Touch,
 )
-from bristle_sim.scene.hold import STILL, room
+from bristle_sim.scene.engine_contact import STILL, opening_rate
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress, Rebound
+from bristle_sim.scene.sustained_contact import InSustainedContact
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
@@ -54,7 +54,7 @@ def enter(progress: Progress, change: Change) -> ContactState:
 
 def _after_touch(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactState:
     """Resolve an impact; ``rests`` takes what is left of the approach. Returns the state that follows."""
-    left = opening_rate(progress, obstacle)
+    left = least_opening_rate(progress, obstacle)
     first = not any(each.obstacle == obstacle.name for each in progress.recording.contacts)
     try:
         record = _resolve(progress, obstacle, rests=rests or left <= STILL)
@@ -92,14 +92,14 @@ def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactR
     return record
 
 
-def opening_rate(progress: Progress, obstacle: Obstacle) -> float:
+def least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
     """How fast the gap between an obstacle that a single link touches and another one that it touches opens."""
     if len(progress.mechanism.links) > 1:
         return math.inf
     gaps, state = progress.gaps, progress.state
     touch, rate = gaps.touch(obstacle, state), state.rates[-1]
     closed = [each for each in progress.scene.effects.obstacles if each is not obstacle and progress.touches(each)]
-    return min((room(touch, gaps.touch(each, state), rate) for each in closed), default=math.inf)
+    return min((opening_rate(touch, gaps.touch(each, state), rate) for each in closed), default=math.inf)
 
 
 def _stays(progress: Progress, record: ContactRecord) -> bool:

@@ -1,7 +1,7 @@
 """Going on with a run that has stopped: from its last state, with everything it was simulated with.
 
-The engine's cached impulses and the lengths of the stretches are no part of a state. A run that was interrupted therefore
-meets one that was not to the accuracy asked for, not to the bit.
+The engine's cached impulses and the lengths of the intervals are no part of a state. A run that was interrupted therefore
+meets one that was not to the requested accuracy, not to the bit.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.engine_contact import LEAST_LEVER, set_back
 from bristle_sim.scene.events import locate
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.hold import LEAST_LEVER, set_back
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Extrapolation
@@ -26,7 +26,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["go_on", "simulated_with"]
+__all__ = ["resume", "simulated_with"]
 
 CLEAR = 2.0 * GAP_ROUNDING
 """A gap that is open, of the bristle's length."""
@@ -49,7 +49,7 @@ PARTS: dict[str, type[Any]] = {
 }
 
 
-def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
+def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
     """Go on with a run of ``simulate`` from where it stopped.
 
     Args:
@@ -59,11 +59,11 @@ def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_afte
         stop_after: name of the event that ends the run, as for ``simulate``; those of the run so far do not count.
 
     Returns:
-        The whole run, from its beginning. A hold that lasts over the stop has two entries in the ledger.
+        The whole run, from its beginning. A hold that lasts over the stop has two entries in the contact records.
 
     Raises:
         ValueError: if the trajectory is not one of ``simulate``, or stopped where nothing goes on, or has made the turn
-            asked for already.
+            requested already.
     """
     tool, before = simulated_with(trajectory)
     _check(trajectory, stop_after)
@@ -76,8 +76,8 @@ def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_afte
     for name in held:
         if stop_after in _touches(name):
             # A run that begins in touch calls it one; the next one comes after the release.
-            free = go_on(trajectory, settings, stop_after=f"{name} release")
-            return go_on(free, settings, stop_after=stop_after) if free.stop_reason is StopReason.EVENT else free
+            free = resume(trajectory, settings, stop_after=f"{name} release")
+            return resume(free, settings, stop_after=stop_after) if free.stop_reason is StopReason.EVENT else free
     hub_angle, later = scene.mechanism.hub_angle(start.time), start.time * units.time
     rest = simulate(
         tool,
@@ -184,16 +184,16 @@ def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> S
     def after(span: float) -> State:
         return stepper.advance(scene, state, span).state
 
-    def room(span: float) -> float:
+    def clearance(span: float) -> float:
         return _touch(scene, after(span), obstacle).gap - CLEAR
 
     short, span = 0.0, FIRST
-    while room(span) < 0.0:
+    while clearance(span) < 0.0:
         if span > LAST or _touch(scene, after(span), obstacle).velocity[0] < 0.0:
             return after(span)
         short, span = span, 2.0 * span
-    least = room(short) if short else _touch(scene, state, obstacle).gap - CLEAR
-    return after(locate(room, short, span, least, room(span), 0.5 * CLEAR))
+    least = clearance(short) if short else _touch(scene, state, obstacle).gap - CLEAR
+    return after(locate(clearance, short, span, least, clearance(span), 0.5 * CLEAR))
 
 
 def _joined(
