@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from bristle_sim.files import complete_or_absent
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 
-__all__ = ["ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
+__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
 
 Array = NDArray[np.float64]
 FORMAT = 2
@@ -100,6 +100,19 @@ class ContactRecord:
 
 
 @dataclass(frozen=True, slots=True)
+class ContactAtEnd:
+    """The state of contact in which a run ended, from which it is resumed.
+
+    Attributes:
+        state: ``in flight``, ``separating`` or ``sustained contact``.
+        obstacle: that the bristle separates from or is in contact with.
+    """
+
+    state: str = "in flight"
+    obstacle: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Trajectory:
     """A run of one mechanism: samples of shape (n,) or (n, links), in SI units and radians.
 
@@ -116,6 +129,7 @@ class Trajectory:
         stop_reason: why the run stopped; its ``advice`` says what would let it go further.
         cost: see Cost.
         parameters: what was simulated, as plain numbers and words.
+        contact_at_end: see ContactAtEnd; the reference leaves it out.
     """
 
     time: Array
@@ -132,6 +146,7 @@ class Trajectory:
     stop_reason: StopReason
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
+    contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
 
     @property
     def relative_angle(self) -> Array:
@@ -187,6 +202,7 @@ class Trajectory:
             "stop_reason": self.stop_reason.name,
             "cost": dataclasses.asdict(self.cost),
             "parameters": self.parameters,
+            "contact_at_end": dataclasses.asdict(self.contact_at_end),
         }
         with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
             np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
@@ -222,6 +238,7 @@ class Trajectory:
             stop_reason=StopReason[meta["stop_reason"]],
             cost=Cost(**meta["cost"]),
             parameters=meta["parameters"],
+            contact_at_end=ContactAtEnd(**meta["contact_at_end"]),
         )
 
 

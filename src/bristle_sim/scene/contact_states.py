@@ -18,6 +18,7 @@ from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.touch_search import SHORTEST, Interval, find_touch
 from bristle_sim.stop_reason import StopReason
+from bristle_sim.trajectory import ContactAtEnd
 
 __all__ = ["Change", "ContactState", "InFlight", "Opening", "Release", "Separating", "Touch"]
 
@@ -166,6 +167,10 @@ class ContactState:
             progress.stop(function.final)
         return None
 
+    def summary(self) -> ContactAtEnd:
+        """Return what a run that ends here is resumed from."""
+        return ContactAtEnd()
+
     def end(self, outcome: str) -> None:
         """Leave the state at the run's end."""
 
@@ -196,6 +201,10 @@ class Separating(ContactState):
         """From the instant at which it leaves."""
         super().__init__(progress, progress.first_interval)
         self.obstacle = obstacle
+
+    def summary(self) -> ContactAtEnd:
+        """Name the obstacle that the link leaves."""
+        return ContactAtEnd("separating", self.obstacle.name)
 
     def search_touch(
         self, obstacle: Obstacle, result: Advance, resolve: Resolve | None

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from bristle_sim.scene.mechanism import State
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactRecord, Event
+from bristle_sim.trajectory import ContactAtEnd, ContactRecord, Event
 
 __all__ = ["Plan", "Recording"]
 
@@ -43,6 +43,7 @@ class Recording:
     contacts: list[ContactRecord] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
+    contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     wall_s: float = 0.0
     cpu_s: float = 0.0
     steps: int = 0

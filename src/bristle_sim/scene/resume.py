@@ -21,7 +21,6 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.tool import METHOD, build_tool, simulate
-from bristle_sim.scene.transitions import CAPTURE
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
@@ -155,16 +154,11 @@ def _clear(scene: Scene, state: State, accuracy: float, trajectory: Trajectory) 
 
 
 def _leaves(scene: Scene, state: State, obstacle: Obstacle, trajectory: Trajectory) -> bool:
-    """Whether the last thing that happened at an obstacle has set the bristle free, if anything did."""
-    told = [
-        each.name for each in trajectory.events if each.name in (*_touches(obstacle.name), f"{obstacle.name} release")
-    ]
-    contacts = [each for each in trajectory.contacts if each.obstacle == obstacle.name]
-    if not told or not contacts:
-        return _touch(scene, state, obstacle).velocity[0] > 0.0
-    last, fastest = contacts[-1], max(abs(speed) for speed in contacts[-1].velocity_before)
-    rebounds = last.outcome == "rebound" and last.velocity_after[0] > CAPTURE * fastest
-    return rebounds or told[-1].endswith(" release")
+    """Whether the bristle leaves an obstacle: by the state of contact at the end, or by its velocity at a fresh touch."""
+    end = trajectory.contact_at_end
+    if end.obstacle == obstacle.name:
+        return end.state == "separating"
+    return _touch(scene, state, obstacle).velocity[0] > 0.0
 
 
 def _pressed(scene: Scene, state: State, obstacle: Obstacle) -> State:
@@ -225,6 +219,7 @@ def _joined(
         contacts=(*first.contacts, *(_later(each, begin) for each in contacts)),
         stop_reason=rest.stop_reason,
         cost=_sum(first.cost, rest.cost),
+        contact_at_end=rest.contact_at_end,
         parameters={**first.parameters, "settings": dataclasses.asdict(settings), "stop_after": stop_after},
     )
 

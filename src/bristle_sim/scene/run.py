@@ -49,6 +49,7 @@ def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Pla
             change = state.proceed()
             state = state if change is None else enter(progress, change)
     recording = progress.recording
+    recording.contact_at_end = state.summary()
     state.end(str(recording.stop_reason))
     recording.wall_s, recording.cpu_s = clock.perf_counter() - wall, clock.process_time() - cpu
     recording.steps = scene.steps - steps

@@ -17,6 +17,7 @@ from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.stop_reason import StopReason
+from bristle_sim.trajectory import ContactAtEnd
 
 __all__ = ["InSustainedContact"]
 
@@ -42,6 +43,10 @@ class InSustainedContact(ContactState):
         self.sums: tuple[float, ...] = (0.0, 0.0, 0.0)
         self.slope, self.ending = 0.0, False
         self._engage()
+
+    def summary(self) -> ContactAtEnd:
+        """Name the obstacle that the link is on."""
+        return ContactAtEnd("sustained contact", self.obstacle.name)
 
     def advance(self, length: float) -> Advance:
         """Integrate under the contact's force."""

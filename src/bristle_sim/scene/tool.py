@@ -273,6 +273,7 @@ def _trajectory(
             recording.error / motion_scale(scene, states[0]) if settings.step is None else None,
         ),
         parameters=parameters,
+        contact_at_end=recording.contact_at_end,
     )
 
 
