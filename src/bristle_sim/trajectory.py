@@ -13,11 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.files import complete_or_absent
+from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 
-__all__ = ["ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
+__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
 
 Array = NDArray[np.float64]
 FORMAT = 2
+"""Of saved files. Format 1 wrote the reason to stop as free text and had no centre lines."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +116,19 @@ class ContactRecord:
 
 
 @dataclass(frozen=True, slots=True)
+class ContactAtEnd:
+    """The state of contact in which a run ended, from which it is resumed.
+
+    Attributes:
+        state: ``in flight``, ``separating`` or ``sustained contact``.
+        obstacle: that the bristle separates from or is in contact with.
+    """
+
+    state: str = "in flight"
+    obstacle: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Trajectory:
     """A run of one mechanism: n samples, in SI units and radians.
 
@@ -129,9 +144,10 @@ class Trajectory:
         kinetic_energy, potential_energy: of the links and of belt and gravity, J.
         normal_force: of the obstacle that is touched, N; zero in flight.
         events, contacts: in order of time.
-        stop_reason: one phrase.
+        stop_reason: why the run stopped; its ``advice`` says what would let it go further.
         cost: see Cost.
         parameters: what was simulated, as plain numbers and words.
+        contact_at_end: see ContactAtEnd; the reference leaves it out.
     """
 
     time: Array
@@ -146,9 +162,10 @@ class Trajectory:
     hub_speed: float
     events: tuple[Event, ...]
     contacts: tuple[ContactRecord, ...]
-    stop_reason: str
+    stop_reason: StopReason
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
+    contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
 
     @property
     def tip(self) -> Array:
@@ -181,9 +198,20 @@ class Trajectory:
         return np.asarray(self.kinetic_energy + self.potential_energy)
 
     def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
-        """Time of the first (or last) event of that name at or before an instant, s; None if there is none."""
+        """Return the time of the first (or last) event of that name at or before an instant, s; None if there is none.
+
+        Raises:
+            ValueError: if no run has an event of that name.
+        """
+        recorded = [event.name for event in self.events]
+        name = checked_event("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
         times = [event.time for event in self.events if event.name == name and event.time <= before]
         return (times[-1] if last else times[0]) if times else None
+
+    @property
+    def stop_advice(self) -> str:
+        """What would let the run go further, in terms of the obstacle touched last."""
+        return self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
         """The first contact with ``bar`` or ``workpart``, or None."""
@@ -226,9 +254,10 @@ class Trajectory:
             "hub_speed": self.hub_speed,
             "events": [dataclasses.asdict(event) for event in self.events],
             "contacts": contacts,
-            "stop_reason": self.stop_reason,
+            "stop_reason": self.stop_reason.name,
             "cost": dataclasses.asdict(self.cost),
             "parameters": self.parameters,
+            "contact_at_end": dataclasses.asdict(self.contact_at_end),
         }
         with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
             np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
@@ -245,7 +274,9 @@ class Trajectory:
             with Path(path).open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
                 meta = json.loads(str(stored["metadata"]))
                 if meta["format"] != FORMAT:
-                    raise ValueError(f"format {meta['format']} is not {FORMAT}")
+                    raise ValueError(
+                        f"written in format {meta['format']}, this version reads format {FORMAT}; simulate the run again"
+                    )
                 return cls._from(meta, stored)
         except OSError:
             raise
@@ -259,9 +290,10 @@ class Trajectory:
             hub_speed=meta["hub_speed"],
             events=tuple(Event(**row) for row in meta["events"]),
             contacts=tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"])),
-            stop_reason=meta["stop_reason"],
+            stop_reason=StopReason[meta["stop_reason"]],
             cost=Cost(**meta["cost"]),
             parameters=meta["parameters"],
+            contact_at_end=ContactAtEnd(**meta["contact_at_end"]),
         )
 
 

@@ -301,7 +301,7 @@ def test_a_repr_of_two_lines_is_shown_in_one() -> None:
 def test_a_release_that_was_given_up_places_no_bar() -> None:
     """It used to be told as a bristle that no bar can cue."""
     few = Settings(maximum_steps=20)
-    with pytest.raises(ValueError, match=r"step budget spent after .* is allowed") as refusal:
+    with pytest.raises(ValueError, match=r"step budget spent after .* takes fewer steps") as refusal:
         cue_timing(Tool(), math.radians(Release().retraction_deg), few, with_reference=False)
     assert "\n" not in str(refusal.value)
 

@@ -33,6 +33,7 @@ from bristle_sim.render.time_warp import slow_motion
 from bristle_sim.render.tool_drawing import close_up, wire_outline
 from bristle_sim.render.video import Stage, write_video
 from bristle_sim.scene.tool import simulate
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
 FREQUENCY, AMPLITUDE = 1100.0, 0.7
@@ -82,7 +83,7 @@ def make_trajectory(samples: int = 60, events: tuple[Event, ...] | None = None) 
         hub_speed=tool.hub.speed,
         events=named if events is None else events,
         contacts=(make_contact(angle[samples], absolute[samples - 1], absolute[samples]),),
-        stop_reason="end of the planned time",
+        stop_reason=StopReason.END,
         cost=Cost(0.0, 0.0, 1),
     )
 
@@ -150,7 +151,7 @@ def test_motion_stays_at_its_ends_outside_the_run(run):
 
 def test_motion_needs_two_instants(run):
     arrays = {name: getattr(run, name)[:1] for name in run.__slots__ if isinstance(getattr(run, name), np.ndarray)}
-    single = Trajectory(**arrays, hub_speed=1.0, events=(), contacts=(), stop_reason="", cost=run.cost)
+    single = Trajectory(**arrays, hub_speed=1.0, events=(), contacts=(), stop_reason=StopReason.END, cost=run.cost)
     with pytest.raises(ValueError, match="two instants are needed"):
         Motion(single)
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.settings import Settings
+from bristle_sim.settings import MAXIMUM_STEPS, Settings
 
 
 def test_defaults():
@@ -15,7 +15,7 @@ def test_defaults():
     assert settings.accuracy == 1e-6
     assert settings.step is None
     assert settings.hub_turn == 1.5 * math.pi
-    assert settings.maximum_steps == 1_000_000
+    assert settings.maximum_steps == MAXIMUM_STEPS
     assert settings.samples_per_period == 24
 
 

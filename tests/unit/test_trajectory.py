@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
 ARRAYS = (
@@ -75,7 +76,7 @@ def trajectory() -> Trajectory:
             Event("strike", 0.1 + 0.2),
         ),
         contacts=(impact(0.1, "bar"), impact(0.3, "workpart", history()), impact(0.35, "workpart", history(2))),
-        stop_reason="end of the planned time",
+        stop_reason=StopReason.END,
         cost=Cost(0.25, 0.2, 1234, 1e-9),
         parameters={"hub_speed": 2.0, "step": None, "law": "energetic", "nested": {"friction": 0.1}},
     )
@@ -85,7 +86,7 @@ def assert_same(one: Trajectory, other: Trajectory) -> None:
     for name in ARRAYS:
         assert getattr(one, name).dtype == getattr(other, name).dtype
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), strict=True)
-    for name in ("hub_speed", "events", "stop_reason", "cost", "parameters"):
+    for name in ("hub_speed", "events", "stop_reason", "cost", "parameters", "contact_at_end"):
         assert getattr(one, name) == getattr(other, name)
     assert len(one.contacts) == len(other.contacts)
     for mine, yours in zip(one.contacts, other.contacts, strict=True):
@@ -113,6 +114,29 @@ def test_events_are_found_by_name(trajectory: Trajectory):
     assert trajectory.event_time("bar touch", last=True, before=0.2) == 0.2
     assert trajectory.event_time("bar touch", before=0.05) is None
     assert trajectory.event_time("jam") is None
+    assert trajectory.event_time("workpart not reached") is None
+
+
+@pytest.mark.parametrize(("name", "likely"), [("strik", "strike"), ("Strike", "strike"), ("bar relese", "bar release")])
+def test_unknown_event_is_refused_with_the_likely_name(trajectory: Trajectory, name: str, likely: str):
+    with pytest.raises(ValueError, match=rf"^name = '{name}': must be one of [^\n]*; did you mean '{likely}'\?$"):
+        trajectory.event_time(name)
+
+
+def test_every_stop_reason_has_a_remedy_and_is_saved(trajectory: Trajectory, tmp_path: Path):
+    for reason in StopReason:
+        assert reason.remedy
+        assert "{" not in reason.advice("bar")
+        stopped = dataclasses.replace(trajectory, stop_reason=reason)
+        stopped.save(tmp_path / "run.npz")
+        assert Trajectory.load(tmp_path / "run.npz").stop_reason is reason
+
+
+def test_the_advice_names_the_friction_of_the_obstacle_touched_last(trajectory: Trajectory):
+    stopped = dataclasses.replace(trajectory, stop_reason=StopReason.FRICTION)
+    assert stopped.stop_advice.startswith("less friction")
+    on_bar = dataclasses.replace(stopped, contacts=trajectory.contacts[:1])
+    assert on_bar.stop_advice.startswith("less bar_friction")
 
 
 def test_first_contact(trajectory: Trajectory):
@@ -224,7 +248,7 @@ def rewrite(path: Path, change, dtype=None) -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        lambda meta: meta | {"format": 3},
+        lambda meta: meta | {"format": 1},
         lambda _: [],
         lambda _: None,
         lambda meta: {key: value for key, value in meta.items() if key != "cost"},
@@ -265,8 +289,8 @@ def test_damaged_files_are_refused_or_read_completely(trajectory: Trajectory, tm
 def test_another_format_is_named(trajectory: Trajectory, tmp_path: Path):
     path = tmp_path / "run.npz"
     trajectory.save(path)
-    rewrite(path, lambda meta: meta | {"format": 3})
-    with pytest.raises(ValueError, match="format 3 is not 2"):
+    rewrite(path, lambda meta: meta | {"format": 1})
+    with pytest.raises(ValueError, match="written in format 1, this version reads format 2"):
         Trajectory.load(path)
 
 

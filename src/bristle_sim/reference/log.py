@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from bristle_sim.reference.hold import Hold
 from bristle_sim.reference.mechanics import Mechanics, Motion, State
 from bristle_sim.reference.watch import Happening
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
@@ -123,7 +124,7 @@ class Log:
         if deepest is not None and deepest.angle < 0.0 and deepest.angle <= min(reached[0], reached[-1]):
             self.event("largest retraction", deepest.time)
 
-    def trajectory(self, stop_reason: str, cost: Cost, parameters: dict[str, Any]) -> Trajectory:
+    def trajectory(self, stop_reason: StopReason, cost: Cost, parameters: dict[str, Any]) -> Trajectory:
         """The finished result."""
         time, angle, rate, force = np.concatenate(self._rows).T
         hub_angle = self.mechanics.hub_angle(time)

@@ -28,6 +28,7 @@ from bristle_sim.reference.watch import (
     state_at,
     stationary,
 )
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 __all__ = ["END_OF_RUN", "PEAK", "STRIKE", "Pass", "Plan"]
@@ -48,6 +49,10 @@ AT_ONCE = 1e-10
 
 STRIKE, PEAK, LIMIT = "strike", "highest relative speed", "retraction limit"
 STATIONARY, RELEASE, END_OF_RUN = "stationary", "release", "end of run"
+LARGEST_RETRACTION = "largest retraction"
+
+REASONS = {LIMIT: StopReason.RETRACTION_LIMIT, JAM: StopReason.JAM, END_OF_RUN: StopReason.END}
+"""Why a run stops at what ends its motion; at anything else it stops because that was requested."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +66,12 @@ class Plan:
 
 
 class _Stop(Exception):
-    """Ends the run; the message is the stop reason."""
+    """Ends the run."""
+
+    def __init__(self, reason: StopReason) -> None:
+        """For a reason."""
+        super().__init__(reason)
+        self.reason = reason
 
 
 class Pass:
@@ -76,7 +86,7 @@ class Pass:
         self.evaluations = 0
         self._touches: list[float] = []
 
-    def run(self) -> str:
+    def run(self) -> StopReason:
         """Run to the end; returns the reason for stopping."""
         try:
             while True:
@@ -85,7 +95,7 @@ class Pass:
                     obstacle = self._meet(obstacle)
         except _Stop as stop:
             self.log.sample(self.state)
-            return str(stop)
+            return stop.reason
 
     @property
     def _hub_angle(self) -> float:
@@ -107,7 +117,7 @@ class Pass:
             if last is not None:
                 self.log.sample(self.state)
                 return self._obstacle_or_stop(last, self.obstacles)
-        raise _Stop(END_OF_RUN)
+        raise _Stop(StopReason.END)
 
     def _watches(self, obstacles: Iterable[Obstacle]) -> list[Watch]:
         return [*gaps(self.mechanics, obstacles, self.state), limit(LIMIT), stationary(STATIONARY, self.mechanics)]
@@ -118,6 +128,8 @@ class Pass:
             if each.name == STATIONARY:
                 self.log.stationary.append(state_at(motion, each.time))
                 self.log.mark(each.time)
+                if self.plan.stop_after == LARGEST_RETRACTION:
+                    return each
             elif each.name != PEAK or self._note_peak(state_at(motion, each.time)):
                 return each
         return None
@@ -149,25 +161,32 @@ class Pass:
             return obstacles[happening.name]
         if happening.name in (LIMIT, JAM):
             self.log.event(happening.name, happening.time)
-        raise _Stop(happening.name)
+        raise _Stop(REASONS.get(happening.name, StopReason.EVENT))
 
     # Contact
 
     def _meet(self, obstacle: Obstacle) -> Obstacle | None:
         """A touch: impact where the contact point approaches, then hold where it stays; the next obstacle met."""
         self._count_touch()
-        self.log.event(self._touch_name(obstacle), self.state.time)
+        name = self._touch_name(obstacle)
+        self.log.event(name, self.state.time)
         obstacle = self._touched_part(obstacle)
         touch = obstacle.touch(*self.state[1:], self._hub_angle)
         parting = float(touch.velocity(self.state.rate)[0])
         if parting < 0.0:
             parting = self._hit(obstacle, touch)
-        if self.plan.stop_after == STRIKE and obstacle.name == "workpart":
-            raise _Stop(STRIKE)
+        if self.plan.stop_after == name:
+            raise _Stop(StopReason.EVENT)
         if self._stays(obstacle, parting):
             return self._hold(obstacle)
-        self.log.event(f"{obstacle.name} release", self.state.time)
+        self._release(obstacle)
         return None
+
+    def _release(self, obstacle: Obstacle) -> None:
+        name = f"{obstacle.name} release"
+        self.log.event(name, self.state.time)
+        if self.plan.stop_after == name:
+            raise _Stop(StopReason.EVENT)
 
     def _touched_part(self, obstacle: Obstacle) -> Obstacle:
         side = self._side(obstacle)
@@ -188,9 +207,9 @@ class Pass:
         fastest = max(self.mechanics.fastest_rate, abs(self.state.rate))
         if len(recent) == MOST_AT_ONCE and (recent[-1] - recent[0]) * fastest < AT_ONCE:
             self.log.event(JAM, self.state.time)
-            raise _Stop(JAM)
+            raise _Stop(StopReason.JAM)
         if len(self._touches) > MOST_CONTACTS:
-            raise _Stop(f"more than {MOST_CONTACTS} contacts")
+            raise _Stop(StopReason.MOST_CONTACTS)
 
     def _hit(self, obstacle: Obstacle, touch: Touch) -> float:
         """Resolve an impact; returns the normal velocity after it, m/s."""
@@ -204,7 +223,7 @@ class Pass:
         self.state = after
         if hit.outcome_name == JAM:
             self.log.event(JAM, after.time)
-            raise _Stop(JAM)
+            raise _Stop(StopReason.JAM)
         return float(hit.velocity_normal)
 
     def _kick(self, touch: Touch, hit: Impact) -> float:
@@ -229,7 +248,7 @@ class Pass:
         self.log.hold(hold, start, last)
         self.state = hold.state(last.time) if last.time > start else self.state
         if last.name == RELEASE or last.name in others:
-            self.log.event(f"{obstacle.name} release", last.time)
+            self._release(obstacle)
         return None if last.name == RELEASE else self._obstacle_or_stop(last, others)
 
     def _others(self, hold: Hold) -> dict[str, Obstacle]:

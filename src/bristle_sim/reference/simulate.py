@@ -12,10 +12,14 @@ from bristle_sim.parameters import Tool
 from bristle_sim.quantity import quantity, validate
 from bristle_sim.reference.mechanics import Mechanics, State
 from bristle_sim.reference.obstacles import Obstacle, obstacles_of
-from bristle_sim.reference.run import END_OF_RUN, PEAK, STRIKE, Pass, Plan
+from bristle_sim.reference.run import PEAK, STRIKE, Pass, Plan
+from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Cost, Trajectory
 
 __all__ = ["simulate_reference"]
+
+METHOD = "scipy DOP853"
+"""Says in a trajectory's parameters that the reference was integrated."""
 
 PERIODS_AT_REST = 3.0
 SAMPLES_PER_PERIOD = 64
@@ -48,8 +52,8 @@ class _Request:
 
     def __post_init__(self) -> None:
         validate(self)
-        if self.stop_after not in (None, STRIKE, PEAK):
-            raise ValueError(f"stop_after = {self.stop_after!r}: None, {STRIKE!r} or {PEAK!r} is allowed")
+        if self.stop_after is not None:
+            checked_event("stop_after", self.stop_after, EVENTS)
 
 
 def simulate_reference(
@@ -78,8 +82,8 @@ def simulate_reference(
         hub_turn: how far the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
         duration: length of the run instead, s.
         accuracy: relative accuracy of the motion asked for; the integrator's tolerance is a hundredth of it.
-        stop_after: ``strike`` ends just after the first impact on the workpart, ``highest relative speed`` where the
-            relative rate is highest before it.
+        stop_after: name of the event that ends the run, as for the scene's ``simulate``; a touch ends it just after the
+            impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
 
     Returns:
@@ -108,7 +112,8 @@ def simulate_reference(
     start = State(0.0, request.start_relative_angle, request.start_relative_rate)
     _check_start(mechanics, obstacles, start)
     one_pass = Pass(mechanics, obstacles, _plan(mechanics, request), start)
-    reason = _conclude(one_pass, one_pass.run())
+    reason = one_pass.run()
+    _note_absences(one_pass)
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_pass.evaluations)
     return one_pass.log.trajectory(reason, cost, _parameters(tool, request))
 
@@ -148,24 +153,20 @@ def _period(mechanics: Mechanics) -> float:
     return 2.0 * math.pi / fastest if fastest else math.inf
 
 
-def _conclude(one_pass: Pass, reason: str) -> str:
-    """Note what never happened; the stop reason."""
+def _note_absences(one_pass: Pass) -> None:
+    """Record what never happened."""
     log, last = one_pass.log, one_pass.state.time
     log.largest_retraction()
     if "bar" in one_pass.obstacles and not log.seen("bar touch"):
         log.event("bar not touched", last)
-    if "workpart" in one_pass.obstacles and not log.seen(STRIKE) and reason != PEAK:
+    if "workpart" in one_pass.obstacles and not log.seen(STRIKE) and one_pass.plan.stop_after != PEAK:
         log.event("workpart not reached", last)
-        if reason == END_OF_RUN and one_pass.plan.stop_after == STRIKE:
-            return "workpart not reached"
-    return reason
 
 
 def _parameters(tool: Tool, request: _Request) -> dict[str, Any]:
-    """Every number that the run depends on, by its key."""
-    found: dict[str, Any] = {"method": "scipy DOP853"}
-    for owner in (tool.hub, tool.belt, tool.bristle, tool.bar, tool.workpart, tool, request):
-        for each in dataclasses.fields(owner) if owner is not None else ():
-            if "declaration" in each.metadata:
-                found[each.metadata["declaration"].key] = getattr(owner, each.name)
-    return {**found, "stop_after": request.stop_after}
+    """What the run depends on: method, tool and settings, as the scene's trajectories have them."""
+    given = dataclasses.asdict(request)
+    start = {name.removeprefix("start_"): given.pop(name) for name in tuple(given) if name.startswith("start_")}
+    stop_after = given.pop("stop_after")
+    tool_values = dataclasses.asdict(tool)
+    return {"method": METHOD, "tool": tool_values, "settings": given, "start": start, "stop_after": stop_after}

@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import require_result
+from bristle_sim.studies.whole_pass import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 __all__ = ["BentBristles", "Slide", "against_film", "bent_bristles", "slide_of", "slide_path"]
@@ -102,6 +102,9 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     Raises:
         ValueError: if the tool's contact is not resolved in time, or a pass does not end within the settings' steps.
     """
+    if tool.contact.law != "compliant":
+        raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")
+    refuse_endless(tool, settings)
     knee = abs(tool.bristle.knee_angle_deg)
     tools, runs, slides = {}, {}, {}
     rows: list[Quantity] = []
@@ -109,8 +112,9 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         bristle = dataclasses.replace(tool.bristle, knee_angle_deg=sign * knee)
         tools[shape] = dataclasses.replace(tool, bristle=bristle)
         runs[shape] = simulate(tools[shape], settings)
-        require_result(runs[shape], settings)
         contact = runs[shape].first_contact("workpart")
+        if contact is None:
+            require_result(runs[shape], settings)
         slides[shape] = None if contact is None else slide_of(contact)
         rows += _rows(shape, contact, slides[shape])
     strikes = [(f"{shape} strike", time) for shape, run in runs.items() for time in _strike(run)]
@@ -123,8 +127,10 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         remarks=(
             "film (Zhang 2020, fig. 1.4): reverse bent and straight slide first, forward bent retracts at once",
             *(f"simulated, {shape}: {_verdict(slide)}" for shape, slide in slides.items()),
+            *_given_up(runs),
             against_film(slides),
         ),
+        extra={"stopped": {shape: stopped(run) for shape, run in runs.items()}},
         subject=BentBristles(tools, runs, slides),
     )
 
@@ -139,6 +145,15 @@ def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> lis
         Quantity(f"{shape}_tip_speed_along_before", "m/s", contact.velocity_before[1]),
         Quantity(f"{shape}_tip_speed_along_after", "m/s", contact.velocity_after[1]),
         Quantity(f"{shape}_tip_speed_away_after", "m/s", contact.velocity_after[0]),
+    ]
+
+
+def _given_up(runs: dict[str, Trajectory]) -> list[str]:
+    """Say which runs ended early, after their strikes, and why."""
+    early = ((shape, run) for shape, run in runs.items() if run.stop_reason.gives_up)
+    return [
+        f"{shape}: given up at {1e3 * run.time[-1]:.4f} ms: {run.stop_reason}; {run.stop_advice}"
+        for shape, run in early
     ]
 
 

@@ -19,6 +19,7 @@ from bristle_sim.parameters import RETRACTION_AT_RELEASE, Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.cueing import centrifugal_stiffness, stiffened_cue
 from bristle_sim.trajectory import Trajectory
 
@@ -114,9 +115,7 @@ def beside_reference(
     settings = Settings(accuracy=max(limit, 1e-11), maximum_steps=maximum_steps)
     run = simulate(tool, settings, stop_after=stop_after)
     other = simulate_reference(tool, accuracy=max(1e-3 * limit, 1e-12), stop_after=stop_after)
-    end = other.stop_reason.replace("end of run", "end of the planned time")
-    # The reference looks at how a strike ended before it stops; the strike of both is the same.
-    alike = run.stop_reason == end or run.stop_reason == stop_after == "strike"
+    alike = run.stop_reason is other.stop_reason
     off = worst([*end_difference(run, other), *_strike_difference(run, other)])
     return both(Finding(run.stop_reason, alike), within(off, limit, "off by", run.cost.steps))
 
@@ -150,10 +149,10 @@ def _as_far_as_it_goes(factor: float) -> Finding:
     """A run that may end before the strike, beside a reference of the same length."""
     tool = _belt(Tool(), factor)
     run = simulate(tool, stop_after="strike")
-    if run.stop_reason == "strike":
+    if run.stop_reason is StopReason.EVENT:
         return beside_reference(tool, LIMIT, stop_after="strike")
     other = simulate_reference(tool, duration=float(run.time[-1]))
-    told = Finding(run.stop_reason, "no grip" in run.stop_reason)
+    told = Finding(run.stop_reason, run.stop_reason is StopReason.NO_GRIP)
     return both(told, within(worst(end_difference(run, other)), LIMIT, "off by", run.cost.steps))
 
 

@@ -146,7 +146,7 @@ def _scripts() -> tuple[HardCase, ...]:
         "cue_and_impact": lambda: whole_pass(TOOL, few),
         "cue_timing": lambda: cue_timing(TOOL, RETRACTION_AT_RELEASE, few),
     }
-    words = (SPENT, "accuracy =", "step =", "is allowed")
+    words = (SPENT, "accuracy =", "step =")
     return tuple(
         HardCase(THEME, f"{name}.py, 100 steps", "refused in one clear line", partial(refusal, study, *words))
         for name, study in studies.items()

@@ -24,8 +24,8 @@ from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, both, with
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pace import longest_stretch, stepper_for
 from bristle_sim.scene.stepping import PlainSteps, Stepper, SymmetricSteps
+from bristle_sim.scene.time_scales import longest_interval, stepper_for
 from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 
@@ -116,7 +116,7 @@ def _stretched(turns: int) -> Finding:
     stepper = stepper_for(scene, Settings(1e-6, samples_per_period=LEAST_SAMPLES), units, state, end)
     before = _energy(tool, scene, state, units.time)
     while state.time < end * (1.0 - 1e-15):
-        length = stepper.propose(min(end - state.time, longest_stretch(scene, LEAST_SAMPLES)))
+        length = stepper.propose(min(end - state.time, longest_interval(scene, LEAST_SAMPLES)))
         result = stepper.advance(scene, state, length)
         if stepper.accepts(result, length):
             state = result.state

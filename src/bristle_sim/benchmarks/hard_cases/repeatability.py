@@ -19,7 +19,7 @@ from pathlib import Path
 import bristle_sim
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, both, same_bits, within, worst
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
-from bristle_sim.scene.going_on import go_on
+from bristle_sim.scene.resume import resume
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -184,7 +184,7 @@ def _stored(run: Trajectory) -> Trajectory:
 def _gone_on(name: str, stops: Sequence[str]) -> Finding:
     whole = simulate(TOOLS[name], SETTINGS)
     stopped = [simulate(TOOLS[name], SETTINGS, stop_after=stop) for stop in stops if whole.event_time(stop) is not None]
-    ours, loaded = [go_on(run) for run in stopped], [go_on(_stored(run)) for run in stopped]
+    ours, loaded = [resume(run) for run in stopped], [resume(_stored(run)) for run in stopped]
     off = worst([difference(run, whole) for run in ours])
     return both(
         Finding(f"{len(stopped)} events", bool(stopped)),

@@ -20,6 +20,7 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.obstacles import LEAST_REACH
 from bristle_sim.scene.tool import START, simulate, tool_units
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory
 
 __all__ = ["cases", "first_bar_touch", "first_strike", "with_bar_at"]
@@ -42,7 +43,7 @@ ONE_STEP = 1.0
 RUN_UP = 100.0
 """Steps before the touch at which a run of tiny steps begins."""
 
-GIVES_UP = "no step is short enough for the accuracy asked for"
+GIVES_UP = StopReason.ACCURACY
 
 
 class Try(NamedTuple):

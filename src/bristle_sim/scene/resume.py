@@ -1,7 +1,7 @@
 """Going on with a run that has stopped: from its last state, with everything it was simulated with.
 
-The engine's cached impulses and the lengths of the stretches are no part of a state. A run that was interrupted therefore
-meets one that was not to the accuracy asked for, not to the bit.
+The engine's cached impulses and the lengths of the intervals are no part of a state. A run that was interrupted therefore
+meets one that was not to the requested accuracy, not to the bit.
 """
 
 from __future__ import annotations
@@ -14,24 +14,18 @@ import numpy as np
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.engine_contact import LEAST_LEVER, set_back
 from bristle_sim.scene.events import locate
 from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.hold import LEAST_LEVER, set_back
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.scene.run import CAPTURE
 from bristle_sim.scene.stepping import Extrapolation
-from bristle_sim.scene.tool import EVENTS, build_tool, simulate
+from bristle_sim.scene.tool import METHOD, build_tool, simulate
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["go_on", "simulated_with"]
-
-ENDS = ("jam", "retraction limit")
-"""Events after which nothing goes on."""
-
-PAUSES = ("end of the planned time", "step budget spent", *(event for event in EVENTS if event not in ENDS))
-"""Reasons to stop after which a run can go on."""
+__all__ = ["resume", "simulated_with"]
 
 CLEAR = 2.0 * GAP_ROUNDING
 """A gap that is open, of the bristle's length."""
@@ -41,9 +35,6 @@ PRESSING = 1e-13
 
 FIRST, LAST = 1e-6, 1.0
 """Flights tried until a gap opens, in the scene's time units."""
-
-ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
-"""Noted at the end of a run in which the other event never happened."""
 
 SAMPLES = (
     "hub_angle",
@@ -66,7 +57,7 @@ PARTS: dict[str, type[Any]] = {
 }
 
 
-def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
+def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
     """Go on with a run of ``simulate`` from where it stopped.
 
     Args:
@@ -76,11 +67,11 @@ def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_afte
         stop_after: name of the event that ends the run, as for ``simulate``; those of the run so far do not count.
 
     Returns:
-        The whole run, from its beginning. A hold that lasts over the stop has two entries in the ledger.
+        The whole run, from its beginning. A hold that lasts over the stop has two entries in the contact records.
 
     Raises:
         ValueError: if the trajectory is not one of ``simulate``, or stopped where nothing goes on, or has made the turn
-            asked for already.
+            requested already.
     """
     tool, before = simulated_with(trajectory)
     _check(trajectory, stop_after)
@@ -93,8 +84,8 @@ def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_afte
     for name in held:
         if stop_after in _touches(name):
             # A run that begins in touch calls it one; the next one comes after the release.
-            free = go_on(trajectory, settings, stop_after=f"{name} release")
-            return go_on(free, settings, stop_after=stop_after) if free.stop_reason.endswith(" release") else free
+            free = resume(trajectory, settings, stop_after=f"{name} release")
+            return resume(free, settings, stop_after=stop_after) if free.stop_reason is StopReason.EVENT else free
     hub_angle, later = scene.mechanism.hub_angle(start.time), start.time * units.time
     rest = simulate(
         tool,
@@ -104,7 +95,7 @@ def go_on(trajectory: Trajectory, settings: Settings | None = None, *, stop_afte
         start_relative_rate=start.rates[0] / units.time - tool.hub.speed,
         stop_after=_name_from_now_on(trajectory, stop_after),
     )
-    return _joined(trajectory, rest, later, held, settings)
+    return _joined(trajectory, rest, later, held, settings, stop_after)
 
 
 def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
@@ -116,6 +107,8 @@ def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
     parameters = getattr(trajectory, "parameters", None)
     try:
         stored, settings = dict(parameters["tool"]), dict(parameters["settings"])  # type: ignore[index]
+        if parameters["method"] != METHOD:  # type: ignore[index]
+            raise KeyError(METHOD)
         parts = {name: None if stored[name] is None else kind(**stored[name]) for name, kind in PARTS.items()}
         return Tool(**{**stored, **parts}), Settings(**settings)
     except (KeyError, TypeError) as error:
@@ -123,13 +116,13 @@ def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
 
 
 def _check(trajectory: Trajectory, stop_after: str | None) -> None:
-    if trajectory.stop_reason not in PAUSES:
+    if not trajectory.stop_reason.resumable:
         raise ValueError(
-            f"trajectory that stopped for {shown(trajectory.stop_reason)}: one that stopped at an event it was to stop"
+            f"trajectory that stopped for {trajectory.stop_reason}: one that stopped at an event it was to stop"
             " after, at its end or when its steps were spent is allowed"
         )
-    if stop_after is not None and shown(stop_after) not in map(shown, EVENTS):
-        raise ValueError(f"stop_after = {shown(stop_after)}: None or one of {', '.join(EVENTS)} is allowed")
+    if stop_after is not None:
+        checked_event("stop_after", stop_after, EVENTS)
 
 
 def _turn_left(trajectory: Trajectory, settings: Settings, later: float) -> float:
@@ -170,16 +163,11 @@ def _clear(scene: Scene, state: State, accuracy: float, trajectory: Trajectory) 
 
 
 def _leaves(scene: Scene, state: State, obstacle: Obstacle, trajectory: Trajectory) -> bool:
-    """Whether the last thing that happened at an obstacle has set the bristle free, if anything did."""
-    told = [
-        each.name for each in trajectory.events if each.name in (*_touches(obstacle.name), f"{obstacle.name} release")
-    ]
-    contacts = [each for each in trajectory.contacts if each.obstacle == obstacle.name]
-    if not told or not contacts:
-        return _touch(scene, state, obstacle).velocity[0] > 0.0
-    last, fastest = contacts[-1], max(abs(speed) for speed in contacts[-1].velocity_before)
-    rebounds = last.outcome == "rebound" and last.velocity_after[0] > CAPTURE * fastest
-    return rebounds or told[-1].endswith(" release")
+    """Whether the bristle leaves an obstacle: by the state of contact at the end, or by its velocity at a fresh touch."""
+    end = trajectory.contact_at_end
+    if end.obstacle == obstacle.name:
+        return end.state == "separating"
+    return _touch(scene, state, obstacle).velocity[0] > 0.0
 
 
 def _pressed(scene: Scene, state: State, obstacle: Obstacle) -> State:
@@ -199,19 +187,21 @@ def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> S
     def after(span: float) -> State:
         return stepper.advance(scene, state, span).state
 
-    def room(span: float) -> float:
+    def clearance(span: float) -> float:
         return _touch(scene, after(span), obstacle).gap - CLEAR
 
     short, span = 0.0, FIRST
-    while room(span) < 0.0:
+    while clearance(span) < 0.0:
         if span > LAST or _touch(scene, after(span), obstacle).velocity[0] < 0.0:
             return after(span)
         short, span = span, 2.0 * span
-    least = room(short) if short else _touch(scene, state, obstacle).gap - CLEAR
-    return after(locate(room, short, span, least, room(span), 0.5 * CLEAR))
+    least = clearance(short) if short else _touch(scene, state, obstacle).gap - CLEAR
+    return after(locate(clearance, short, span, least, clearance(span), 0.5 * CLEAR))
 
 
-def _joined(first: Trajectory, rest: Trajectory, later: float, held: list[str], settings: Settings) -> Trajectory:
+def _joined(
+    first: Trajectory, rest: Trajectory, later: float, held: list[str], settings: Settings, stop_after: str | None
+) -> Trajectory:
     """Both parts as one run; what the rest tells of the touch that it began in is left out."""
     begin, skip = float(first.time[-1]) + later, 0 if later else 1
     struck = first.event_time("strike") is not None
@@ -236,9 +226,10 @@ def _joined(first: Trajectory, rest: Trajectory, later: float, held: list[str], 
             *(Event(each, begin + float(rest.time[-1])) for each in sorted(absent)),
         ),
         contacts=(*first.contacts, *(_later(each, begin) for each in contacts)),
-        stop_reason=called(rest.stop_reason),
+        stop_reason=rest.stop_reason,
         cost=_sum(first.cost, rest.cost),
-        parameters={"tool": first.parameters["tool"], "settings": dataclasses.asdict(settings)},
+        contact_at_end=rest.contact_at_end,
+        parameters={**first.parameters, "settings": dataclasses.asdict(settings), "stop_after": stop_after},
     )
 
 

@@ -1,7 +1,7 @@
-"""How fast a tool's scene moves by itself, and the stepper that carries it to the accuracy asked for.
+"""How fast a tool's scene moves by itself, and the stepper that carries it to the requested accuracy.
 
 In a scene's units the fastest of belt, hub and gravity has the rate 1. A bristle's own motion relative to the hub may be
-far smaller and slower than that; what is accurate to the accuracy asked for is this motion.
+far smaller and slower than that; what is accurate to the requested accuracy is this motion.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 
-__all__ = ["damped_stretch", "damping_rate", "longest_stretch", "motion_scale", "stepper_for"]
+__all__ = ["damped_interval", "damping_rate", "longest_interval", "motion_scale", "stepper_for"]
 
 MOST_DAMPING = 8.0
-"""Time constants of the engine's damping in a stretch, two in each of the fewest steps, four, that it is repeated with.
+"""Time constants of the engine's damping in an interval, two in each of the fewest steps, four, that it is repeated with.
 Damping takes all of a rate in far longer steps, whatever their length: they agree with each other on a belt that does not
 move, and no estimate of their error shows it."""
 
@@ -26,8 +26,8 @@ LARGEST_STEP = 1.0
 """Of the engine, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
 unstable, and its damping is half of what it should be."""
 
-LOCAL_SHARE, SOME_STRETCHES = 0.1, 50.0
-"""Errors of some fifty stretches do not add up to more than the accuracy. Where damping calls for more of them in the time
+LOCAL_SHARE, SOME_INTERVALS = 0.1, 50.0
+"""Errors of some fifty intervals do not add up to more than the accuracy. Where damping calls for more of them in the time
 that the belt takes to forget an error, c/k, each spends less."""
 
 
@@ -36,15 +36,15 @@ def damping_rate(scene: Scene) -> float:
     return scene.effects.damping / scene.mechanism.links[0].inertia
 
 
-def damped_stretch(scene: Scene) -> float:
-    """The longest stretch in which the engine's steps see the damping; infinite where there is none."""
+def damped_interval(scene: Scene) -> float:
+    """The longest interval in which the engine's steps see the damping; infinite where there is none."""
     rate = damping_rate(scene)
     return MOST_DAMPING / rate if rate else math.inf
 
 
-def longest_stretch(scene: Scene, samples_per_period: float) -> float:
+def longest_interval(scene: Scene, samples_per_period: float) -> float:
     """Between samples, and short enough for the damping."""
-    return min(2.0 * math.pi / samples_per_period, damped_stretch(scene))
+    return min(2.0 * math.pi / samples_per_period, damped_interval(scene))
 
 
 def motion_scale(scene: Scene, start: State) -> float:
@@ -78,7 +78,7 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
             " whose rest rounding hides (dimensionless)"
         )
     share = _local_share(scene, end)
-    return Extrapolation(share * settings.accuracy, scale, longest=longest_stretch(scene, settings.samples_per_period))
+    return Extrapolation(share * settings.accuracy, scale, longest=longest_interval(scene, settings.samples_per_period))
 
 
 def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:
@@ -93,9 +93,9 @@ def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Uni
 
 
 def _local_share(scene: Scene, end: float) -> float:
-    """Share of the accuracy asked for that each stretch may spend."""
+    """Share of the requested accuracy that each interval may spend."""
     damping, stiffness = scene.effects.damping, scene.effects.stiffness
     if not damping or not stiffness:
         return LOCAL_SHARE
     remembered = min(end, damping / stiffness)
-    return LOCAL_SHARE * min(1.0, SOME_STRETCHES * MOST_DAMPING / (remembered * damping_rate(scene)))
+    return LOCAL_SHARE * min(1.0, SOME_INTERVALS * MOST_DAMPING / (remembered * damping_rate(scene)))

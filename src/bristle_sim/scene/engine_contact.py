@@ -1,4 +1,4 @@
-"""A link held against an obstacle by the engine's contact: set back onto the obstacle, and entered in the ledger."""
+"""A link held against an obstacle by the engine's contact: set back onto the obstacle, and entered in the contact records."""
 
 from __future__ import annotations
 
@@ -8,13 +8,25 @@ import pymunk
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import contact_at
+from bristle_sim.scene.event_functions import EventFunction
 from bristle_sim.scene.mechanism import Mechanism, State, Vector
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.watches import Watch
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["ELBOW", "MOST_GRIP", "STILL", "EngineHold", "elbow", "ledger_of_hold", "locking", "room", "set_back"]
+__all__ = [
+    "ELBOW",
+    "LEAST_GRIP",
+    "MOST_GRIP",
+    "STILL",
+    "EngineContact",
+    "elbow",
+    "locking",
+    "opening_rate",
+    "set_back",
+    "sustained_contact_record",
+]
 
 MOMENT = 1e-6
 """In the scene's time unit."""
@@ -23,7 +35,7 @@ LEAST_LEVER = 1e-6
 """With a lever of the contact normal shorter than this share of the link, turning the link cannot set it back."""
 
 
-class EngineHold:
+class EngineContact:
     """The engine's own contact as a load: it acts by itself, and is lost once its force is gone."""
 
     def __init__(self, scene: Scene, obstacle: Obstacle) -> None:
@@ -159,20 +171,22 @@ LEAST_GRIP, MOST_GRIP = 1e-3, 1.99
 ELBOW = "other piece of the wire"
 
 
-def elbow(hold: EngineHold) -> Watch:
+def elbow(hold: EngineContact) -> EventFunction:
     """Another piece of a bent wire meets the obstacle that holds this one."""
 
     def beside(at: Advance) -> float:
         return hold.obstacle.gap_beside(hold.scene.mechanism.poses(at.state)[-1], hold.piece)
 
-    return Watch(ELBOW, beside, falling=True)
+    return EventFunction(ELBOW, beside, falling=True)
 
 
-def locking(hold: EngineHold) -> Watch:
+def locking(hold: EngineContact) -> EventFunction:
     """The grip gets too small: friction locks the link, or without friction the link meets the obstacle end-on."""
     jams = hold.obstacle.friction > 0.0
-    name = "jam" if jams else f"{hold.obstacle.name} met end-on: no grip for the engine's contact"
-    return Watch(name, lambda at: hold.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=True)
+    final = StopReason.JAM if jams else StopReason.NO_GRIP
+    return EventFunction(
+        "locking", lambda at: hold.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=final
+    )
 
 
 def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State, piece: int | None = None) -> State:
@@ -189,8 +203,8 @@ def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State, piece: int 
     return State(state.time, tuple(angles), tuple(rates))
 
 
-def room(first: Touch, second: Touch, rate: float) -> float:
-    """How fast the room between two contacts of a link that turns about its joint opens, whatever its rate.
+def opening_rate(first: Touch, second: Touch, rate: float) -> float:
+    """Return how fast two contacts of a link that turns about its joint leave it free between them, whatever its rate.
 
     Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if
     this sum of drift / abs(lever) is; below 0 they close on the link as a wedge does. Infinite for levers of one sign.
@@ -202,10 +216,10 @@ def room(first: Touch, second: Touch, rate: float) -> float:
     return sum(drift / abs(lever) for drift, lever in zip(drifts, levers, strict=True))
 
 
-def ledger_of_hold(
+def sustained_contact_record(
     mechanism: Mechanism, obstacle: Obstacle, first: State, last: State, sums: tuple[float, ...], outcome: str
 ) -> ContactRecord:
-    """Ledger entry of a sustained touch; ``sums`` are normal and tangential impulse and friction's work."""
+    """Contact record of a sustained touch; ``sums`` are normal and tangential impulse and friction's work."""
 
     def slip(state: State) -> float:
         return obstacle.touch(mechanism.poses(state)[-1], state.rates[-1]).velocity[1]
