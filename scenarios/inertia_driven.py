@@ -6,6 +6,7 @@ passes the radial direction. How fast is its tip then, and how fast must the pul
 
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
@@ -27,11 +28,20 @@ def run(values: Mapping[str, Any]) -> Report:
     return inertia_driven(tool, build(Settings, values), with_reference=values["reference"] == "yes")
 
 
+def plot(report: Report, path: Path) -> None:
+    """Draw both bristles' angles over the hub's turn, and their rates over the angles."""
+    from bristle_sim.render.inertia_figure import inertia_figure
+    from bristle_sim.render.style import save_figure
+
+    save_figure(inertia_figure(report.subject), path)
+
+
 SCENARIO = Scenario(
     name="inertia_driven",
     question="How fast does the tip strike that inertia drives, without a bar?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=run,
+    plot=plot,
     without=("knee_position", "knee_angle_deg", "hub_turn", "step"),
     defaults={
         "reference": ("yes", "chosen: a flight takes the independent solution little time"),

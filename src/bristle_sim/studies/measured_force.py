@@ -7,6 +7,7 @@ the record.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from dataclasses import dataclass
 
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 from bristle_sim.comparison import Quantity
 from bristle_sim.crater_parameters import Measurement
 from bristle_sim.force_file.read import read_force_csv
-from bristle_sim.studies.force_trials import fit_in_words, peak_of
+from bristle_sim.studies.force_trials import fit_in_words
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history
 
 __all__ = ["MeasuredForce", "measured_force", "measured_in_words", "measured_rows"]
@@ -33,6 +34,9 @@ FORM = 0.05
 FORM_IMPULSE = 0.02
 """Chosen likewise, of the impulse: a half sine's fit has 0.9 % more, that of sin^1.5 the same."""
 
+NEAR_PEAK = 0.05
+"""Part of the duration before and after the peak over which its force is averaged; a clipped record is lower there."""
+
 CERTAIN = 5.0
 """Standard deviations of noise that a difference may have."""
 
@@ -45,11 +49,13 @@ class MeasuredForce:
         time: s since the contact's start, from half a duration before it to half a duration after its end, shape (n,).
         force: N above the baseline, shape (n,).
         fit: see ForceFit; its start is on the file's clock.
+        inverted: whether the file has the force with the opposite sign.
     """
 
     time: Array
     force: Array
     fit: ForceFit
+    inverted: bool = False
 
     @property
     def noise(self) -> float:
@@ -76,18 +82,36 @@ def measured_force(measurement: Measurement) -> MeasuredForce | None:
     except ValueError as error:
         raise ValueError(f"force_csv = {error}") from None
     try:
-        fit = fit_force_history(time, force)
+        found = _fitted(time, force)
     except ValueError as error:
-        raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
-    if peak_of(fit.curve) is None:
-        raise ValueError(f"force_csv = {measurement.force_csv}: must be points of a force that rises and falls again")
+        # A contact only pushes: where nothing is found but in the opposite sense, the sensor's sign is meant.
+        pulled = _pulled(time, force)
+        if pulled is None:
+            raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
+        return pulled
+    if measured_rows(found)[-1].ok:
+        return found
+    return _pulled(time, force) or found
+
+
+def _pulled(time: Array, force: Array) -> MeasuredForce | None:
+    """The contact in a record with the opposite sign; None where there is none of the curve's form."""
+    try:
+        found = dataclasses.replace(_fitted(time, -force), inverted=True)
+    except ValueError:
+        return None
+    return found if all(each.ok for each in measured_rows(found)) else None
+
+
+def _fitted(time: Array, force: Array) -> MeasuredForce:
+    fit = fit_force_history(time, force)
     later, length = time - fit.start, fit.curve.duration
     shown = (later >= -0.5 * length) & (later <= 1.5 * length)
     return MeasuredForce(later[shown], force[shown] - fit.baseline, fit)
 
 
 def measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
-    """Impulse of the fit beside that of the points, and the misfit beyond the noise."""
+    """Impulse of the fit and its force near the peak beside those of the points, and the misfit beyond the noise."""
     curve, noise, peak = measured.fit.curve, measured.noise, measured.fit.curve.peak_force()
     length = curve.duration
     inside = (measured.time >= -MARGIN * length) & (measured.time <= (1.0 + MARGIN) * length)
@@ -99,8 +123,15 @@ def measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
     # Over n points, squared residuals have a variance of 2 noise^4/n, squared second differences of 3.9 noise^4/n.
     chance = CERTAIN * math.sqrt(6.0 / force.size) * (noise / peak) ** 2
     misfit = math.sqrt(max(0.0, measured.fit.root_mean_square**2 - noise**2)) / peak
+    top = np.abs(time - curve.peak_time()) <= NEAR_PEAK * length
+    near = np.asarray(curve(time[top])), force[top]
+    slack = FORM + CERTAIN * noise / math.sqrt(max(1, int(top.sum()))) / peak
+    peaks = () if not top.any() else (
+        Quantity("fitted_force_near_peak", "N", float(near[0].mean()), reference=float(near[1].mean()), tolerance=slack),
+    )  # fmt: skip
     return (
         Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread),
+        *peaks,
         Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=math.sqrt(FORM**2 + chance)),
     )
 
@@ -109,7 +140,9 @@ def measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
     """What was found in the file, for the terminal."""
     fit = measured.fit
     level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
+    sign = ("the file's force is negative in the contact: taken with the opposite sign",) if measured.inverted else ()
     return (
+        *sign,
         f"contact found in the file from {fit.start:.9g} s on its clock, for {1e6 * fit.curve.duration:.4g} us; baseline"
         f" {level}",
         f"theory: the curve (3.3) fitted to it, {fit_in_words(fit)}",
