@@ -104,7 +104,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     ]  # fmt: skip
     found = () if radial is None else (("radial", radial.time),)
     return Report(
-        outcome="no contact",
+        outcome=None,
         quantities=tuple(rows),
         events=found,
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
