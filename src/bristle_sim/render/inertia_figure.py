@@ -29,14 +29,15 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     panel_title(turn, "a", "angle from the radial direction")
     panel_title(phase, "b", "rate relative to the hub, over the angle")
     for run, color, name, end in _runs(driven):
-        course = Motion(run).course()
-        angle = np.degrees(course.relative_angle)
-        turned = np.degrees(course.hub_angle - course.hub_angle[0])
+        motion = Motion(run)
+        course = motion.course()
+        angle = -np.degrees(course.retraction)
+        turned = np.degrees(motion.hub_angle(course.time) - run.hub_angle[0])
         turn.plot(turned, angle, color=color, label=name)
-        phase.plot(angle, course.relative_rate, color=color)
-        for axes, x, y in ((turn, turned, angle), (phase, angle, course.relative_rate)):
+        phase.plot(angle, course.relative_speed, color=color)
+        for axes, x, y in ((turn, turned, angle), (phase, angle, course.relative_speed)):
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
-        _name_end(phase, float(angle[-1]), float(course.relative_rate[-1]), end, color)
+        _name_end(phase, float(angle[-1]), float(course.relative_speed[-1]), end, color)
     for axes in (turn, phase):
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
