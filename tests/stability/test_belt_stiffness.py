@@ -11,8 +11,9 @@ from bristle_sim.parameters import Bar, Belt, Hub, Tool
 from bristle_sim.scene import pace
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Effects
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps
+from bristle_sim.scene.stepping import PlainSteps
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.hard_cases.belt_stiffness import (

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene import contact_laws, contact_space, passage
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.hard_cases import mass_ratio

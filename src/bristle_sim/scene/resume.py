@@ -16,10 +16,10 @@ from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine_contact import LEAST_LEVER, set_back
 from bristle_sim.scene.events import locate
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.tool import METHOD, build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
