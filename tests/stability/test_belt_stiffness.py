@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Hub, Tool
-from bristle_sim.scene import pace
+from bristle_sim.scene import time_scales
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Effects
 from bristle_sim.scene.extrapolation import Extrapolation
@@ -106,7 +106,7 @@ def test_steps_that_gain_energy_are_noticed(monkeypatch: pytest.MonkeyPatch) -> 
             state = found.state
             return found._replace(state=State(state.time, state.angles, tuple(1.02 * each for each in state.rates)))
 
-    monkeypatch.setattr(pace, "PlainSteps", Gaining)
+    monkeypatch.setattr(time_scales, "PlainSteps", Gaining)
     long = [case for case in cases(full=False) if "longest step" in case.name]
     assert long
     assert not any(case.measure().ok for case in long)
