@@ -12,7 +12,8 @@ from typing import Any
 
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_map import Place, named, placed, radial_place, simulation
+from bristle_sim.studies.bar_search import Place, placed, radial_place, simulation
+from bristle_sim.studies.cue_map import named
 from bristle_sim.studies.strike_point import keys_of, tool_of_keys
 from bristle_sim.theory import cueing
 
