@@ -58,7 +58,7 @@ def rounding_rows(tool: Tool, settings: Settings) -> list[dict[str, Any]]:
     values["retraction_deg"] = RETRACTION_DEG
     ways: dict[str, Callable[..., Outputs]] = {
         "formula": lambda **keys: _by_formula(cueing.cue, keys),
-        "formula with centrifugal stiffening": lambda **keys: _by_formula(cueing.stiffened_cue, keys),
+        "stiffened formula": lambda **keys: _by_formula(cueing.stiffened_cue, keys),
         "simulated pass": _simulation(tool, settings),
     }
     rows = []

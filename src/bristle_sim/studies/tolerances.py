@@ -137,20 +137,21 @@ def _quantities(rows: Sequence[Mapping[str, Any]]) -> list[Quantity]:
 
 
 def _remarks(rows: Sequence[Mapping[str, Any]], rounding: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
-    lines = ["theory: first-order error propagation. Total Sobol indices (95 % interval), the largest of each output:"]
+    lines = ["theory: first-order error propagation; the inputs that matter most, by their total Sobol index:"]
     for row in rows:
         ranked = sorted(row["indices"].items(), key=lambda item: -item[1]["total"])[:3]
-        told = ", ".join(
-            f"{key} {each['total']:.2f} ({each['total_interval'][0]:.2f} to {each['total_interval'][1]:.2f})"
-            for key, each in ranked
-        )
-        lines.append(f"  {row['output']}: {told}")
+        told = ", ".join(f"{key} {each['total']:.2f}" for key, each in ranked)
+        lines.append(f"{row['output']:<26} {told}")
     if rounding:
-        lines += ["", "how far the rounding of the printed inputs explains where printed and computed numbers differ:"]
+        head = (
+            f"{'number':<18}{'by':<19}{'computed':>9}{'printed':>9}{'diff.':>8}{'at most':>9}{'std':>7}  {'mostly by'}"
+        )
+        lines += ["", "computed less printed, and how far the rounding of the printed inputs moves the computed:", head]
     for row in rounding:
+        shares = (row["relative_difference"], row["relative_worst_case"], row["relative_std"])
+        diff, most, std = (f"{100.0 * each:.1f} %" for each in shares)
         lines.append(
-            f"  {row['output']}, {row['by']}: {row['computed']:.5g}, printed {row['printed']:.5g}"
-            f" ({100.0 * row['relative_difference']:+.1f} %); rounding: at most {100.0 * row['relative_worst_case']:.1f} %,"
-            f" mostly {row['largest']}, std {100.0 * row['relative_std']:.1f} %"
+            f"{row['output']:<18}{row['by']:<19}{row['computed']:>9.4g}{row['printed']:>9.4g}{diff:>8}{most:>9}{std:>7}"
+            f"  {row['largest']}"
         )
     return tuple(lines)
