@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import quantity, validate
+from bristle_sim.quantity import ANY, quantity, validate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
@@ -60,13 +60,26 @@ class MapGrid:
     """Resolution of the maps, and the processes that compute them."""
 
     points: float = quantity(
-        25.0, "map_points", "1", at_least=2.0, at_most=2000.0, source="chosen: points of each axis of the maps"
+        25.0,
+        "map_points",
+        "1",
+        at_least=2.0,
+        at_most=2000.0,
+        source="chosen",
+        meaning="points of each axis of the maps",
+        usual=ANY,
     )
     half_width: float = quantity(
-        0.008, "map_half_width", "m", above=0.0, at_most=1e3, source="chosen: of the maps about the bar's position"
+        0.008,
+        "map_half_width",
+        "m",
+        above=0.0,
+        at_most=1e3,
+        source="chosen",
+        meaning="half-width of the maps about the bar's position",
     )
     workers: float = quantity(
-        1.0, "workers", "1", at_least=1.0, at_most=4096.0, source="chosen: processes for the maps"
+        1.0, "workers", "1", at_least=1.0, at_most=4096.0, source="chosen", meaning="processes for the maps", usual=ANY
     )
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import Range, choice, quantity, validate
+from bristle_sim.quantity import ANY, Range, choice, quantity, validate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.rounding import propagated, rounding_rows
 from bristle_sim.studies.sobol import sobol_study
@@ -31,7 +31,10 @@ FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
 
 
 def _spread(default: float, key: str, unit: str, source: str) -> Any:
-    return quantity(default, f"spread_{key}", unit, at_least=0.0, at_most=1e6, source=source)
+    meaning = f"half-width of the interval of {key}"
+    return quantity(
+        default, f"spread_{key}", unit, at_least=0.0, at_most=1e6, source=source, meaning=meaning, usual=ANY
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,12 +69,34 @@ class Sampling:
     """
 
     samples: float = quantity(
-        256.0, "samples", "1", at_least=2.0, at_most=2.0**24, source="chosen: a power of 2; fewer give poor indices"
+        256.0,
+        "samples",
+        "1",
+        at_least=2.0,
+        at_most=2.0**24,
+        source="chosen; fewer give poor indices",
+        meaning="points of the Sobol sequence, a power of 2",
+        usual=ANY,
     )
-    seed: float = quantity(1.0, "seed", "1", at_least=0.0, at_most=2.0**32 - 1, source="chosen: of the scrambling")
-    workers: float = quantity(1.0, "workers", "1", at_least=1.0, at_most=4096.0, source="chosen: processes")
+    seed: float = quantity(
+        1.0,
+        "seed",
+        "1",
+        at_least=0.0,
+        at_most=2.0**32 - 1,
+        source="chosen",
+        meaning="of the sequence's scrambling",
+        usual=ANY,
+    )
+    workers: float = quantity(
+        1.0, "workers", "1", at_least=1.0, at_most=4096.0, source="chosen", meaning="processes", usual=ANY
+    )
     rounding: str = choice(
-        "yes", "rounding", ("yes", "no"), source="chosen: whether the printed inputs are looked at too"
+        "yes",
+        "rounding",
+        ("yes", "no"),
+        source="chosen",
+        meaning="whether the rounding of the printed inputs is studied too",
     )
 
     def __post_init__(self) -> None:
