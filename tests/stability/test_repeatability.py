@@ -1,0 +1,168 @@
+"""Equal input gives equal bits: again, among other runs, in threads, in optimised processes, saved and loaded."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import hashlib
+import math
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+
+import pymunk
+import pytest
+
+import bristle_sim
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
+from bristle_sim.scene.energetic_contact import EnergeticContact
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Trajectory
+
+SETTINGS = Settings(accuracy=1e-6)
+
+TOOLS = {
+    "energetic": Tool(),
+    "engine": Tool(contact=Contact("engine")),
+    "compliant, 0.1 ms": Tool(contact=Contact("compliant", 1e-4)),
+    "damped, bar that throws back": Tool(belt=Belt(damping_ratio=0.05), bar=Bar(restitution=0.9)),
+    "bent, rough bar and workpart": Tool(
+        bristle=Bristle(knee_angle_deg=20.0), bar=Bar(friction=0.2), workpart=Workpart(friction=0.6)
+    ),
+}
+"""Passes by each contact law and with what else a scene can hold."""
+
+
+def falling_rods() -> list[tuple[float, float, float]]:
+    """Let rods fall on a floor in a space of the engine's own."""
+    space = pymunk.Space()
+    space.gravity = (0.0, -9.81)
+    floor = pymunk.Segment(space.static_body, (-5.0, -1.0), (5.0, -1.0), 1.0)
+    rods = [pymunk.Body(1.0, 1.0 / 12.0) for _ in range(3)]
+    shapes = [pymunk.Segment(body, (0.0, -0.5), (0.0, 0.5), 0.01) for body in rods]
+    for index, body in enumerate(rods):
+        body.position, body.angle = (2.0 * index - 2.0, 0.6), 0.3 * (index + 1)
+    for shape, kind in zip((floor, *shapes), (1, 2, 2, 2), strict=True):
+        shape.collision_type = kind
+    space.add(floor, *rods, *shapes)
+    contact = EnergeticContact(space, 1, 2, friction=0.4, restitution=0.6)
+    for _ in range(400):
+        contact.step(1e-3)
+    return [(body.position.x, body.position.y, body.angle) for body in rods]
+
+
+def two_rods(law: str) -> object:
+    """Let two rods strike whose slip reverses."""
+    rods = Chain((5.0, 5.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+    return strike(rods, Surface(0.5, None, 0.5), Contact(law), SETTINGS).contact
+
+
+RUNS: dict[str, Callable[[], object]] = {
+    **{name: partial(simulate, tool, SETTINGS) for name, tool in TOOLS.items()},
+    "plain steps": partial(simulate, Tool(), Settings(step=2e-5)),
+    "two rods, compliant": partial(two_rods, "compliant"),
+    "rods in another space": falling_rods,
+}
+
+
+def bits(result: object) -> str:
+    """Return every bit of a result but what it cost in time, as a short text."""
+    digest = hashlib.sha256()
+    _take(digest.update, result)
+    return digest.hexdigest()[:16]
+
+
+def _take(update: Callable[[bytes], None], part: object) -> None:
+    if dataclasses.is_dataclass(part):
+        for each in dataclasses.fields(part):
+            if each.name not in ("wall_s", "cpu_s"):
+                _take(update, getattr(part, each.name))
+    elif isinstance(part, tuple | list):
+        update(b"(")
+        for each in part:
+            _take(update, each)
+    elif hasattr(part, "tobytes"):
+        update(part.tobytes())
+    else:
+        update(repr(part).encode())
+
+
+@pytest.fixture(scope="module")
+def first() -> dict[str, str]:
+    """Run everything once, one after the other."""
+    return {name: bits(run()) for name, run in RUNS.items()}
+
+
+def test_again_among_other_runs_and_in_threads(first: dict[str, str]) -> None:
+    with ThreadPoolExecutor(4) as pool:
+        again = dict(zip(reversed(RUNS), pool.map(lambda name: bits(RUNS[name]()), reversed(RUNS)), strict=True))
+    assert again == first
+
+
+@pytest.mark.parametrize(("option", "seed"), [("-OO", "1"), ("-B", "2")])
+def test_in_another_process_without_asserts_and_with_other_hashes(
+    option: str, seed: str, first: dict[str, str]
+) -> None:
+    program = "from stability.test_repeatability import RUNS, bits\nprint([bits(run()) for run in RUNS.values()])"
+    done = subprocess.run(
+        [sys.executable, option, "-c", program],
+        capture_output=True,
+        text=True,
+        timeout=60.0,
+        check=True,
+        env=os.environ | {"PYTHONHASHSEED": seed, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )
+    assert ast.literal_eval(done.stdout) == list(first.values())
+
+
+@pytest.mark.parametrize("name", TOOLS)
+def test_saved_and_loaded(name: str, first: dict[str, str], tmp_path: Path) -> None:
+    run = simulate(TOOLS[name], SETTINGS)
+    run.save(tmp_path / "run.npz")
+    loaded = Trajectory.load(tmp_path / "run.npz")
+    assert bits(loaded) == first[name]
+    assert repr((loaded.cost, loaded.parameters)) == repr((run.cost, run.parameters))
+
+
+def test_a_bit_that_differs_is_noticed(first: dict[str, str]) -> None:
+    run = simulate(Tool(), SETTINGS)
+    for name in ("time", "angles", "potential_energy"):
+        array = getattr(run, name).copy()
+        array.flat[-1] = math.nextafter(array.flat[-1], math.inf)
+        assert bits(dataclasses.replace(run, **{name: array})) != first["energetic"]
+    event = dataclasses.replace(run.events[0], time=math.nextafter(run.events[0].time, 1.0))
+    assert bits(dataclasses.replace(run, events=(event, *run.events[1:]))) != first["energetic"]
+    assert bits(simulate(Tool(), Settings(accuracy=math.nextafter(1e-6, 1.0)))) != first["energetic"]
+
+
+def guards(source: str) -> list[int]:
+    """Return the lines of asserts that do more than tell a type checker what is known already: python -O drops them."""
+    asserts = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Assert)]
+    return [node.lineno for node in asserts if not _tells_a_type(node.test)]
+
+
+def _tells_a_type(test: ast.expr) -> bool:
+    if isinstance(test, ast.Compare):
+        plain = isinstance(test.left, ast.Name | ast.Attribute)
+        return plain and isinstance(test.ops[0], ast.IsNot) and ast.unparse(test.comparators[0]) == "None"
+    return isinstance(test, ast.Call) and ast.unparse(test.func) == "isinstance"
+
+
+def test_no_assert_of_the_source_guards_input() -> None:
+    sources = Path(bristle_sim.__file__).parent.rglob("*.py")
+    found = {file.name: guards(file.read_text(encoding="utf-8")) for file in sources}
+    assert {name: lines for name, lines in found.items() if lines} == {}
+
+
+def test_asserts_that_guard_are_found() -> None:
+    source = (
+        "assert x is not None\nassert isinstance(x, int)\nassert x > 0\nassert isinstance(x, int) and x\n"
+        "assert x.pop() is not None\nassert go()\nassert x is None\n"
+    )
+    assert guards(source) == [3, 4, 5, 6, 7]
