@@ -54,10 +54,10 @@ def _motions() -> dict[str, tuple[Tool, Settings, Start]]:
     free, slow = replace(BARE, workpart=None), Contact("compliant", duration=1e-3)
     long, fixed = Settings(hub_turn=LONG), Settings(step=1e-6, hub_turn=LONG)
     fine = Settings(accuracy=1e-11, hub_turn=LONG)
-    released = {"start_relative_angle": -RETRACTION_AT_RELEASE}
-    folded = {"start_hub_angle": -0.4, "start_relative_angle": -0.5}
-    pressed = {"start_hub_angle": -0.4, "start_relative_angle": -0.3}
-    striking = {"start_hub_angle": -GAMMA, "start_relative_rate": 583.8}
+    released: Start = {"start_relative_angle": -RETRACTION_AT_RELEASE}
+    folded: Start = {"start_hub_angle": -0.4, "start_relative_angle": -0.5}
+    pressed: Start = {"start_hub_angle": -0.4, "start_relative_angle": -0.3}
+    striking: Start = {"start_hub_angle": -GAMMA, "start_relative_rate": 583.8}
     on_workpart = replace(between(-0.4, -0.7, bar_gap=None), hub=Hub(speed=0.0))
     on_bar = replace(between(-0.4, -0.9, gap=None), hub=Hub(speed=1e-3))
     return {

@@ -112,15 +112,15 @@ def _taps(obstacle: str, tool: Tool, ratio: float, start: Start) -> Finding:
 
     The reference does not follow hops below 1e-4 rad.
     """
-    unit, turn = tool_units(tool).time, {"hub_turn": 2.0} if obstacle == "bar" else {}
-    run = simulate(tool, Settings(**turn), **start)
+    unit, turn = tool_units(tool).time, 2.0 if obstacle == "bar" else Settings().hub_turn
+    run = simulate(tool, Settings(hub_turn=turn), **start)
     taps, contact = taps_of(run, obstacle)
     hops = np.diff([tap.time for tap in taps]) / unit
     hops = hops[hops > 2.0 * SHORTEST_HOP]
     uneven = worst(((hops[1:] / hops[:-1] - ratio) / hops[:-1])[-5:])
     found = [_come_to_rest(taps, contact, ratio), within(uneven, UNEVEN, "ratio of hops off by, per radian,")]
     if obstacle == "bar":
-        _, expected = taps_of(simulate_reference(tool, accuracy=1e-10, **turn, **start), obstacle)
+        _, expected = taps_of(simulate_reference(tool, accuracy=1e-10, hub_turn=turn, **start), obstacle)
         late = math.nan if contact is None or expected is None else (contact.time - expected.time) / unit
         found.append(within(late, (SHORTEST_HOP + 1e-4) * ratio / (1.0 - ratio), "late by, in radians,"))
     else:

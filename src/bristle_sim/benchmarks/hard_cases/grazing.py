@@ -8,7 +8,7 @@ from functools import partial
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, within, worst
 from bristle_sim.benchmarks.hard_cases.impacts import agrees_in_time, struck
-from bristle_sim.benchmarks.hard_cases.measures import is_finite
+from bristle_sim.benchmarks.hard_cases.measures import Start, is_finite
 from bristle_sim.parameters import Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.compliant import LEAST_DURATION
@@ -155,7 +155,7 @@ def _swings(depth: float) -> Finding:
     side, swing = math.radians(40.0), math.radians(25.0)
     lowest = ROOT * math.cos(side) + LENGTH * math.cos(side - swing)
     tool = replace(TOOL, hub=Hub(speed=0.0), bar=None, workpart=Workpart(penetration=TIP - lowest + depth * LENGTH))
-    start = {"start_hub_angle": -side, "start_relative_angle": -swing}
+    start: Start = {"start_hub_angle": -side, "start_relative_angle": -swing}
     run, exact = simulate(tool, Settings(accuracy=ACCURACY), **start), simulate_reference(tool, accuracy=1e-12, **start)
     one, other = run.event_time("strike"), exact.event_time("strike")
     if one is None or other is None:

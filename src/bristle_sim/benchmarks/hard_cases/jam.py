@@ -60,7 +60,7 @@ ACCURACY = 1e-10
 LEANING = Tool(belt=Belt(stiffness=0.0), bar=None, workpart=Workpart(penetration=0.0095))
 """A bristle thrown forward from ``THROWN``, so that its tip is pushed over the workpart."""
 
-THROWN = {"start_hub_angle": -0.7, "start_relative_angle": 1.2}
+THROWN: Start = {"start_hub_angle": -0.7, "start_relative_angle": 1.2}
 
 EXACT = f"; impulse exact to {ROUNDINGS} roundings over that distance"
 NAMED = "either end, by name, with a finite impulse"

@@ -91,9 +91,9 @@ def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: fl
 
 
 def _closed_form(chain: Chain, friction: float, restitution: float) -> DoublePendulumImpact:
-    values = (chain.masses[1], chain.masses[0] / chain.masses[1], chain.lengths[0])
-    motion = (-value for value in (*chain.angles, *chain.rates))
-    return double_pendulum_impact(*values, *motion, friction, restitution)
+    (first, second), (one, two) = chain.angles, chain.rates
+    mass, ratio = chain.masses[1], chain.masses[0] / chain.masses[1]
+    return double_pendulum_impact(mass, ratio, chain.lengths[0], -first, -second, -one, -two, friction, restitution)
 
 
 def _random_pendulums(ratio: float) -> Finding:

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -43,7 +42,13 @@ ONE_INTERVAL = 100 * sum(CLOSE.counts)
 
 IMPACT_LAWS = ("energetic", "compliant", "engine")
 
-Start = Mapping[str, float]
+
+class Start(TypedDict, total=False):
+    """Start of a run, in rad and rad/s; what is absent is as by default."""
+
+    start_hub_angle: float
+    start_relative_angle: float
+    start_relative_rate: float
 
 
 def impacts_of(run: Trajectory, obstacle: str | None = None) -> list[ContactRecord]:
@@ -82,7 +87,7 @@ def agrees_with_reference(
     given: dict[str, Any] = {**(start or {}), "stop_after": stop_after}
     run = simulate(tool, Settings(accuracy=max(limit, 1e-11)), **given)
     lost = may_lose_grip and run.stop_reason is StopReason.NO_GRIP
-    upto = {"duration": float(run.time[-1])} if lost else {}
+    upto: dict[str, Any] = {"duration": float(run.time[-1])} if lost else {}
     other = simulate_reference(tool, accuracy=max(MORE_ACCURATE * limit, 1e-12), **given, **upto)
     off = worst([*end_difference(run, other), *([] if lost else strike_difference(run, other))])
     alike = lost or run.stop_reason is other.stop_reason

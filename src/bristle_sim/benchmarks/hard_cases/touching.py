@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -57,7 +58,7 @@ def touching() -> list[HardCase]:
     free = f"leaves without an impulse, as if nothing were there, to {ACCURACY:g}"
     begun = f"as in the reference to {ACCURACY:g}, the requested accuracy, and touched at once"
     for obstacle in STARTS:
-        tried = {
+        tried: dict[str, tuple[str, Callable[[str], Finding]]] = {
             "at rest, pressed on": (f"{promise}; its force the belt's torque over the lever to {SOLVED:g}", _press),
             "at rest, pulled off": (free, _pull_off),
             "moving into": (begun, _move_in),
@@ -183,7 +184,7 @@ def _alone(
     hub_angle, relative = STARTS[obstacle][0], side * STARTS[obstacle][1]
     bar_gap, part_gap = (gap, None) if obstacle == "bar" else (None, gap)
     tool = between(hub_angle, hub_angle + relative, bar_gap=bar_gap, gap=part_gap)
-    start = {"start_hub_angle": hub_angle, "start_relative_angle": relative, "start_relative_rate": rate}
+    start: Start = {"start_hub_angle": hub_angle, "start_relative_angle": relative, "start_relative_rate": rate}
     return tool if turning else replace(tool, hub=Hub(speed=0.0)), start
 
 

@@ -119,8 +119,9 @@ def _meets_at_step(part: float) -> Finding:
                 tool = with_bar_at(distance * TIP, radius, speed)
                 step = max(1e-12, part * tool_units(tool).time)
                 angle = START + max(0.0, first_bar_touch(tool) - 100.0 * step) * speed
-                start, settings = {"start_hub_angle": angle}, Settings(step=step, samples_per_period=1)
-                met.append(_meets(tool, settings, "bar touch", first_bar_touch(tool, angle), step, start))
+                settings = Settings(step=step, samples_per_period=1)
+                expected = first_bar_touch(tool, angle)
+                met.append(_meets(tool, settings, "bar touch", expected, step, {"start_hub_angle": angle}))
     return _all_met(met)
 
 
@@ -128,7 +129,7 @@ def _meets_when_thrown(rate: float, accuracy: float) -> Finding:
     """The root is a hub's radius beside the centre; the bar stands 0.9 rad behind the bristle, at 0.8 of its length."""
     behind, along, met = 0.9, 0.8 * LENGTH, []
     settings = Settings(accuracy=accuracy, samples_per_period=1, maximum_steps=50_000)
-    start = {"start_relative_rate": -rate}
+    start: Start = {"start_relative_rate": -rate}
     for radius in (THINNEST, 1e-3):
         x, y = ROOT - along * math.sin(START - behind), along * math.cos(START - behind)
         thrown = replace(with_bar_at(TIP, radius), hub=Hub(speed=0.0), belt=Belt(stiffness=0.0), workpart=None)
@@ -152,7 +153,7 @@ def _swinging_bristle_meets(drawn: random.Random, accuracy: float) -> Finding:
     distance, radius = TIP * drawn.uniform(0.65, 0.98), 10.0 ** drawn.uniform(-6.0, -3.0)
     tool = with_bar_at(distance, radius, speed, drawn.uniform(0.6, 1.2))
     tool = replace(tool, belt=belt, workpart=Workpart(penetration=drawn.uniform(0.001, 0.02)))
-    start = {
+    start: Start = {
         "start_hub_angle": drawn.uniform(-2.1, -1.8),
         "start_relative_angle": drawn.uniform(-0.5, 0.5),
         "start_relative_rate": drawn.uniform(-1.0, 1.0) * speed,
