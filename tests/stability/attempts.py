@@ -11,8 +11,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from bristle_sim.benchmarks.hard_cases.case import Finding
-
 __all__ = ["BAD", "Tally", "finite"]
 
 T = TypeVar("T")
@@ -32,14 +30,14 @@ LONGEST_LINE = 400
 
 @dataclass(slots=True)
 class Tally:
-    """How many calls were refused and answered, and those that broke the promise."""
+    """Number of calls that were refused and answered, and those that did neither."""
 
     refused: int = 0
     taken: int = 0
     faults: list[str] = field(default_factory=list)
 
     def attempt(self, what: str, call: Callable[[], T], good: Callable[[T], bool], *words: str) -> None:
-        """A call must give a good answer, without a warning, or a refusal that has one of the words."""
+        """Require a good answer, without a warning, or a refusal that has one of the words."""
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
@@ -62,17 +60,9 @@ class Tally:
         else:
             self.taken += 1
 
-    def finding(self) -> Finding:
-        """The counts, and the first fault."""
-        number = self.refused + self.taken + len(self.faults)
-        told = f"{self.refused} of {number} refused, {self.taken} taken"
-        if self.faults:
-            told += f", {len(self.faults)} not so, e.g. {self.faults[0]:.160}"
-        return Finding(told, not self.faults)
-
 
 def finite(result: object) -> bool:
-    """Whether no number in a result is NaN or infinite."""
+    """Return whether no number in a result is NaN or infinite."""
     if dataclasses.is_dataclass(result) and not isinstance(result, type):
         # An impulse at which slip stops is infinite where it never does.
         parts = [each.name for each in dataclasses.fields(result) if each.name != "slip_stop_impulse"]

@@ -27,7 +27,7 @@ MODULES = (
     "crater_cutting",
     "crater_energy",
 )
-"""Of the theory, with functions that take numbers."""
+"""Modules of the theory with functions that take numbers."""
 
 RAMP = np.linspace(0.0, 1.0, 6)
 TIMES = np.linspace(0.0, 1e-4, 12)[1:-1]
@@ -51,7 +51,7 @@ CRATERS: dict[str, Any] = (
     | {"time": 1e-5, "decay": 92400.0, "segments": 10}
 )
 SAMPLES = TOOL | IMPACTS | CRATERS
-"""By the arguments' names."""
+"""Samples by the arguments' names."""
 
 OWN: dict[str, dict[str, Any]] = {
     "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "terms": 1, "duration": 1e-4, "peak_force": 60.0}
@@ -67,14 +67,14 @@ OWN: dict[str, dict[str, Any]] = {
         "tangential_velocity": (RAMP - 1.0) * -20.0,
     },
 }
-"""Of functions whose arguments of these names are something else."""
+"""Samples of functions whose arguments of these names are something else."""
 
 WHOLE: dict[str, Any] = {"tool": Tool(), "curve": BRISTLE, "angles": PRINTED_ANGLES}
-"""What is no number; not spoilt."""
+"""Arguments that are no numbers; not spoilt."""
 
 
 def samples_of(function: Callable[..., Any]) -> dict[str, Any]:
-    """A good value for each of a function's numbers; those that need not be given only where there is a sample."""
+    """Return a good value for each of a function's numbers; optional ones only where there is a sample."""
     own, found = OWN.get(function.__name__, {}), {}
     for name, parameter in inspect.signature(function).parameters.items():
         if name in own or name in SAMPLES:

@@ -1,4 +1,4 @@
-"""Input that is no number, out of range or at the very ends of its range: one clear line, or a finite result."""
+"""Trials with input that is no number, out of range or at the very ends of its range: one clear line, or a finite result."""
 
 from __future__ import annotations
 
@@ -12,9 +12,6 @@ from functools import partial
 from typing import Any, TypeVar
 
 from bristle_sim import crater_parameters, parameters
-from bristle_sim.benchmarks.hard_cases.attempts import BAD, Tally, finite
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
-from bristle_sim.benchmarks.hard_cases.theory_samples import MODULES, WHOLE, samples_of
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scene.energetic_contact import EnergeticContact
@@ -22,10 +19,10 @@ from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
+from stability.attempts import BAD, Tally, finite
+from stability.theory_samples import MODULES, WHOLE, samples_of
 
-__all__ = ["cases", "corner"]
-
-THEME = "bad_input"
+__all__ = ["corner", "trials"]
 
 T = TypeVar("T")
 
@@ -40,47 +37,37 @@ CLASSES: tuple[type[Any], ...] = (
 """Every class of parameters."""
 
 CORNER_STEPS = 2000
-"""Engine steps of a pass at a corner: a spent budget is a result."""
+"""Engine steps of a pass at a corner; a spent budget is a result."""
 
 STRIKE_STEPS = 20_000
 """Engine steps of a strike at a corner: a spent budget is a refusal."""
 
 
-def cases(full: bool) -> tuple[HardCase, ...]:
-    """Quick: fewer corners."""
-    one_line = "refused in one line that names it, or taken as a plain number"
-    answered = "finite result, or refused in one line"
-    laws = ("energetic", "engine", "compliant")
-    return (
-        *(_case(f"every value of {kind.__name__}", one_line, partial(_values_of, kind)) for kind in CLASSES),
-        _case("every argument of simulate()", one_line, _simulate),
-        _case("every entry of a chain that strikes", one_line, _chain),
-        _case("every argument of EnergeticContact", one_line, _energetic_contact),
-        *(_case(f"every argument of theory.{name}", answered, partial(_theory, name)) for name in MODULES),
-        *(
-            _case(f"ends of all ranges, a strike, {law}", answered, partial(_strikes, law, _number(full, law)))
-            for law in laws
-        ),
-        _case(f"ends of all ranges, a pass of {CORNER_STEPS} steps", answered, partial(_passes, 300 if full else 30)),
-    )
+def trials() -> dict[str, Callable[[], Tally]]:
+    """Return what is tried, by name."""
+    return {
+        **{f"every value of {kind.__name__}": partial(_values_of, kind) for kind in CLASSES},
+        "every argument of simulate()": _simulate,
+        "every entry of a chain that strikes": _chain,
+        "every argument of EnergeticContact": _energetic_contact,
+        **{f"every argument of theory.{name}": partial(_theory, name) for name in MODULES},
+        **{f"ends of all ranges, a strike, {law}": partial(_strikes, law, n) for law, n in STRIKES.items()},
+        f"ends of all ranges, a pass of {CORNER_STEPS} steps": partial(_passes, 30),
+    }
 
 
-def _number(full: bool, law: str) -> int:
-    return (10 if full else 1) * (20 if law == "compliant" else 60)
+STRIKES = {"energetic": 60, "engine": 60, "compliant": 20}
+"""Number of strikes at the ends of ranges, by law."""
 
 
-def _case(name: str, promise: str, measure: Callable[[], Finding]) -> HardCase:
-    return HardCase(THEME, name, promise, measure)
-
-
-def _values_of(kind: type[Any]) -> Finding:
+def _values_of(kind: type[Any]) -> Tally:
     tally = Tally()
     for each in dataclasses.fields(kind):
         key = each.metadata["declaration"].key if "declaration" in each.metadata else each.name
         for value in BAD:
             call = partial(_made, kind, {each.name: value})
             tally.attempt(f"{key} = {shown(value)}", call, partial(_holds_plain, each.name), key)
-    return tally.finding()
+    return tally
 
 
 def _made(kind: type[Any], values: dict[str, Any]) -> Any:
@@ -88,13 +75,13 @@ def _made(kind: type[Any], values: dict[str, Any]) -> Any:
 
 
 def _holds_plain(name: str, part: object) -> bool:
-    """A plain number or word, whatever it was given as."""
+    """Return whether a part holds a plain number or word, whatever it was given as."""
     held = getattr(part, name)
     known = type(held) in (float, int, str, type(None)) or dataclasses.is_dataclass(held)
     return known and (not isinstance(held, float) or math.isfinite(held))
 
 
-def _simulate() -> Finding:
+def _simulate() -> Tally:
     tally, bare, few = Tally(), Tool(bar=None, workpart=None), Settings(maximum_steps=100)
     names = ("tool", "settings", "start_hub_angle", "start_relative_angle", "start_relative_rate", "stop_after")
     for name in names:
@@ -106,14 +93,14 @@ def _simulate() -> Finding:
     for name in ("samples_per_period", "hub_turn"):
         for value in BAD:
             tally.attempt(f"{name} = {shown(value)}", partial(_run_with, bare, name, value), finite, name)
-    return tally.finding()
+    return tally
 
 
 def _run_with(tool: Tool, name: str, value: Any) -> Trajectory:
     return simulate(tool, Settings(**{"maximum_steps": 100, name: value}))
 
 
-def _chain() -> Finding:
+def _chain() -> Tally:
     """Nothing that is no chain may reach the engine, which ends the process for a mass that is no number."""
     tally = Tally()
     good = dataclasses.asdict(Chain((5.0, 5.0), (1.0, 1.0), (-0.35, -0.5), (0.1, 0.2)))
@@ -140,10 +127,10 @@ def _chain() -> Finding:
         }
         for bad in BAD:
             tally.attempt(f"{kind.__name__} {shown(bad)}", partial(strike, **{**given, name: bad}), finite, name)
-    return tally.finding()
+    return tally
 
 
-def _energetic_contact() -> Finding:
+def _energetic_contact() -> Tally:
     tally, good = Tally(), {"collision_type_a": 1, "collision_type_b": 2, "friction": 0.3, "restitution": 0.4}
     names = ("space", *good, "restitution_friction", "resting_speed", "report")
     for name in names:
@@ -157,7 +144,7 @@ def _energetic_contact() -> Finding:
     contact = EnergeticContact(build_tool(Tool())[0].space, 1, 2, friction=0.3, restitution=0.4)
     for value in BAD:
         tally.attempt(f"duration = {shown(value)}", partial(contact.step, value), _any_answer, "duration")
-    return tally.finding()
+    return tally
 
 
 def _any_answer(answer: object) -> bool:
@@ -165,7 +152,7 @@ def _any_answer(answer: object) -> bool:
     return True
 
 
-def _theory(name: str) -> Finding:
+def _theory(name: str) -> Tally:
     tally = Tally()
     module = importlib.import_module(f"bristle_sim.theory.{name}")
     for function in (getattr(module, each) for each in module.__all__):
@@ -176,11 +163,11 @@ def _theory(name: str) -> Finding:
             for value in BAD if argument not in WHOLE else ():
                 call = partial(function, **{**good, argument: value})
                 tally.attempt(f"{function.__name__}, {argument} = {shown(value)}", call, finite)
-    return tally.finding()
+    return tally
 
 
 def corner(kind: type[T], chance: random.Random, share: float = 0.4, without: tuple[str, ...] = ()) -> T:
-    """Parameters of a class, a share of them at one end of what is allowed, the rest as by default."""
+    """Return parameters of a class, a part of them at one end of their ranges, the rest as by default."""
     return kind(**dict(_ends(kind, chance, share, without)))
 
 
@@ -196,7 +183,7 @@ def _ends(kind: type[Any], chance: random.Random, share: float, without: tuple[s
             yield each.name, chance.choice((least, declared.highest))
 
 
-def _strikes(law: str, number: int) -> Finding:
+def _strikes(law: str, number: int) -> Tally:
     tally, chance = Tally(), random.Random(f"strikes {law}")
     for _ in range(number):
         chain = _one_rod(chance) if chance.random() < 0.5 else _two_rods(chance)
@@ -204,11 +191,11 @@ def _strikes(law: str, number: int) -> Finding:
         settings = dataclasses.replace(corner(Settings, chance, without=("step",)), maximum_steps=STRIKE_STEPS)
         call = partial(strike, chain, corner(Surface, chance), contact, settings)
         tally.attempt(f"{chain}, {contact}", call, finite)
-    return tally.finding()
+    return tally
 
 
 def _contact(chance: random.Random, law: str) -> Contact:
-    """A contact of the law, whose duration is at one end of its range at times if the law has one."""
+    """Return a contact of the law, whose duration is at one end of its range at times if the law has one."""
     ends = dict(_ends(Contact, chance, 0.4, ("contact",)))
     return Contact(law, ends.get("duration") if law == "compliant" else None)
 
@@ -225,11 +212,11 @@ def _two_rods(chance: random.Random) -> Chain:
     return Chain((rods.mass_ratio * rods.mass, rods.mass), (rods.length,) * 2, angles, (-rods.rate_1, -rods.rate_2))
 
 
-def _passes(number: int) -> Finding:
+def _passes(number: int) -> Tally:
     tally, chance = Tally(), random.Random("passes")
     for _ in range(number):
         tally.attempt("pass", partial(_pass, chance), finite)
-    return tally.finding()
+    return tally
 
 
 def _pass(chance: random.Random) -> Trajectory:
