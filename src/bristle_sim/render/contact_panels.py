@@ -10,8 +10,7 @@ from matplotlib.lines import Line2D
 
 from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.impulse_plane import PHASE_COLOURS
-from bristle_sim.render.prefixes import scale_for
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, scale_for
 
 __all__ = ["NORMAL", "TANGENTIAL", "ContactPanels"]
 

@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
-from bristle_sim.benchmarks.accuracy_cost.results import OURS
+from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
@@ -43,7 +44,7 @@ NOTE = 62
 """Characters in a line of a note."""
 
 COLUMNS = 2
-"""Of a panel's legend."""
+"""Columns of a panel's legend."""
 
 COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN, "exudyn": PURPLE, "pybullet": VERMILION}
 MARKERS = "osD^vPX*"
@@ -59,34 +60,7 @@ LEAST = 1e-16
 MILLISECONDS = 1e3
 
 
-class _Case(Protocol):
-    """What a panel says about its case."""
-
-    @property
-    def name(self) -> str:
-        """Its word in tables."""
-
-    @property
-    def title(self) -> str:
-        """The panel's title."""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Lines below the panel."""
-
-
-class _Measured(Protocol):
-    """What a study measured."""
-
-    @property
-    def cases(self) -> Sequence[_Case]:
-        """A panel each, in order."""
-
-    def of(self, case: str) -> Sequence[Point]:
-        """The points of a case."""
-
-
-def cost_figure(measured: _Measured) -> Figure:
+def cost_figure(measured: AccuracyCost) -> Figure:
     """Draw every case of a study in two columns; points without a finite error are left out.
 
     Raises:
@@ -119,7 +93,7 @@ def best_methods(points: Sequence[Point]) -> dict[str, str]:
 
 
 def verdict(points: Sequence[Point]) -> str:
-    """Say what the reader should see: the cheapest of ours and the cheapest of all peers at one error."""
+    """Return the cheapest of ours and the cheapest of all peers at one error, in words."""
     ours = [point for point in points if package_of(point.method) == OURS]
     peers = [point for point in points if package_of(point.method) != OURS]
     for target in TARGETS:
@@ -135,7 +109,7 @@ def _shown(point: Point) -> str:
     return f"{point.cpu_s * MILLISECONDS:.2g} ms"
 
 
-def _height(measured: _Measured, case: _Case) -> float:
+def _height(measured: AccuracyCost, case: Case) -> float:
     """Return the height of a panel with its title, axis, legend and notes, cm."""
     points = measured.of(case.name)
     lines = math.ceil(len(_named(points)) / COLUMNS) + len(_notes(case, points))
@@ -147,13 +121,13 @@ def _methods(points: Iterable[Point]) -> list[str]:
 
 
 def _named(points: Sequence[Point]) -> list[str]:
-    """Methods that have a colour and a name in the legend: all of ours, and the best of each peer."""
+    """Return the methods that have a colour and a name in the legend: all of ours, and the best of each peer."""
     best = best_methods(points).values()
     return [method for method in _methods(points) if package_of(method) == OURS or method in best]
 
 
-def _notes(case: _Case, points: Sequence[Point]) -> list[str]:
-    """The case's notes, and which methods are drawn in grey."""
+def _notes(case: Case, points: Sequence[Point]) -> list[str]:
+    """Return the case's notes, and the methods that are drawn in grey."""
     named = _named(points)
     grey: dict[str, list[str]] = {}
     for method in _methods(points):
@@ -164,7 +138,7 @@ def _notes(case: _Case, points: Sequence[Point]) -> list[str]:
     return [*(textwrap.wrap(f"grey: {words}", NOTE) if grey else []), *case.notes]
 
 
-def _panel(axes: Axes, case: _Case, points: Sequence[Point]) -> None:
+def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     named = _named(points)
     for method in _methods(points):
         _curve(axes, method, _look(method, named), points)
@@ -181,7 +155,7 @@ def _panel(axes: Axes, case: _Case, points: Sequence[Point]) -> None:
 
 
 def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
-    """Colour by package, marker by place among the package's named methods; our own curves are heavier."""
+    """Return the colour of the package and the marker by place among its named methods; our own curves are heavier."""
     if method not in named:
         return {"color": OTHERS, "linewidth": 0.8, "marker": ".", "markersize": 2.0, "zorder": 1}
     package = package_of(method)
@@ -206,7 +180,7 @@ def _curve(axes: Axes, method: str, look: dict[str, Any], points: Iterable[Point
 
 
 def _legend(axes: Axes, named: int, notes: Sequence[str]) -> None:
-    """Names and notes below the panel."""
+    """Write names and notes below the panel."""
     below = -1.05 / PANEL_HEIGHT
     axes.legend(
         loc="upper left",

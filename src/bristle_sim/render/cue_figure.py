@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
+from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Motion
 from bristle_sim.render.style import (
     BLACK,
@@ -30,10 +30,9 @@ from bristle_sim.render.style import (
 )
 from bristle_sim.render.sweep_panels import note, panel_title
 from bristle_sim.render.tool_drawing import (
-    BAR_COLOUR,
     MILLIMETRES,
-    View,
     WireDrawing,
+    draw_bar,
     draw_hub,
     draw_workpart,
     name_parts,
@@ -51,7 +50,7 @@ PLAN = (7.2, 6.2)
 """Width and height of the plan view, cm."""
 
 NEARBY = math.radians(25.0)
-"""The plan shows bars within this of the tool's own, rad; others are told in the table alone."""
+"""The plan shows bars within this of the tool's own, rad; the others are in the table alone."""
 
 NAMES = {
     OWN: "{stiffness:.4g} N·m/rad",
@@ -62,7 +61,7 @@ NAMES = {
 COLOURS = {OWN: SKY, "per_radian": ORANGE, "per_degree": GREEN, "from_254_hz": PURPLE}
 
 COLUMNS = (0.52, 0.68, 1.0)
-"""Right edges of the table's numbers, as shares of its width."""
+"""Right edges of the table's numbers, as fractions of its width."""
 
 
 @styled()
@@ -86,7 +85,7 @@ def cue_figure(timing: CueTiming) -> Figure:
 
 
 def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
-    """Simulated and by formula, each up to its own cue time."""
+    """Draw the simulated release and the formula's, each up to its own cue time."""
     course = Motion(timing.trajectory).course()
     lines = [("simulated", BLUE, Release(course.time, course.retraction, course.relative_speed))]
     if timing.formula is not None:
@@ -110,7 +109,7 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
 
 
 def _mark_cues(retraction: Axes, speed: Axes, lines: Sequence[tuple[str, str, Release]]) -> None:
-    """Where each line ends, at its highest speed; the earlier cue is named on its left, the later on its right."""
+    """Mark where each line ends, at its highest speed; the earlier cue is named on its left, the later on its right."""
     latest = max(float(line.time[-1]) for _, _, line in lines)
     for name, color, line in lines:
         cued, highest = float(line.time[-1]) * MILLISECONDS, float(line.relative_speed[-1])
@@ -135,15 +134,14 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
     view = _view(timing, bars, wires)
     axes.grid(visible=False)
     draw_hub(axes, tool)
-    draw_workpart(axes, tool, view)
-    look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
-    axes.add_patch(_circle(timing, given, gid="bar as given", **look))
+    draw_workpart(axes, tool.workpart_depth, view)
+    draw_bar(axes, *_centre(given), timing.bar.radius, gid="bar as given")
     for name in near:
         for side, style in (("simulated", "-"), ("formula", ":")):
             place = getattr(timing.places[name], side)
             if place is not None:
-                look = {"edgecolor": COLOURS[name], "linewidth": 1.3, "linestyle": style}
-                axes.add_patch(_circle(timing, place, fill=False, zorder=5, gid=f"{side} {name}", **look))
+                look: dict[str, Any] = {"edgecolor": COLOURS[name], "linewidth": 1.3, "linestyle": style, "zorder": 5}
+                draw_bar(axes, *_centre(place), timing.bar.radius, fill=False, gid=f"{side} {name}", **look)
     view.apply(axes)
     name_parts(axes, tool, 7.0, without=("bar",))
     for line, color, name in zip(wires, (GREY, BLACK), ("released", "fastest"), strict=False):
@@ -162,7 +160,7 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
 
 
 def _near(places: ReadingPlaces, timing: CueTiming) -> bool:
-    """Whether a stiffness's bars are worth a place in the drawing."""
+    """Return whether a stiffness's bars stand near enough to the tool's own to be drawn."""
     own = timing.places[timing.own].simulated or BarPlace.of(timing.bar)
     directions = [place.direction for place in _places(places)]
     return bool(directions) and all(abs(each - own.direction) < NEARBY for each in directions)
@@ -173,30 +171,20 @@ def _places(places: ReadingPlaces) -> list[BarPlace]:
 
 
 def _centre(place: BarPlace) -> tuple[float, float]:
-    """On the incoming side, mm."""
-    return -place.horizontal * MILLIMETRES, -place.vertical * MILLIMETRES
-
-
-def _circle(timing: CueTiming, place: BarPlace, **look: Any) -> Circle:
-    """A bar of the tool's radius at a place."""
-    return Circle(_centre(place), timing.bar.radius * MILLIMETRES, **look)
+    """Return the bar's centre on the incoming side, m."""
+    return -place.horizontal, -place.vertical
 
 
 def _view(timing: CueTiming, bars: Sequence[BarPlace], wires: Sequence[Array]) -> View:
-    """The smallest view that holds bars, wires and the workpart's surface."""
-    radius = timing.bar.radius * MILLIMETRES
-    points = [np.array(_centre(place)) + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for place in bars]
-    points += [line * MILLIMETRES for line in wires]
-    turning = 0.4 * timing.tool.hub.radius * MILLIMETRES  # the arrow in the hub
-    points.append(np.array([[turning, 0.0], [0.0, -timing.tool.workpart_depth * MILLIMETRES]]))
-    every = np.concatenate(points)
-    (left, bottom), (right, top) = every.min(axis=0), every.max(axis=0)
-    border = 0.06 * max(right - left, top - bottom)
-    return View(left - border, right + border, bottom - 2.0 * border, top + border).widened(PLAN[0] / PLAN[1])
+    """Return the smallest view of bars, wires, the workpart's surface and the arrow in the hub, mm."""
+    corners = timing.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+    surface = np.array([[0.4 * timing.tool.hub.radius, 0.0], [0.0, -1.06 * timing.tool.workpart_depth]])
+    points = [*(np.array(_centre(place)) + corners for place in bars), *wires, surface]
+    return View.around([MILLIMETRES * each for each in points], PLAN[0] / PLAN[1], 0.06)
 
 
 def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:
-    """Directions of the bars from the workpart's normal, in the colours of the drawing, and what a whole pass gives."""
+    """List directions of the bars from the workpart's normal, in the colours of the drawing, and a whole pass's strike."""
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
     last = len(timing.places) + 1

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from bristle_sim.render.prefixes import Scale, scale_for
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, Scale, scale_for
 from bristle_sim.studies.impulse_course import ImpulseCourse
 
 __all__ = ["PHASE_COLOURS", "draw_impulse_plane"]
@@ -24,7 +23,7 @@ PHASE_COLOURS = {
 }
 
 NARROW = 0.09
-"""A stretch that takes less than this share of the panel is not named in it."""
+"""A phase that takes less than this fraction of the panel is not named in it."""
 
 LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
 
@@ -52,7 +51,7 @@ def draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCours
 
 
 def _draw_velocities(axes: Axes, course: ImpulseCourse, impulse: Scale, speed: Scale) -> None:
-    """Both velocities, each named on the side of its line that is away from zero."""
+    """Draw both velocities, each named on the side of its line that is away from zero."""
     for name, color, which in LINES:
         place, values = course.impulse * impulse.factor, getattr(course, which) * speed.factor
         axes.plot(place, values, color=color, gid=which)
@@ -70,7 +69,7 @@ def _draw_velocities(axes: Axes, course: ImpulseCourse, impulse: Scale, speed: S
 
 
 def _draw_points(axes: Axes, recorded: ImpulseCourse, last: float, impulse: Scale, speed: Scale) -> None:
-    """The contact resolved in time, as far as the energetic law goes: a tip that is stuck stays pressed on."""
+    """Draw the contact resolved in time, up to the energetic law's impulse: a tip in stiction stays pressed on."""
     shown = recorded.impulse <= 1.01 * last
     look: dict[str, Any] = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
     for _, _, which in LINES:
@@ -79,28 +78,28 @@ def _draw_points(axes: Axes, recorded: ImpulseCourse, last: float, impulse: Scal
 
 
 def _frame(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
-    """Limits with room for the phases' names above and the impulses' names below."""
+    """Set limits with room for the phases' names above and the impulses' names below."""
     axes.set_xlim(0.0, 1.03 * float(course.impulse[-1]) * impulse.factor)
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))
 
 
 def _shade_phases(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
-    """Shades from phase to phase; above them compression and restitution, and below these slip or stick."""
+    """Shade the phases and write compression or restitution above, and slip or stick below that."""
     ends = (course.impulse * impulse.factor).tolist()
     halves: dict[str, tuple[float, float]] = {}
     for name, start, end in zip(course.phases, ends, ends[1:], strict=False):
         axes.axvspan(start, end, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0, gid=name)
         half, motion = name.split(" ", 1)
         halves[half] = (halves.get(half, (start, end))[0], end)
-        share = (end - start) / ends[-1]
-        _write_above(axes, 0.89, motion if share > 0.25 else motion.replace(" ", "\n"), start, end)
+        fraction = (end - start) / ends[-1]
+        _write_above(axes, 0.89, motion if fraction > 0.25 else motion.replace(" ", "\n"), start, end)
     for half, (start, end) in halves.items():
         _write_above(axes, 0.97, half, start, end, weight="bold")
 
 
 def _write_above(axes: Axes, height: float, words: str, start: float, end: float, **look: Any) -> None:
-    """Words centred over a stretch, unless it is too narrow for any."""
+    """Write words centred over a phase, unless it is too narrow for any."""
     if end - start < NARROW * axes.get_xlim()[1]:
         return
     axes.text(
@@ -117,7 +116,7 @@ def _write_above(axes: Axes, height: float, words: str, start: float, end: float
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
-    """Dashed lines at p_c, p_s and p_f; those that fall together share a name."""
+    """Draw dashed lines at p_c, p_s and p_f; those that fall together share a name."""
     marks: dict[float, list[str]] = {}
     last = float(course.impulse[-1])
     for name, place in (("p_c", course.compression_end), ("p_s", course.slip_stop), ("p_f", last)):
