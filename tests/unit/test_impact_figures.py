@@ -25,7 +25,7 @@ from bristle_sim.parameters import (
     Tool,
 )
 from bristle_sim.render.chain_drawing import ChainDrawing
-from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, stretches
+from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, intervals
 from bristle_sim.render.cue_figure import cue_figure
 from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_figure, single_pendulum_figure
 from bristle_sim.render.impact_video import ImpactScene, impact_video
@@ -343,7 +343,7 @@ def test_cue_figure_without_a_formula_or_a_cue(release: CueTiming) -> None:
 def test_motion_passes_the_record(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
     history = pendulum.strikes["compliant"].contact.history
     assert history is not None
-    for part in stretches(history):
+    for part in intervals(history):
         inside = slice(part.start + 1, part.stop - 1)
         time = history.time[inside] - history.time[0]
         for name in ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force"):

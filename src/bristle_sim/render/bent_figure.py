@@ -62,7 +62,7 @@ def bent_figure(bent: BentBristles) -> Figure:
 
 
 def _head(figure: Figure, bent: BentBristles) -> None:
-    """What was simulated, and what came out."""
+    """Write what was simulated and what came out."""
     tool = bent.tools["forward"]
     assert tool.workpart is not None
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
@@ -72,7 +72,7 @@ def _head(figure: Figure, bent: BentBristles) -> None:
 
 
 def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
-    """The wire at the strike, and the tip's path from before it to after it."""
+    """Draw the wire at the strike, and the tip's path from before it to after it."""
     run, colour = bent.trajectories[shape], COLOURS[shape]
     motion = Motion(run)
     end = contact.time + contact.duration
@@ -89,7 +89,7 @@ def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, conta
 
 
 def _draw_in_touch(speeds: Axes, slides: Axes, shape: str, contact: ContactRecord) -> None:
-    """Speed along the workpart and its integral, with the end of compression and the turn of the slip marked."""
+    """Draw speed along the workpart and its integral, with the end of compression and the turn of the slip marked."""
     history, colour = contact.history, COLOURS[shape]
     if history is None:
         return
@@ -134,7 +134,7 @@ def _finish_times(speeds: Axes, slides: Axes) -> None:
 
 
 def _explain(figure: Figure, struck: dict[str, ContactRecord | None]) -> None:
-    """Two rows at the foot: what colours, and what line styles and marks mean."""
+    """Explain colours, line styles and marks in two rows at the foot."""
     shapes = [Line2D([], [], color=COLOURS[shape], linewidth=2.0) for shape in struck]
     names = [NAMES[shape] + ("" if contact is not None else " (never strikes)") for shape, contact in struck.items()]
     place: dict[str, Any] = {"loc": "lower center", "ncols": 5, "columnspacing": 1.6, "borderaxespad": 0.0}

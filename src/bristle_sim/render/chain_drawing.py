@@ -1,4 +1,4 @@
-"""A chain of rods at the instant of its impact, to scale: root, hinges, rods, surface, and the tip's velocity."""
+"""Draw a chain of rods at the instant of its impact, to scale: root, hinges, rods, surface, and the tip's velocity."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tip at the surface, strongly enlarged: its way along and into the surface, and the forces on it."""
+"""Draw the tip at the surface, strongly enlarged: its way along and into the surface, and the forces on it."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LEAST_DOWN = 0.08
 """The depth of a grazing tip is stretched until it takes this much."""
 
 TIP_RADIUS, LONGEST_FORCE = 0.07, 0.3
-"""Sizes that are not to scale, as shares of the drawing's width."""
+"""Sizes that are not to scale, as fractions of the drawing's width."""
 
 ABOVE, BELOW = 0.55, 0.62
 """How far the drawing reaches above and below the surface."""

@@ -17,7 +17,7 @@ __all__ = ["NORMAL", "TANGENTIAL", "ContactPanels"]
 NORMAL, TANGENTIAL = BLUE, VERMILION
 
 ROUNDING = 1e-6
-"""Velocities below this share of the fastest are shown as none."""
+"""Velocities below this fraction of the fastest are drawn as zero."""
 
 PANELS = (
     ("$v_t$, along\nthe surface", "m/s", (("tangential_velocity", TANGENTIAL),)),
@@ -26,7 +26,7 @@ PANELS = (
 )
 
 GAP = 0.035
-"""Between panels, as a share of the figure's height."""
+"""Between panels, as a fraction of the figure's height."""
 
 
 class ContactPanels:

@@ -1,4 +1,4 @@
-"""The constant C of (4.45) that the measured crater asks for, over friction, as a panel of the crater's figure."""
+"""Draw the constant C of (4.45) that gives the measured crater over friction, as a panel of the crater's figure."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ TICKS = (0.5, 1.0, 2.0, 4.0)
 
 
 def draw_constants(axes: Axes, study: CraterStudy) -> None:
-    """A curve for each impact angle, solid where the shear plane comes out of the surface and dotted where it does not."""
+    """Draw a curve for each impact angle, solid where the shear plane comes out of the surface and dotted where it does not."""
     for angle, color in zip(IMPACT_ANGLES_DEG, SERIES, strict=False):
         frictions = _frictions(study, angle)
         rows = constants_over(study.crater, MEASURED, frictions, (angle,))
@@ -47,7 +47,7 @@ def draw_constants(axes: Axes, study: CraterStudy) -> None:
 
 
 def _frictions(study: CraterStudy, angle_deg: float) -> list[float]:
-    """From that at which least work cuts the measured depth, where the curve is steep, to the highest."""
+    """Return frictions from that at which least work cuts the measured depth, where the curve is steep, to the highest."""
     crater = study.crater
     try:
         least = float(

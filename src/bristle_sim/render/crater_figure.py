@@ -1,4 +1,4 @@
-"""The crater on one page: depth over plies, the chip to scale, every estimate, the crater in three dimensions, and C."""
+"""Draw the crater on one page: depth over plies, the chip to scale, every estimate, the crater in three dimensions, and C."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ MICRO = 1e6
 CURVE_PLIES = np.unique(np.geomspace(1, 1e5, 61).astype(int))
 POINT_PLIES = (1, 3, 10, 30, 100, 300, 1000, 10000, 100000)
 LEAN = math.radians(11.5)
-"""Of the rake face, back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
+"""Lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
 
 UPRIGHT = math.pi / 2.0 + LEAN
 STEEL = "#e3e6ea"
@@ -90,7 +90,7 @@ def _draw_plies(axes: Axes, study: CraterStudy) -> None:
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
-    """Workpart, path, rake face and the two shear planes, in um; x is the tip's direction of travel."""
+    """Draw workpart, path, rake face and the two shear planes, in um; x is the tip's direction of travel."""
     gamma, mu = study.impact_angle, study.crater.friction
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     tip, depth = path * _direction(-gamma), path * math.sin(gamma)
@@ -109,7 +109,7 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
 
 
 def _view(depth: float, reach: float) -> tuple[tuple[float, float], tuple[float, float], float]:
-    """Limits of x and y of the panel's shape, and the bottom."""
+    """Return limits of x and y in the panel's shape, and the bottom."""
     width = max(3.3 * reach, 7.0 * depth, 1.0)
     height = width * 5.2 / 7.3
     bottom = -max(1.7 * depth, 0.25 * height)
@@ -117,7 +117,7 @@ def _view(depth: float, reach: float) -> tuple[tuple[float, float], tuple[float,
 
 
 def _draw_tool(axes: Axes, tip: Array, gamma: float, depth: float) -> None:
-    """The tip behind its rake face; the heel clears the path."""
+    """Draw the tip behind its rake face; the heel clears the path."""
     size = 3.2 * depth
     face, heel = size * _direction(UPRIGHT), 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))
     back = np.array([heel[0] + 0.1 * size, face[1]])
@@ -127,7 +127,7 @@ def _draw_tool(axes: Axes, tip: Array, gamma: float, depth: float) -> None:
 
 
 def _shear_planes(study: CraterStudy, gamma: float, mu: float, depth: float) -> list[tuple[str, str, float, float]]:
-    """Label, colour, slope (rad) and length (um): as long as (4.28) has it, and to the real surface."""
+    """Return label, colour, slope (rad) and length (um): as long as (4.28) has it, and to the real surface."""
     rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, mu)
     planes = [("shear plane to the surface", GREEN, rising, depth / math.sin(rising))]
     if study.angles is not None:
@@ -156,7 +156,7 @@ def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float | None, str]]:
-    """Name, depth in m and colour; the work-energy sum itself is millimetres and left out."""
+    """Return name, depth in m and colour; the work-energy sum, millimetres, is left out."""
     crater, chip = study.crater, study.angles is not None
     parallel, inclined = study.parallel, study.inclined
     emerges = parallel is not None and parallel.shear_plane_emerges
@@ -172,10 +172,10 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float | None, str]]:
 
 
 def crater_floor(x: Array, y: Array, impact_angle: float, path: float, face: TipFace | None = None) -> Array:
-    """Height of the workpart after the tip, m, 0 or less, over places x along and y across its path, m; broadcasts.
+    """Return the height of the workpart after the tip, m, 0 or less, over places x along and y across its path, m; broadcasts.
 
-    The lowest point of the tip's ellipse follows the straight path; a point of the ellipse at y is higher by what the
-    width (4.14) asks for. Where the tip stops the groove ends upright.
+    The lowest point of the tip's ellipse follows the straight path; a point of the ellipse at y is higher by the
+    width (4.14). Where the tip stops the groove ends upright.
     """
     wire = TipFace() if face is None else face
     share = np.sqrt(np.clip(1.0 - (2.0 * np.asarray(y) / wire.short_axis) ** 2, 0.0, None))

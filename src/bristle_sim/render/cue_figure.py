@@ -1,4 +1,4 @@
-"""The released bristle beside the quasi-static formula, and the bar that each reading of the belt stiffness needs."""
+"""Draw the released bristle and the quasi-static formula, and the bar that each reading of the belt stiffness needs."""
 
 from __future__ import annotations
 

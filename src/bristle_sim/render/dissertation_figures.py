@@ -98,7 +98,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         target = checked_target(parser.parse_args(arguments).target, (".png",))
     except ValueError as error:
-        parser.error(str(error))
+        print(f"{parser.prog}: error: {error}", file=sys.stderr)
+        return 2
     canvas: Any = FigureCanvasAgg(contact_sheet(redrawn(number) for number in NUMBERS))
     with styled():
         canvas.draw()

@@ -1,4 +1,4 @@
-"""Chapter 3 on one page: the assumed force and a simulated contact's, the ten segments, and the fit's trial."""
+"""Draw chapter 3 on one page: the assumed force and a simulated contact's, the ten segments, and the fit's trial."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def force_figure(comparison: ForceComparison) -> Figure:
 
 
 def draw_forces(axes: Axes, comparison: ForceComparison) -> None:
-    """Force over time: curve, simulated resultant and its components, and the compression's ten segments."""
+    """Draw force over time: curve, simulated resultant and its components, and the compression's ten segments."""
     curve = comparison.curve
     time = np.linspace(0.0, curve.duration, 301)
     first, longest = 0.0, curve.duration
@@ -102,7 +102,7 @@ def _mark_peak(axes: Axes, time: float, force: float, color: str) -> None:
 
 
 def draw_segments(axes: Axes, comparison: ForceComparison) -> None:
-    """Impulses of the ten segments, 1e-4 N s: table 3.1, the curve, and the simulated contact."""
+    """Draw impulses of the ten segments, 1e-4 N s: table 3.1, the curve, and the simulated contact."""
     curve = comparison.curve
     number = np.arange(1, SEGMENTS + 1)
     shares = 1e4 * segment_impulses(curve, float(curve.impulse(curve.peak_time())))
@@ -119,7 +119,7 @@ def draw_segments(axes: Axes, comparison: ForceComparison) -> None:
 
 
 def _draw_fit(axes: Axes, comparison: ForceComparison) -> None:
-    """What fits to exact and noisy points differ by from the curve that the points are of."""
+    """Draw the difference of fits to exact and noisy points from the curve of which the points are samples."""
     curve, (exact, noisy) = comparison.curve, comparison.trials
     time = np.linspace(0.0, curve.duration, 301)
     axes.plot(

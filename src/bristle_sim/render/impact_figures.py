@@ -1,4 +1,4 @@
-"""Single impacts on a page each: the impulse plane of the impact at hand, and the families that it belongs to."""
+"""Draw single impacts on a page each: the impulse plane of the impact at hand, and the families that it belongs to."""
 
 from __future__ import annotations
 

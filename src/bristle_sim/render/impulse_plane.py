@@ -1,4 +1,4 @@
-"""The impulse plane: normal and tangential velocity of the contact point over the normal impulse, phase by phase."""
+"""Draw the impulse plane: normal and tangential velocity of the contact point over the normal impulse, phase by phase."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The bristle that its inertia throws and the bar-cued one: angle over the hub's turn, and both in the phase plane."""
+"""Draw the inertia-driven bristle and the bar-cued one: angle over the hub's turn, and both in the phase plane."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
 
 
 def _runs(driven: InertiaDriven) -> list[tuple[Trajectory, str, str, str]]:
-    """Each run with its colour, name, and the tip's speed at its end."""
+    """Return each run with its colour, name, and the tip's speed at its end."""
     found = []
     contact = driven.pass_with_bar.first_contact("workpart")
     speed = "no strike" if contact is None else f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"

@@ -1,4 +1,4 @@
-"""Maps of the strike over the bar's position, with the printed, the formula's and the best positions on them."""
+"""Draw maps of the strike over the bar's position, with the printed, the formula's and the best positions on them."""
 
 from __future__ import annotations
 

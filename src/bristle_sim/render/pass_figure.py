@@ -1,4 +1,4 @@
-"""The whole pass on one page: the tool to scale with the tip's path, and retraction, relative speed and energy over time."""
+"""Draw the whole pass on one page: the tool to scale with the tip's path, and retraction, relative speed and energy over time."""
 
 from __future__ import annotations
 

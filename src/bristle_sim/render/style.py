@@ -146,7 +146,7 @@ def checked_target(path: str | Path, suffixes: Collection[str]) -> Path:
     if target.suffix.lower() not in suffixes:
         raise ValueError(f"{target}: must be a file name that ends in {', '.join(sorted(suffixes))}")
     if not target.parent.is_dir():
-        raise ValueError(f"{target}: the folder {target.parent} does not exist")
+        raise ValueError(f"{target}: must be a file name in an existing folder; {target.parent} does not exist")
     if target.is_dir():
         raise ValueError(f"{target}: must be a file name, not a folder")
     return target

@@ -1,4 +1,4 @@
-"""The tool drawn to scale in millimetres: hub, belt root, wire, bar and workpart, for figures and films alike."""
+"""Draw the tool to scale in millimetres: hub, belt root, wire, bar and workpart, for figures and films alike."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
 
 
 def close_up(course: Course, tool: Tool, aspect: float, margin: float = 0.05) -> View:
-    """The smallest view of that ratio of width to height that holds the wire's path, the bar and the surface."""
+    """Return the smallest view of that ratio of width to height that holds the wire's path, the bar and the surface."""
     points = [course.centre_line.reshape(-1, 2)]
     if tool.bar is not None:
         points.append(np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
@@ -84,7 +84,7 @@ def draw_workpart(axes: Axes, depth: float, view: View) -> None:
 
 
 def name_parts(axes: Axes, tool: Tool, letter_size: float, *, without: Collection[str] = ()) -> None:
-    """Names of hub, bar and workpart but those left out, haloed so that they read on any ground; ``letter_size`` in points."""
+    """Write the names of hub, bar and workpart but those left out, haloed so that they read on any ground; ``letter_size`` in points."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     radius = tool.hub.radius * MILLIMETRES
     # As near to the hub's centre as the view allows.
@@ -109,12 +109,12 @@ SHARPEST = 0.5
 
 
 def toward(angle: ArrayLike) -> Array:
-    """The direction on the page of an angle from the workpart's, (sin, -cos), shape (*angle.shape, 2)."""
+    """Return the direction on the page of an angle from the workpart's, (sin, -cos), shape (*angle.shape, 2)."""
     return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
 
 def wire_outline(centre_line: Array, diameter: float) -> Array:
-    """Outline of a flat-ended wire about its centre line: along its left side to the tip and back along its right.
+    """Return the outline of a flat-ended wire about its centre line: along its left side to the tip and back along its right.
 
     Corners are mitred, at most to SHARPEST, where a chain folds back on itself.
 
