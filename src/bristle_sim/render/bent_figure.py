@@ -9,8 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
+from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Motion
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.render.sweep_panels import panel_title, say
 from bristle_sim.studies.bent_bristles import BentBristles, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
@@ -115,14 +117,10 @@ def _finish_places(wires: Axes, paths: Axes) -> None:
 
 
 def _frame(axes: Axes, lines: list[Line2D], shape: float) -> None:
-    """Limits at equal scales around lines, with a margin, in a panel ``shape`` times as wide as high."""
+    """Set equal scales around lines in a panel ``shape`` times as wide as high, some of the workpart included."""
     points = np.concatenate([np.column_stack(line.get_data()) for line in lines] or [np.zeros((1, 2))])
-    low, high = points.min(axis=0), points.max(axis=0)
-    low[1] = min(low[1], -0.05 * (high[1] - low[1]))
-    height = 1.16 * max(high[1] - low[1], (high[0] - low[0]) / shape, 1e-6)
-    middle = 0.5 * (low + high)
-    axes.set_xlim(middle[0] - 0.5 * height * shape, middle[0] + 0.5 * height * shape)
-    axes.set_ylim(middle[1] - 0.5 * height, middle[1] + 0.5 * height)
+    ground = [(0.0, -0.05 * float(np.ptp(points[:, 1])))]
+    View.around([points, ground], shape, 0.08).apply(axes)
 
 
 def _finish_times(speeds: Axes, slides: Axes) -> None:

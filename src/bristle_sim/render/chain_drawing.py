@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE
 from bristle_sim.render.drawing import View, moving_arrow, point_arrow
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE
 
 __all__ = ["ChainDrawing"]
 

@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from bristle_sim.render.colours import BLUE, GREY, LIGHT, SKY, VERMILION
 from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.drawing import draw_scale_bar, moving_arrow, point_arrow
-from bristle_sim.render.style import BLUE, GREY, LIGHT, SKY, VERMILION
 
 __all__ = ["CloseUp"]
 

@@ -98,11 +98,12 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     parts = [_filled(clock[part], columns[:, part], clock[-1]) for part in intervals(history)]
     touching, touched = (np.concatenate(each, axis=-1) for each in zip(*parts, strict=True))
     time, values = _with_free_motion(touching, touched, record)
-    tangential_velocity = values[1]
+    normal_velocity, tangential_velocity, normal_force, tangential_force, depth = values
     steps = 0.5 * (tangential_velocity[1:] + tangential_velocity[:-1]) * np.diff(time)
     along = np.concatenate([[0.0], np.cumsum(steps)])
     along -= np.interp(0.0, time, along)
-    return ContactMotion(time, *values, along, _phases(history, record.outcome), float(clock[-1]), record.outcome)
+    moving = (normal_velocity, tangential_velocity, normal_force, tangential_force, depth, along)
+    return ContactMotion(time, *moving, _phases(history, record.outcome), float(clock[-1]), record.outcome)
 
 
 _COLUMNS = ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force", "penetration")

@@ -8,9 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.impulse_plane import PHASE_COLOURS
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, scale_for
+from bristle_sim.render.style import scale_for
 
 __all__ = ["NORMAL", "TANGENTIAL", "ContactPanels"]
 

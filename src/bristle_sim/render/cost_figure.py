@@ -14,18 +14,9 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
 from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost
-from bristle_sim.render.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    axes_at,
-    blank_figure,
-    styled,
-)
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import note
 
 __all__ = ["best_methods", "cost_figure", "verdict"]
 
@@ -111,47 +102,42 @@ def _shown(point: Point) -> str:
 
 def _height(measured: AccuracyCost, case: Case) -> float:
     """Return the height of a panel with its title, axis, legend and notes, cm."""
-    points = measured.of(case.name)
-    lines = math.ceil(len(_named(points)) / COLUMNS) + len(_notes(case, points))
-    return PANEL_HEIGHT + HEAD + 1.45 + LINE * lines
+    named, notes = _named_and_notes(case, measured.of(case.name))
+    return PANEL_HEIGHT + HEAD + 1.45 + LINE * (math.ceil(len(named) / COLUMNS) + len(notes))
 
 
 def _methods(points: Iterable[Point]) -> list[str]:
     return list(dict.fromkeys(point.method for point in points if math.isfinite(point.error)))
 
 
-def _named(points: Sequence[Point]) -> list[str]:
-    """Return the methods that have a colour and a name in the legend: all of ours, and the best of each peer."""
+def _named_and_notes(case: Case, points: Sequence[Point]) -> tuple[list[str], list[str]]:
+    """Return the methods that have a colour and a name, all of ours and the best of each peer, and the lines below."""
     best = best_methods(points).values()
-    return [method for method in _methods(points) if package_of(method) == OURS or method in best]
-
-
-def _notes(case: Case, points: Sequence[Point]) -> list[str]:
-    """Return the case's notes, and the methods that are drawn in grey."""
-    named = _named(points)
+    named = [method for method in _methods(points) if package_of(method) == OURS or method in best]
     grey: dict[str, list[str]] = {}
     for method in _methods(points):
         if method not in named:
             package, _, name = method.partition(" ")
             grey.setdefault(package, []).append(name)
     words = "; ".join(f"{package} {', '.join(names)}" for package, names in grey.items())
-    return [*(textwrap.wrap(f"grey: {words}", NOTE) if grey else []), *case.notes]
+    return named, [*(textwrap.wrap(f"grey: {words}", NOTE) if grey else []), *case.notes]
 
 
 def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    named = _named(points)
+    named, notes = _named_and_notes(case, points)
     for method in _methods(points):
-        _curve(axes, method, _look(method, named), points)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+        drawn = [point for point in points if point.method == method and math.isfinite(point.error)]
+        errors = [max(point.error, LEAST) for point in drawn]
+        times = [point.cpu_s * MILLISECONDS for point in drawn]
+        axes.loglog(times, errors, gid=method, **_look(method, named))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
     axes.set_title(case.title, loc="left", pad=16.0)
-    axes.annotate(verdict(points), (0.0, 1.0), (0.0, 5.0), "axes fraction", "offset points", fontsize=6.5, color=GREY)
+    note(axes, verdict(points), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", fontsize=6.5)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
-    _legend(axes, len(named), _notes(case, points))
+    _legend(axes, len(named), notes)
 
 
 def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
@@ -173,25 +159,11 @@ def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _curve(axes: Axes, method: str, look: dict[str, Any], points: Iterable[Point]) -> None:
-    drawn = [point for point in points if point.method == method and math.isfinite(point.error)]
-    times = [point.cpu_s * MILLISECONDS for point in drawn]
-    axes.plot(times, [max(point.error, LEAST) for point in drawn], gid=method, **look)
-
-
 def _legend(axes: Axes, named: int, notes: Sequence[str]) -> None:
     """Write names and notes below the panel."""
     below = -1.05 / PANEL_HEIGHT
-    axes.legend(
-        loc="upper left",
-        bbox_to_anchor=(-0.2, below),
-        ncols=COLUMNS,
-        borderaxespad=0.0,
-        columnspacing=0.8,
-        labelspacing=0.25,
-        handlelength=2.0,
-        fontsize=6.5,
-    )
+    look: dict[str, Any] = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, below), ncols=COLUMNS, borderaxespad=0.0, **look)
     lines = math.ceil(named / COLUMNS)
     place = below - (LINE * lines + 0.12) / PANEL_HEIGHT
     axes.text(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,31 +13,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Motion
-from bristle_sim.render.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    axes_at,
-    blank_figure,
-    signed,
-    styled,
-)
+from bristle_sim.render.style import axes_at, blank_figure, signed, styled
 from bristle_sim.render.sweep_panels import note, panel_title
-from bristle_sim.render.tool_drawing import (
-    MILLIMETRES,
-    WireDrawing,
-    draw_bar,
-    draw_hub,
-    draw_workpart,
-    name_parts,
-)
+from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_bar, draw_hub, draw_workpart, name_parts
 from bristle_sim.studies.cue_places import BarPlace, FullPass, ReadingPlaces, Release
 from bristle_sim.studies.cue_timing import OWN, CueTiming
 
@@ -123,7 +105,7 @@ def _mark_cues(retraction: Axes, speed: Axes, lines: Sequence[tuple[str, str, Re
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
-    """Hub, workpart and bars to scale, with the wire as released and at its highest speed.
+    """Draw hub, workpart and bars to scale, with the wire as released and at its highest speed.
 
     Returns the names of the stiffnesses whose bars the view shows.
     """
@@ -143,16 +125,15 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
                 look: dict[str, Any] = {"edgecolor": COLOURS[name], "linewidth": 1.3, "linestyle": style, "zorder": 5}
                 draw_bar(axes, *_centre(place), timing.bar.radius, fill=False, gid=f"{side} {name}", **look)
     view.apply(axes)
-    name_parts(axes, tool, 7.0, without=("bar",))
+    name_parts(axes, replace(tool, bar=None), 7.0)
     for line, color, name in zip(wires, (GREY, BLACK), ("released", "fastest"), strict=False):
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
         x, y = 0.5 * (line[0] + line[-1]) * MILLIMETRES
-        above: dict[str, Any] = {"ha": "right", "va": "bottom"}
-        below: dict[str, Any] = {"ha": "left", "va": "top"}
-        offset, look = ((0.0, 4.0), above) if name == "released" else ((6.0, -2.0), below)
-        note(axes, name, (float(x), float(y)), offset, color=color, **look)
+        sides = {"ha": "right", "va": "bottom"} if name == "released" else {"ha": "left", "va": "top"}
+        offset = (0.0, 4.0) if name == "released" else (6.0, -2.0)
+        note(axes, name, (float(x), float(y)), offset, color=color, **sides)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
     panel_title(axes, "c", "where the bar must stand", "to scale, with this tool's wire")
@@ -190,15 +171,8 @@ def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:
     last = len(timing.places) + 1
     axes.set_ylim(-max(last, 5) - 1.6, 1.0)
     # The narrow columns' headings have two lines each.
-    rows = [
-        (
-            "bar for a belt\nstiffness of",
-            "simulated\n—",
-            "formula\n····",
-            "full pass with —:\nretraction at strike",
-            GREY,
-        )
-    ]
+    heads = ("bar for a belt\nstiffness of", "simulated\n—", "formula\n····", "full pass with —:\nretraction at strike")
+    rows = [(*heads, GREY)]
     for name, each in timing.places.items():
         title = NAMES[name].format(stiffness=each.stiffness) + ("" if name in shown else " *")
         directions = (_direction(each.simulated), _direction(each.formula))
@@ -211,9 +185,9 @@ def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:
         axes.text(0.0, -below, name, ha="left", **look)
         for x, words in zip(COLUMNS, numbers, strict=True):
             axes.text(x, -below, words, ha="right", **look)
-    foot = "directions from the workpart's normal" + (
-        "" if shown >= set(timing.places) else "; * bars not in the drawing"
-    )
+    foot = "directions from the workpart's normal"
+    if not shown >= set(timing.places):
+        foot += "; * bars not in the drawing"
     axes.text(0.0, -last - 1.3, foot, color=GREY, fontsize=6.5, va="center")
 
 

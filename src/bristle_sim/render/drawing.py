@@ -12,7 +12,8 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from bristle_sim.render.style import BLACK, scale_for
+from bristle_sim.render.colours import BLACK
+from bristle_sim.render.style import scale_for
 
 __all__ = ["View", "draw_scale_bar", "moving_arrow", "point_arrow"]
 

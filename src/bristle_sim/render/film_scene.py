@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bristle_sim.render.colours import BLACK
 from bristle_sim.render.readout import Readout
-from bristle_sim.render.style import BLACK, styled
+from bristle_sim.render.style import styled
 from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
 
 __all__ = ["BORDER", "HEADER", "FilmScene", "TimeWarp", "slow_motion", "write_film"]

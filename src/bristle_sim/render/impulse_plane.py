@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, Scale, scale_for
+from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.style import Scale, scale_for
+from bristle_sim.render.sweep_panels import note
 from bristle_sim.studies.impulse_course import ImpulseCourse
 
 __all__ = ["PHASE_COLOURS", "draw_impulse_plane"]
@@ -57,15 +59,8 @@ def _draw_velocities(axes: Axes, course: ImpulseCourse, impulse: Scale, speed: S
         axes.plot(place, values, color=color, gid=which)
         quarter = 0.25 * float(place[1])
         side = -1.0 if values[0] < 0.0 else 1.0
-        axes.annotate(
-            name,
-            (quarter, float(np.interp(quarter, place, values))),
-            xytext=(3.0, 3.0 * side),
-            textcoords="offset points",
-            color=color,
-            fontsize=9.0,
-            va="top" if side < 0.0 else "bottom",
-        )
+        look: dict[str, Any] = {"color": color, "fontsize": 9.0, "va": "top" if side < 0.0 else "bottom"}
+        note(axes, name, (quarter, float(np.interp(quarter, place, values))), (3.0, 3.0 * side), **look)
 
 
 def _draw_points(axes: Axes, recorded: ImpulseCourse, last: float, impulse: Scale, speed: Scale) -> None:
@@ -102,17 +97,8 @@ def _write_above(axes: Axes, height: float, words: str, start: float, end: float
     """Write words centred over a phase, unless it is too narrow for any."""
     if end - start < NARROW * axes.get_xlim()[1]:
         return
-    axes.text(
-        0.5 * (start + end),
-        height,
-        words,
-        transform=axes.get_xaxis_transform(),
-        ha="center",
-        va="top",
-        fontsize=7.0,
-        linespacing=1.05,
-        **look,
-    )
+    look |= {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0, "linespacing": 1.05}
+    axes.text(0.5 * (start + end), height, words, **look)
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
@@ -125,19 +111,8 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
             marks.setdefault(near, []).append(name)
     for place, names in marks.items():
         # Slip may stop within compression or restitution, whose names stand above.
-        look: dict[str, Any] = {
-            "ymax": 0.8 if names == ["p_s"] else 1.0,
-            "color": BLACK,
-            "linewidth": 0.7,
-            "dashes": (4, 2),
-        }
-        axes.axvline(place * impulse.factor, **look, zorder=1, gid=" ".join(names))
-        axes.annotate(
-            "$" + " = ".join(names) + "$",
-            (place * impulse.factor, 0.03),
-            xycoords=axes.get_xaxis_transform(),
-            xytext=(-3.0, 0.0),
-            textcoords="offset points",
-            ha="right",
-            fontsize=8.0,
-        )
+        highest = 0.8 if names == ["p_s"] else 1.0
+        look: dict[str, Any] = {"color": BLACK, "linewidth": 0.7, "dashes": (4, 2), "zorder": 1, "gid": " ".join(names)}
+        axes.axvline(place * impulse.factor, ymax=highest, **look)
+        foot: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "color": BLACK, "fontsize": 8.0}
+        note(axes, f"${' = '.join(names)}$", (place * impulse.factor, 0.03), (-3.0, 0.0), **foot)

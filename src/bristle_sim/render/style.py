@@ -1,4 +1,4 @@
-"""One look for every picture: colours, sizes, units with readable prefixes, and files.
+"""One look for every picture: letters, lines and sizes, units with readable prefixes, and files.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and pyplot is not imported.
 Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 point text.
@@ -19,19 +19,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.files import complete_or_absent
+from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES
 
 __all__ = [
-    "BLACK",
-    "BLUE",
     "FIGURE_SUFFIXES",
-    "GREEN",
-    "GREY",
-    "LIGHT",
-    "ORANGE",
-    "PURPLE",
-    "SERIES",
-    "SKY",
-    "VERMILION",
     "Scale",
     "axes_at",
     "blank_figure",
@@ -41,12 +32,6 @@ __all__ = [
     "signed",
     "styled",
 ]
-
-# Okabe and Ito's palette: its colours are distinguished with any common colour blindness.
-BLACK, GREY, LIGHT = "#1a1a1a", "#6b6b6b", "#e4e4e4"
-BLUE, ORANGE, GREEN, VERMILION = "#0072b2", "#e69f00", "#009e73", "#d55e00"
-PURPLE, SKY = "#b8578e", "#56b4e9"
-SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from bristle_sim.render.style import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.render.colours import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
 
@@ -71,7 +71,7 @@ _LOOKS: dict[str, dict[str, Any]] = {
 def panel_title(axes: Axes, letter: str, words: str, subtitle: str = "") -> None:
     """Write a title at the panel's left edge, led by its letter, above a row for a subtitle or a family's names."""
     axes.set_title(f"$\\bf{{{letter}}}$  {words}", loc="left", fontsize=8.5, pad=17.0)
-    axes.annotate(subtitle, (0.0, 1.0), (0.0, 4.5), "axes fraction", "offset points", fontsize=7.0, color=GREY)
+    note(axes, subtitle, (0.0, 1.0), (0.0, 4.5), xycoords="axes fraction")
 
 
 def explain_marks(figure: Figure, *kinds: str) -> None:

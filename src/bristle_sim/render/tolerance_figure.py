@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bristle_sim.render.style import BLACK, BLUE, GREY, SKY, VERMILION, axes_at, blank_figure, styled
-from bristle_sim.render.sweep_panels import panel_title
+from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import note, panel_title
 from bristle_sim.studies.tolerances import Study
 
 __all__ = ["tolerance_figure"]
@@ -54,7 +55,7 @@ def _draw_values(axes: Axes, values: np.ndarray, unit: str) -> None:
     axes.set_yticks([])
     axes.set_xlabel(unit, labelpad=1.0)
     words = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
-    axes.annotate(words, (1.0, 1.0), (0.0, 3.0), "axes fraction", "offset points", ha="right", fontsize=7.0, color=GREY)
+    note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
 
 
 def _draw_indices(axes: Axes, study: Study, number: int) -> None:
@@ -63,10 +64,7 @@ def _draw_indices(axes: Axes, study: Study, number: int) -> None:
     places = np.arange(chosen.size)
     total, first = study.total[number, chosen], study.first_order[number, chosen]
     axes.barh(places, total, color=VERMILION, alpha=0.45, height=0.7, gid="total")
-    sides = (
-        (total, study.total_interval, VERMILION, "", 0.17),
-        (first, study.first_order_interval, BLUE, "o", -0.17),
-    )
+    sides = ((total, study.total_interval, VERMILION, "", 0.17), (first, study.first_order_interval, BLUE, "o", -0.17))
     for values, intervals, color, marker, shift in sides:
         ends = intervals[number, chosen]
         axes.hlines(places + shift, ends[:, 0], ends[:, 1], color=color, linewidth=0.9)

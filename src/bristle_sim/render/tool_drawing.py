@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,9 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.parameters import Tool
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Course
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT
 
 __all__ = [
     "MILLIMETRES",
@@ -83,25 +82,22 @@ def draw_workpart(axes: Axes, depth: float, view: View) -> None:
     axes.add_patch(Rectangle(place, *size, facecolor=LIGHT, edgecolor=GREY, linewidth=0.8, hatch="////"))
 
 
-def name_parts(axes: Axes, tool: Tool, letter_size: float, *, without: Collection[str] = ()) -> None:
-    """Write the names of hub, bar and workpart but those left out, haloed so that they read on any ground; ``letter_size`` in points."""
+def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
+    """Write the names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    radius = tool.hub.radius * MILLIMETRES
-    # As near to the hub's centre as the view allows.
-    x = min(max(0.0, left + 0.08 * (right - left)), right - 0.08 * (right - left))
-    y = min(max(-0.25 * radius, bottom + 0.05 * (top - bottom)), top - 0.05 * (top - bottom))
-    places: dict[str, tuple[float, float, str]] = {}
-    if math.hypot(x, y) < 0.9 * radius:
-        places["hub"] = (x, y, "center")
+    width, height, radius = right - left, top - bottom, tool.hub.radius * MILLIMETRES
+    # As near to the hub's centre as the view lets it.
+    x = float(np.clip(0.0, left + 0.08 * width, right - 0.08 * width))
+    y = float(np.clip(-0.25 * radius, bottom + 0.05 * height, top - 0.05 * height))
+    names = [("hub", (x, y), "center", HUB_COLOUR)] if math.hypot(x, y) < 0.9 * radius else []
     if tool.bar is not None:
-        places["bar"] = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1], "center")
+        centre = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1])
+        names.append(("bar", centre, "center", BAR_COLOUR))
     if tool.workpart is not None:
-        places["workpart"] = (left + 0.025 * (right - left), bottom + 0.03 * (top - bottom), "left")
-    grounds = {"hub": HUB_COLOUR, "bar": BAR_COLOUR, "workpart": "white"}
-    for name in (each for each in places if each not in without):
-        x, y, side = places[name]
-        halo = [withStroke(linewidth=2.5, foreground=grounds[name])]
-        axes.text(x, y, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
+        names.append(("workpart", (left + 0.025 * width, bottom + 0.03 * height), "left", "white"))
+    for name, place, side, ground in names:
+        halo = [withStroke(linewidth=2.5, foreground=ground)]
+        axes.text(*place, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
 
 
 SHARPEST = 0.5
