@@ -13,16 +13,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.impulse_plane import draw_impulse_plane
 from bristle_sim.render.style import axes_at, blank_figure, scale_for, styled
-from bristle_sim.render.sweep_panels import (
-    draw_energy,
-    draw_panel,
-    explain_marks,
-    name_curves,
-    note,
-    panel_title,
-    plain_decades,
-    say,
-)
+from bristle_sim.render.sweep_panels import draw_energy, draw_panel, explain_marks, name_curves, note, panel_title, say
 from bristle_sim.studies.curves import Panel
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import energetic_course, recorded_course
@@ -76,7 +67,7 @@ def double_pendulum_figure(impacts: Impacts, panels: Mapping[str, Panel], energy
     figure, (plane, rates, impulse, energies) = _four_panels()
     _draw_plane(plane, impacts)
     _draw_family(rates, "b", "final rates over the ratio of masses", panels["rates over mass ratio"])
-    plain_decades(rates)
+    rates.xaxis.set_major_formatter("{x:g}")
     _draw_family(impulse, "c", "the bristle as a double pendulum (fig. 2.30)", panels["heavy rod"], OPERATING_POINT)
     panel_title(energies, "d", "the engine's own contact: its energy", _coefficients(impacts))
     if energy is None:

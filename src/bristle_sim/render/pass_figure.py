@@ -44,8 +44,6 @@ BADGE_GAP = 0.035
 """Least distance between the numbers above a panel, as a fraction of its width."""
 
 _GHOSTS = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
-REBOUND_SHOWN = 0.35
-"""The ghost of the rebound stands at this fraction of the time from the strike to the next turning point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +60,7 @@ class _Mark:
         return self.color != GREY
 
 
+@styled()
 def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = None) -> Figure:
     """Draw a pass: tool and tip path to scale (mm), and retraction, relative speed and energy over time (ms).
 
@@ -70,21 +69,16 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     Raises:
         ValueError: if the trajectory has fewer than two instants.
     """
-    with styled():
-        return _compose(trajectory, tool, until)
-
-
-def _compose(trajectory: Trajectory, tool: Tool, until: float | None) -> Figure:
     motion = Motion(trajectory)
     course = motion.course(story_end(trajectory) if until is None else until)
     end = float(course.time[-1])
-    marks, rebound = _marks(trajectory, end), _rebound_instant(trajectory, end)
+    marks = _marks(trajectory, end)
     figure = blank_figure(WIDTH, HEIGHT)
     path, table = axes_at(figure, 1.4, 13.0, *DRAWING), axes_at(figure, 10.25, 13.0, 5.6, 6.6)
     _draw_path(path, course, tool, trajectory.event_time("strike"))
-    _draw_ghosts(path, tool, motion, marks, rebound)
+    _draw_ghosts(path, tool, motion, marks)
     _draw_table(table, motion, marks)
-    _describe_strike(table, len(marks) + 1.6, trajectory, rebound)
+    _describe_strike(table, len(marks) + 1.6, trajectory)
     _explain_colours(figure, path)
     retraction = axes_at(figure, 2.0, 7.5, PANEL, 2.9)
     speed = axes_at(figure, 2.0, 4.3, PANEL, 2.9, sharex=retraction)
@@ -186,19 +180,17 @@ def _explain_colours(figure: Figure, path: Axes) -> None:
     figure.legend(handles=handles, loc="center", bbox_to_anchor=place, ncols=len(handles), columnspacing=1.6)
 
 
-def _draw_ghosts(axes: Axes, tool: Tool, motion: Motion, marks: Sequence[_Mark], rebound: float | None) -> None:
-    """Draw the wire at the first touch, the release, the strike and during the rebound, numbered at its root."""
-    ghosts = [(mark.event.time, mark.color, str(mark.number)) for mark in marks if mark.has_ghost]
-    if rebound is not None:
-        ghosts = sorted([*ghosts, (rebound, PURPLE, "R")])
+def _draw_ghosts(axes: Axes, tool: Tool, motion: Motion, marks: Sequence[_Mark]) -> None:
+    """Draw the wire at the first touch, the release and the strike, numbered at its root."""
+    ghosts = [mark for mark in marks if mark.has_ghost]
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * np.ptp(axes.get_ylim()), 0.0)
     apart = 0.065 * np.ptp(axes.get_ylim()) / max(radius, 1e-9)
-    roots = motion.hub_angle([time for time, _, _ in ghosts])
-    for (time, color, badge), place in zip(ghosts, spread(roots, apart, -np.inf, np.inf), strict=True):
-        ghost = WireDrawing(axes, tool, color=color, alpha=0.75)
-        ghost.wire.set_gid(f"wire {badge}")
-        ghost.place(motion.centre_line(time))
-        _badge(axes, radius * toward(place), badge, color)
+    roots = motion.hub_angle([mark.event.time for mark in ghosts])
+    for mark, place in zip(ghosts, spread(roots, apart, -np.inf, np.inf), strict=True):
+        ghost = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
+        ghost.wire.set_gid(f"wire {mark.number}")
+        ghost.place(motion.centre_line(mark.event.time))
+        _badge(axes, radius * toward(place), str(mark.number), mark.color)
 
 
 def _badge(axes: Axes, place: ArrayLike, text: str, color: str, transform: Transform | None = None) -> None:
@@ -206,18 +198,6 @@ def _badge(axes: Axes, place: ArrayLike, text: str, color: str, transform: Trans
     box = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": color, "linewidth": 0.8}
     look: dict[str, Any] = {"fontsize": 6.5, "ha": "center", "va": "center", "bbox": box, "zorder": 6}
     axes.text(x, y, text, color=color, transform=transform or axes.transData, **look)
-
-
-def _rebound_instant(trajectory: Trajectory, until: float) -> float | None:
-    """Return an instant part of the way from a rebound to the next event or the end, s."""
-    contact, strike = trajectory.first_contact("workpart"), trajectory.event_time("strike")
-    if contact is None or strike is None or contact.velocity_after[0] <= 0.0:
-        return None
-    parted = strike + contact.duration
-    following = (event.time for event in trajectory.events if event.time > parted)
-    flight = next(following, float(trajectory.time[-1])) - parted
-    shown = parted + REBOUND_SHOWN * flight
-    return shown if parted < shown <= until else None
 
 
 def _draw_table(axes: Axes, motion: Motion, marks: Sequence[_Mark]) -> None:
@@ -236,7 +216,7 @@ def _draw_table(axes: Axes, motion: Motion, marks: Sequence[_Mark]) -> None:
         axes.text(1.0, -row, signed(float(retraction), 2), fontsize=7.0, ha="right")
 
 
-def _describe_strike(axes: Axes, row: float, trajectory: Trajectory, rebound: float | None) -> None:
+def _describe_strike(axes: Axes, row: float, trajectory: Trajectory) -> None:
     """Write speeds before and after the first strike, or why there is none."""
     contact = trajectory.first_contact("workpart")
     if contact is None:
@@ -248,10 +228,5 @@ def _describe_strike(axes: Axes, row: float, trajectory: Trajectory, rebound: fl
             f"tip arrives at {arriving:.2f} m/s",
             f"and leaves at {leaving:.2f} m/s ({contact.outcome})",
         ]
-        if rebound is not None:
-            shown = f"wire {(rebound - contact.time) * MILLISECONDS:.2f} ms after the strike"
-            axes.text(0.08, -row, shown, fontsize=7.0)
-            _badge(axes, (0.03, 0.12 - row), "R", PURPLE)
-            row += 1.5
     for number, line in enumerate(lines):
         axes.text(0.0, -row - 0.9 * number, line, fontsize=7.0)

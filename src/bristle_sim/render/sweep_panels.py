@@ -8,23 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
 
-__all__ = [
-    "draw_energy",
-    "draw_panel",
-    "explain_marks",
-    "handles",
-    "name_curves",
-    "note",
-    "panel_title",
-    "plain_decades",
-    "say",
-]
+__all__ = ["draw_energy", "draw_panel", "explain_marks", "handles", "name_curves", "note", "panel_title", "say"]
 
 CREATED = "#fbe3d6"
 NOTHING = 1e-12
@@ -97,16 +86,9 @@ def draw_energy(axes: Axes, energy: EngineEnergy) -> None:
     note(axes, "energetic law", (right, energy.energetic), (0.0, -3.0), ha="right", va="top", color=BLUE)
     note(axes, "engine's own contact", (10.0, 0.9 * top), (4.0, 0.0), va="center", color=VERMILION)
     note(axes, "engine's default", (10.0, 0.03 * top), (4.0, 0.0))
-    plain_decades(axes)
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlabel("iterations of the engine's solver")
     axes.set_ylabel("kinetic energy, after / before")
-
-
-def plain_decades(axes: Axes) -> None:
-    """Write 1, 10, 100 instead of powers of ten along a logarithmic x axis."""
-    axes.xaxis.set_major_formatter(
-        FuncFormatter(lambda value, _: f"{value:g}" if 1e-3 < value < 1e5 else f"{value:.0e}")
-    )
 
 
 def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any) -> None:
