@@ -34,8 +34,10 @@ def plot(report: Report, path: Path) -> None:
     """Draw maps of lag, tip speed, normal work and crater depth over the bar's position."""
     from bristle_sim.render.map_figure import map_figure
     from bristle_sim.render.style import save_figure
+    from bristle_sim.studies.cue_map import position_map
 
-    save_figure(map_figure(report.subject), path)
+    found = report.subject
+    save_figure(map_figure(found, position_map(found.tool, found.settings, found.grid)), path)
 
 
 SCENARIO = Scenario(

@@ -14,7 +14,7 @@ from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
 from bristle_sim.scene import contact_laws, time_scales, touch_search, transitions
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.stepping import Extrapolation
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.impact import energetic_impact
 

@@ -151,6 +151,32 @@ def test_what_is_allowed_is_no_fault(layer: str, source: str):
     assert faults(layer, source) == []
 
 
+INTEGRATING = (
+    "bristle_sim.scene",
+    "bristle_sim.reference",
+    "scipy.integrate",
+    "bristle_sim.studies.cue_map.position_map",
+)
+"""What integrates or simulates; the data of the dissertation's figures and audit are computed for their pages alone."""
+
+
+def integrating(source: str) -> list[str]:
+    return [name for name in imports(source) if any(within(name, each) for each in INTEGRATING)]
+
+
+@pytest.mark.parametrize("path", sorted((PACKAGE / "render").glob("*.py")), ids=lambda path: path.stem)
+def test_what_draws_imports_nothing_that_integrates(path: Path):
+    """Studies compute, pictures are drawn from what they return."""
+    assert integrating(path.read_text(encoding="utf-8")) == []
+
+
+def test_an_import_that_integrates_is_seen():
+    assert integrating("from bristle_sim.scene.strike import ChainStrike")
+    assert integrating("def later():\n    from bristle_sim.reference import simulate_reference")
+    assert integrating("from bristle_sim.studies.cue_map import CueMap, position_map")
+    assert integrating("from scipy import integrate")
+
+
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
 def test_scripts_import_only_the_package(path: Path):
     """And the standard library: what a script needs else belongs in a layer."""
