@@ -27,7 +27,7 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, final rates over the mass ratio, energy over the engine's iterations."""
     from bristle_sim.render.impact_figures import double_pendulum_figure
     from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.impact_families import double_pendulum_panels
+    from bristle_sim.studies.double_pendulum_families import double_pendulum_panels
     from bristle_sim.studies.law_convergence import engine_energy
 
     impacts = report.subject

@@ -32,7 +32,7 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
     from bristle_sim.render.impact_figures import oblique_figure
     from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.impact_families import oblique_panels
+    from bristle_sim.studies.rod_families import oblique_panels
 
     save_figure(oblique_figure(report.subject, oblique_panels(report.subject)), path)
 

@@ -27,7 +27,7 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
     from bristle_sim.render.impact_figures import single_pendulum_figure
     from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.impact_families import single_pendulum_panels
+    from bristle_sim.studies.rod_families import single_pendulum_panels
 
     save_figure(single_pendulum_figure(report.subject, single_pendulum_panels(report.subject)), path)
 
