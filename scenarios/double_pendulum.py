@@ -13,11 +13,12 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, DoublePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import double_pendulum
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike once, by the law asked for."""
+    from bristle_sim.studies.impacts import double_pendulum
+
     return double_pendulum(
         build(DoublePendulum, values), build(Surface, values), build(Contact, values), build(Settings, values)
     )

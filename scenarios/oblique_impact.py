@@ -13,11 +13,12 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import oblique_impact
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike once, by the law asked for."""
+    from bristle_sim.studies.impacts import oblique_impact
+
     return oblique_impact(
         build(Hub, values),
         build(Bristle, values),

@@ -13,11 +13,12 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import single_pendulum
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike once, by the law asked for."""
+    from bristle_sim.studies.impacts import single_pendulum
+
     return single_pendulum(
         build(SinglePendulum, values), build(Surface, values), build(Contact, values), build(Settings, values)
     )
