@@ -253,7 +253,7 @@ def untimed(value: Any) -> Any:
     return [untimed(each) for each in value] if isinstance(value, list) else value
 
 
-LATE = set(SCRIPTS) - {"cue_map", "tolerances", "dissertation_audit", "dissertation_figures"}
+LATE = set(SCRIPTS) - {"accuracy_cost", "cue_map", "tolerances", "dissertation_audit", "dissertation_figures"}
 """Scripts whose parameters come without an engine; those of the others belong to a study."""
 
 

@@ -195,7 +195,7 @@ def _simulated(quantity: str, contact: ContactRecord) -> float | None:
 
 def _places(low: float, high: float) -> dict[str, Array]:
     """Equally spaced points by law: ends and steps, and the middles of as many parts."""
-    middles: Array = low + (np.arange(COMPLIANT) + 0.5) * ((high - low) / COMPLIANT)
+    middles = np.asarray(low + (np.arange(COMPLIANT) + 0.5) * ((high - low) / COMPLIANT), dtype=float)
     return {"energetic": np.linspace(low, high, ENERGETIC), "compliant": middles}
 
 
