@@ -14,7 +14,7 @@ from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.render.bent_figure import bent_figure
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import bent_bristles, centre_line, slide_of
+from bristle_sim.studies.bent_bristles import bent_bristles, slide_of
 
 TOOL = Tool(
     hub=Hub(speed=272.27),
@@ -95,9 +95,9 @@ def test_remarks_say_what_was_computed() -> None:
 
 
 def test_centre_line_is_the_wires() -> None:
-    """The lengths of shank and knee's arm are the bristle's, the angles are those asked for, and the tip is the run's."""
+    """The lengths of shank and knee's arm are the bristle's, and the angle is the run's."""
     run = simulate(TOOL, Settings(), stop_after="strike")
-    root, knee, tip = centre_line(TOOL, float(run.hub_angle[-1]), float(run.angles[-1, 0]))
+    root, knee, tip = run.centre_line[-1]
     assert math.hypot(*root) == pytest.approx(TOOL.hub.radius)
     assert math.dist(root, knee) == pytest.approx(TOOL.bristle.knee_position * TOOL.bristle.length)
     assert math.dist(root, knee) + math.dist(knee, tip) == pytest.approx(TOOL.bristle.length)

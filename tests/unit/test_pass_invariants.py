@@ -63,9 +63,9 @@ class TestNoticed:
 
     def test_overlap(self, run: Trajectory) -> None:
         strike = int(np.argmin(np.abs(run.time - run.first_contact("workpart").time)))  # type: ignore[union-attr]
-        tip = run.tip.copy()
-        tip[strike, 1] -= 1e-4 * Tool().bristle.length
-        assert only("deepest_overlap", verdicts(Tool(), SETTINGS, replace(run, tip=tip)))
+        line = run.centre_line.copy()
+        line[strike, -1, 1] -= 1e-4 * Tool().bristle.length
+        assert only("deepest_overlap", verdicts(Tool(), SETTINGS, replace(run, centre_line=line)))
 
     def test_impulse_that_does_not_change_the_velocity(self, run: Trajectory) -> None:
         strike = run.first_contact("workpart")

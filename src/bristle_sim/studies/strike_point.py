@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
-from bristle_sim.quantity import Choice, Range, shown
+from bristle_sim.quantity import Choice, Range
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_results import STATE_UNITS, contact_quantities, require_result, state_at_strike
@@ -139,7 +139,7 @@ def cued_contact(run: Trajectory) -> ContactRecord:
     """
     strike = run.first_contact("workpart")
     if strike is None:
-        raise NotCuedError(f"the bristle must strike the workpart, it does not: {shown(run.stop_reason)}")
+        raise NotCuedError(f"the bristle must strike the workpart, it does not: {run.stop_reason}")
     touch = run.first_contact("bar")
     if touch is None or touch.time > strike.time:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
