@@ -18,7 +18,9 @@ from bristle_sim.studies.double_pendulum_families import (
     heavy_rod_panel,
 )
 from bristle_sim.studies.impacts import Impacts, double_pendulum
-from bristle_sim.studies.law_convergence import IDENTICAL_RODS
+
+IDENTICAL_RODS = Chain((5.0, 5.0), (1.0, 1.0), (-math.pi / 9.0, -math.pi / 6.0), (0.1, 0.2))
+"""Stronge's double pendulum (Zhang 2020, fig. 2.28 at n = 1)."""
 
 ROUGH = Surface(friction=0.5, restitution=0.5)
 

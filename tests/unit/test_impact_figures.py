@@ -26,7 +26,6 @@ from bristle_sim.parameters import (
 )
 from bristle_sim.render.chain_drawing import ChainDrawing
 from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, stretches
-from bristle_sim.render.convergence_figure import compliant_convergence_figure
 from bristle_sim.render.cue_figure import cue_figure
 from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_figure, single_pendulum_figure
 from bristle_sim.render.impact_video import ImpactScene, impact_video
@@ -40,7 +39,7 @@ from bristle_sim.studies.cue_timing import CueTiming, cue_timing
 from bristle_sim.studies.double_pendulum_families import double_pendulum_panels
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import energetic_course
-from bristle_sim.studies.law_convergence import Convergence, engine_energy
+from bristle_sim.studies.law_convergence import engine_energy
 from bristle_sim.studies.rod_families import oblique_panels, single_pendulum_panels
 from bristle_sim.studies.timed_contact import with_visible_contact
 
@@ -272,16 +271,6 @@ def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_pat
     figure = oblique(bristle(**surface))
     assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
     save_figure(figure, tmp_path / "stuck.png")
-
-
-def test_convergence_figure_shows_its_cases() -> None:
-    steps = np.array([100.0, 1000.0])
-    case = Convergence(3.0, steps, 1.0 / steps, steps[1:], np.array([1e-6]))
-    (axes,) = compliant_convergence_figure([case]).axes
-    assert data(axes, "plain 3")[1].tolist() == [1e-2, 1e-3]
-    assert data(axes, "extrapolated 3")[1].tolist() == [1e-6]
-    x, y = data(axes, "order one")
-    assert math.log(y[1] / y[0]) / math.log(x[1] / x[0]) == pytest.approx(-1.0)
 
 
 @pytest.fixture(scope="module")
