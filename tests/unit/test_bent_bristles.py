@@ -94,17 +94,6 @@ def test_remarks_say_what_was_computed() -> None:
     assert slides["reverse"].turn_time > slides["reverse"].compression_time
 
 
-def test_centre_line_is_the_wires() -> None:
-    """The lengths of shank and knee's arm are the bristle's, and the angle is the run's."""
-    run = simulate(TOOL, Settings(), stop_after="strike")
-    root, knee, tip = run.centre_line[-1]
-    assert math.hypot(*root) == pytest.approx(TOOL.hub.radius)
-    assert math.dist(root, knee) == pytest.approx(TOOL.bristle.knee_position * TOOL.bristle.length)
-    assert math.dist(root, knee) + math.dist(knee, tip) == pytest.approx(TOOL.bristle.length)
-    assert math.atan2(*(knee - root) * (1.0, -1.0)) == pytest.approx(float(run.angles[-1, 0]))
-    np.testing.assert_allclose(tip, run.tip[-1], rtol=0.0, atol=1e-12 * TOOL.bristle.length)
-
-
 @pytest.mark.parametrize("knee", [-45.0, 30.0])
 def test_figure_ends_wires_and_paths_at_the_strike(knee: float) -> None:
     bent = bent_bristles(dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=knee)), Settings()).subject
