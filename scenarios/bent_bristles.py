@@ -13,11 +13,12 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import bent_bristles
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and run it with the three shapes."""
+    from bristle_sim.studies.bent_bristles import bent_bristles
+
     tool = Tool(
         hub=build(Hub, values),
         belt=build(Belt, values),

@@ -14,11 +14,12 @@ from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle, Hub
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.crater_study import crater_study
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Cut once, by every estimate."""
+    from bristle_sim.studies.crater_study import crater_study
+
     return crater_study(build(Hub, values), build(Bristle, values), build(Crater, values), build(Settings, values))
 
 

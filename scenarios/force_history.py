@@ -16,11 +16,12 @@ from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.force_comparison import force_comparison
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike with the curve's impulse in the curve's time."""
+    from bristle_sim.studies.force_comparison import force_comparison
+
     return force_comparison(
         build(Hub, values),
         build(Bristle, values),

@@ -13,11 +13,12 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import inertia_driven
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the bar-cued tool from the keys and run it with and without its bar."""
+    from bristle_sim.studies.inertia_driven import inertia_driven
+
     tool = Tool(
         hub=build(Hub, values),
         belt=build(Belt, values),

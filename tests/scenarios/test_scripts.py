@@ -255,6 +255,18 @@ def untimed(value: Any) -> Any:
     return [untimed(each) for each in value] if isinstance(value, list) else value
 
 
+LATE = set(SCRIPTS) - {"accuracy_cost", "cue_map", "tolerances", "dissertation_audit", "dissertation_figures"}
+"""Scripts whose parameters come without an engine; those of the others belong to a study."""
+
+
+def test_scripts_load_engine_and_solvers_only_to_run() -> None:
+    """Help and bad input answer at once, and Ctrl-C while libraries load finds ``main`` in charge, not a traceback."""
+    code = "import runpy, sys\nfor path in sys.argv[1:]: runpy.run_path(path)\nprint(*{'pymunk', 'scipy'} & {*sys.modules})"
+    paths = [str(SCRIPTS[name]) for name in sorted(LATE)]
+    done = subprocess.run([sys.executable, "-c", code, *paths], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
 def test_every_script_is_promised_something():
     assert SCRIPTS
     assert set(SCRIPTS) <= set(PROMISES)

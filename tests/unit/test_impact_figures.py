@@ -35,10 +35,11 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import CueTiming, cue_timing
-from bristle_sim.studies.impact_families import double_pendulum_panels, oblique_panels, single_pendulum_panels
+from bristle_sim.studies.double_pendulum_families import double_pendulum_panels
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import energetic_course
 from bristle_sim.studies.law_convergence import engine_energy
+from bristle_sim.studies.rod_families import oblique_panels, single_pendulum_panels
 from bristle_sim.studies.timed_contact import with_visible_contact
 
 STICTION = "stiction, $\\mu$ = tan $\\gamma$"

@@ -15,43 +15,38 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.scene.strike import Chain, strike
-from bristle_sim.settings import Settings
-from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of
-from bristle_sim.studies.whole_pass import contact_quantities
+from bristle_sim.parameters import Bristle, Hub, Strike, Surface
+from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, impact_curve
+from bristle_sim.studies.impacts import Impacts
+from bristle_sim.studies.strike_results import contact_quantities
 from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
+from bristle_sim.trajectory import ContactRecord
 
-__all__ = [
-    "AXES",
-    "OPERATING_POINT",
-    "TOTAL",
-    "Case",
-    "Sweep",
-    "struck",
-    "sweep_panel",
-]
+__all__ = ["OPERATING_POINT", "TOTAL", "Case", "Sweep", "oblique_panels", "single_pendulum_panels", "sweep_panel"]
 
 Array = NDArray[np.float64]
 
 GRID = 401
-"""Places on a curve."""
+"""Points on a curve."""
 
 ENERGETIC, COMPLIANT = 6, 5
 """Simulated impacts on a curve by law: at ends and steps, and between them."""
 
 NEAREST = 0.9
-"""Share of the stiction friction up to which impacts are simulated where p_fy grows without bound; curves end at 0.9999 of it."""
+"""Fraction of the stiction friction up to which impacts are simulated where p_fy grows without bound; curves end at 0.9999 of it."""
+
+FRICTIONS = (0.0, 0.1, 0.3, 0.6, 1.0)
+ANGLES = tuple(math.radians(angle) for angle in (15.0, 23.4, 35.0, 50.0, 70.0))
+RESTITUTIONS = (0.0, 0.2, 0.42, 0.7, 1.0)
+"""Values that distinguish the curves of a scenario's figure, beside the value of the impact at hand; rad."""
 
 TOTAL = "total_compressive_work"
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One strike of a radial rod; SI and rad, the dissertation's operating point by default.
-
-    The rod stands for the bristle on its hub and, with a hub of no radius, for Stronge's single pendulum.
-    """
+    """One strike of a radial rod; SI and rad, the dissertation's operating point by default."""
 
     mass: float = Bristle().mass
     friction: float = Surface().friction
@@ -82,14 +77,14 @@ class Case:
 
     @property
     def chain(self) -> Chain:
-        """What strikes."""
+        """The rod that strikes."""
         rate = self.speed_ratio * self.hub_speed
         angle = -self.impact_angle
         return Chain((self.mass,), (self.length,), (angle,), (rate,), self.hub_radius, self.hub_speed, angle)
 
     @property
     def surface(self) -> Surface:
-        """What is struck."""
+        """The surface that is struck."""
         return Surface(self.friction, self.restitution_friction, self.restitution)
 
 
@@ -169,42 +164,39 @@ def sweep_panel(quantity: str, sweep: Sweep) -> Panel:
         family=SYMBOLS[sweep.family],
         marks=(mark,) if shows_own else (),
         levels=_stiction(sweep),
-        top=_top(curves) if unbounded else None,
+        top=2.2 * max(float(curve.theory[0]) for curve in curves) if unbounded else None,
     )
-
-
-@functools.cache
-def struck(case: Case, law: str) -> dict[str, float | None]:
-    """Return quantities of a strike through the scene; empty for a contact that comes to no end."""
-    try:
-        found = contact_quantities(strike(case.chain, case.surface, Contact(law), Settings()).contact)
-    except ValueError:
-        return {}
-    normal, tangential = found["normal_compressive_work"], found["tangential_compressive_work"]
-    total = None if normal is None or tangential is None else normal + tangential
-    return found | {TOTAL: total}
 
 
 def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
     low, simulated, high = sweep.ends(case)
-    points: dict[str, tuple[list[float], list[float]]] = {}
-    for law, number in (("energetic", ENERGETIC), ("compliant", COMPLIANT)):
-        for at in _places(low, simulated, number, between=law == "compliant"):
-            here = dataclasses.replace(case, **{sweep.along: at})
-            value = struck(here, law).get(quantity)
-            if value is not None:
-                places, values = points.setdefault(law, ([], []))
-                places.append(at)
-                values.append(value)
-    return curve_of(_name(sweep, case), _formula(quantity, case, sweep.along), _grid(low, high, sweep), points)
+
+    def impact(x: float) -> tuple[Chain, Surface]:
+        here = dataclasses.replace(case, **{sweep.along: x})
+        return here.chain, here.surface
+
+    return impact_curve(
+        _name(sweep, case),
+        _formula(quantity, case, sweep.along),
+        _grid(low, high, sweep),
+        impact,
+        functools.partial(_simulated, quantity),
+        _places(low, simulated),
+    )
 
 
-def _places(low: float, high: float, number: int, *, between: bool) -> Sequence[float]:
-    """Equally spaced; ``between`` keeps to the middles of as many parts."""
-    if not between:
-        return [float(each) for each in np.linspace(low, high, number)]
-    step = (high - low) / number
-    return [low + (i + 0.5) * step for i in range(number)]
+def _simulated(quantity: str, contact: ContactRecord) -> float | None:
+    found = contact_quantities(contact)
+    if quantity != TOTAL:
+        return found[quantity]
+    normal, tangential = found["normal_compressive_work"], found["tangential_compressive_work"]
+    return None if normal is None or tangential is None else normal + tangential
+
+
+def _places(low: float, high: float) -> dict[str, Array]:
+    """Equally spaced points by law: ends and steps, and the middles of as many parts."""
+    middles = np.asarray(low + (np.arange(COMPLIANT) + 0.5) * ((high - low) / COMPLIANT), dtype=float)
+    return {"energetic": np.linspace(low, high, ENERGETIC), "compliant": middles}
 
 
 def _grid(low: float, high: float, sweep: Sweep) -> Array:
@@ -239,7 +231,7 @@ def _name(sweep: Sweep, case: Case) -> str:
 
 
 def _stiction(sweep: Sweep) -> tuple[Level, ...]:
-    """Upright lines at tan gamma, where a friction along the curves reaches it."""
+    """Draw upright lines at tan gamma, where a friction along the curves reaches it."""
     if not sweep.until_stiction:
         return ()
     angles = [
@@ -249,6 +241,60 @@ def _stiction(sweep: Sweep) -> tuple[Level, ...]:
     return tuple(Level(math.tan(angle), label, upright=True) for angle in angles)
 
 
-def _top(curves: Sequence[Curve]) -> float:
-    """Twice what the curves begin with: the rest leads to infinity."""
-    return 2.2 * max(float(curve.theory[0]) for curve in curves)
+def oblique_panels(impacts: Impacts) -> dict[str, Panel]:
+    """Return the families that a bristle's strike belongs to (Zhang 2020, figs. 2.22-2.24); impacts are simulated."""
+    own = Case.of(impacts.chain, impacts.surface)
+    impulse = impacts.strikes[impacts.law].contact.impulse[0]
+    over_friction = _over_friction(own)
+    by_restitution = dataclasses.replace(
+        over_friction, family="restitution", values=with_own(RESTITUTIONS, own.restitution)
+    )
+    return {
+        "impulse by angle": _marked("normal_final_impulse", over_friction, own.friction, impulse),
+        "impulse by restitution": _marked("normal_final_impulse", by_restitution, own.friction, impulse),
+        **_rebound_over_angle(impacts, own),
+    }
+
+
+def single_pendulum_panels(impacts: Impacts) -> dict[str, Panel]:
+    """Return the families that a single pendulum's impact belongs to (Zhang 2020, fig. 2.26); impacts are simulated.
+
+    A pendulum at rest before the impact has none.
+    """
+    own = Case.of(impacts.chain, impacts.surface)
+    ratio = _rebound_ratio(impacts)
+    if ratio is None:
+        return {}
+    over_friction = _marked("rebound_ratio", _over_friction(own), own.friction, ratio)
+    return {**_rebound_over_angle(impacts, own), "rebound over friction": over_friction}
+
+
+def _rebound_over_angle(impacts: Impacts, own: Case) -> dict[str, Panel]:
+    """Rebound ratio over the impact angle, for a rod that moves."""
+    ratio = _rebound_ratio(impacts)
+    if ratio is None:
+        return {}
+    frictions = with_own(FRICTIONS, own.friction)
+    sweep = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", frictions, base=own)
+    return {"rebound over angle": _marked("rebound_ratio", sweep, own.impact_angle, ratio)}
+
+
+def _rebound_ratio(impacts: Impacts) -> float | None:
+    before = impacts.chain.rates[0]
+    return impacts.strikes[impacts.law].contact.rates_after[0] / before if before else None
+
+
+def _over_friction(own: Case) -> Sweep:
+    """Vary friction by impact angle, up to stiction unless restitution has a friction of its own."""
+    angles, most = with_own(ANGLES, own.impact_angle), max(1.0, 1.25 * own.friction)
+    return Sweep("friction", 0.0, most, "impact_angle", angles, own.restitution_friction is None, own)
+
+
+def _marked(quantity: str, sweep: Sweep, x: float, y: float) -> Panel:
+    """The sweep's panel with the impact at hand as its mark."""
+    return dataclasses.replace(sweep_panel(quantity, sweep), marks=(Mark(x, y),))
+
+
+def with_own(values: Sequence[float], own: float) -> tuple[float, ...]:
+    """Return a family's values, ascending, with the one at hand in place of those within a tenth of it."""
+    return tuple(sorted([*(value for value in values if abs(value - own) > 0.1 * own), own]))

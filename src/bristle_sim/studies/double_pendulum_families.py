@@ -9,16 +9,16 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.parameters import Bristle, Contact, Hub, Surface
-from bristle_sim.scene.strike import Chain, strike
-from bristle_sim.settings import Settings
-from bristle_sim.studies.curves import Curve, Level, Mark, Panel, curve_of
-from bristle_sim.studies.impact_sweeps import AXES
+from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of, impact_curve
+from bristle_sim.studies.impacts import Impacts
+from bristle_sim.studies.rod_families import AXES
 from bristle_sim.theory.monofilament import normal_final_impulse, tip_speed
 from bristle_sim.theory.pendulums import DoublePendulumImpact, double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord
@@ -27,9 +27,10 @@ __all__ = [
     "HEAVY_ROD",
     "HEAVY_ROD_SURFACE",
     "IMPULSE",
-    "Case",
+    "Impact",
     "Measure",
     "closed_form",
+    "double_pendulum_panels",
     "final_rate",
     "heavy_rod_panel",
     "pendulum_curve",
@@ -37,8 +38,13 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-Case = Callable[[float], tuple[Chain, Surface]]
-"""The impact that belongs to an x."""
+Impact = Callable[[float], tuple[Chain, Surface]]
+"""The double pendulum and the surface that belong to an x."""
+
+POINTS = 81
+"""Points on a closed form over the mass ratio: enough for a smooth curve half a page wide."""
+
+SIMULATED = 9
 
 LIGHT_RATIOS, HEAVY_RATIO = (1.0, 10.0), 700.0
 
@@ -48,12 +54,11 @@ HEAVY_ROD = Chain((700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(2
 HEAVY_ROD_SURFACE = Surface(friction=0.31, restitution=0.42)
 
 
-@dataclass(frozen=True, slots=True)
-class Measure:
+class Measure(NamedTuple):
     """One number of an impact: by closed form, and as read from a simulated one."""
 
     formula: Callable[[Chain, Surface], float]
-    read: Callable[[Chain, ContactRecord], float]
+    read: Callable[[ContactRecord], float | None]
 
 
 def final_rate(rod: int) -> Measure:
@@ -61,7 +66,7 @@ def final_rate(rod: int) -> Measure:
     name = f"final_rate_{rod + 1}"
     return Measure(
         lambda chain, surface: float(getattr(closed_form(chain, surface), name)),
-        lambda _, contact: -contact.rates_after[rod],
+        lambda contact: -contact.rates_after[rod],
     )
 
 
@@ -82,7 +87,7 @@ def closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
 
 
 IMPULSE = Measure(
-    lambda chain, surface: closed_form(chain, surface).normal_final_impulse, lambda _, contact: contact.impulse[0]
+    lambda chain, surface: closed_form(chain, surface).normal_final_impulse, lambda contact: contact.impulse[0]
 )
 """p_f of a double pendulum, N s."""
 
@@ -108,31 +113,45 @@ def heavy_rod_panel() -> Panel:
     )
 
 
-def pendulum_curve(name: str, measure: Measure, case: Case, x: Array, simulated: Mapping[str, Array]) -> Curve:
-    """Return a measure of impacts over x in closed form, and of simulated ones by law; an impact without an end is left out."""
-    points = {law: _simulated(measure, case, at, law) for law, at in simulated.items()}
-    return curve_of(name, lambda grid: [measure.formula(*case(float(each))) for each in grid], x, points)
+def pendulum_curve(name: str, measure: Measure, impact: Impact, x: Array, places: Mapping[str, Array]) -> Curve:
+    """Return a measure of impacts over x in closed form, and of simulated ones at some places by law."""
+
+    def formula(grid: Array) -> list[float]:
+        return [measure.formula(*impact(float(each))) for each in grid]
+
+    return impact_curve(name, formula, x, impact, measure.read, places)
 
 
-def _simulated(measure: Measure, case: Case, x: Array, law: str) -> tuple[Array, Array]:
-    found = []
-    for each in x.tolist():
-        chain, surface = case(each)
-        try:
-            contact = strike(chain, surface, Contact(law), Settings()).contact
-        except ValueError:
-            continue
-        found.append((each, measure.read(chain, contact)))
-    places, values = np.array(found).reshape(-1, 2).T
-    return places, values
+def double_pendulum_panels(impacts: Impacts) -> dict[str, Panel]:
+    """Return the families that a double pendulum's impact belongs to (Zhang 2020, figs. 2.28-2.30), simulated too."""
+    chain, surface = impacts.chain, impacts.surface
+    own = chain.masses[0] / chain.masses[1]
+    ratios = np.geomspace(min(1.0, 0.5 * own), max(1e4, min(2.0 * own, 1e12)), POINTS)
+    energetic = ratios[:: POINTS // (SIMULATED - 1)]
+    places = {"energetic": energetic, "compliant": np.sqrt(energetic[1:] * energetic[:-1])[::2]}
+
+    def impact(ratio: float) -> tuple[Chain, Surface]:
+        return weighted(chain, ratio), surface
+
+    curves = tuple(pendulum_curve(f"rod {k + 1}", final_rate(k), impact, ratios, places) for k in (0, 1))
+    after = impacts.strikes[impacts.law].contact.rates_after
+    rates = Panel(
+        Axis("mass ratio $m_1/m_2$", log=True),
+        Axis("rate after the impact", "rad/s"),
+        curves,
+        family="rate of",
+        marks=tuple(Mark(own, -rate) for rate in after),
+        levels=(Level(-chain.rates[0], "rod 1 before the impact"),),
+    )
+    return {"rates over mass ratio": rates, "heavy rod": heavy_rod_panel()}
 
 
 def weighted(chain: Chain, mass_ratio: float) -> Chain:
-    """A double pendulum with its first rod so many times as heavy as its second."""
+    """Return a double pendulum with another ratio of its first rod's mass to its second's."""
     return dataclasses.replace(chain, masses=(mass_ratio * chain.masses[1], chain.masses[1]))
 
 
-def _over_friction(ratio: float) -> Case:
+def _over_friction(ratio: float) -> Impact:
     return lambda friction: (weighted(HEAVY_ROD, ratio), dataclasses.replace(HEAVY_ROD_SURFACE, friction=friction))
 
 
