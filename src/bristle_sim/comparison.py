@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Quantity", "Report", "Unfinished", "finite", "table"]
+__all__ = ["Quantity", "Report", "Unfinished", "cells", "finite", "table"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,13 +144,18 @@ def table(quantities: Sequence[Quantity]) -> str:
     return "\n".join(found)
 
 
-def _table(quantities: Sequence[Quantity], digits: int, with_reference: bool) -> list[str]:
+def cells(quantities: Sequence[Quantity], digits: int = 6, with_reference: bool = True) -> list[list[str]]:
+    """Return the table's cells, its head first, without columns that would be empty."""
     sides = ("simulated", "theory", *(["reference"] if with_reference else []), "printed")
     head = ["quantity", "unit", *sides, "difference from", "within", "ok"]
     rows = [head, *(_row(each, sides, digits) for each in quantities)]
     kept = [i for i, title in enumerate(head) if title in head[:3] or any(row[i] != "-" for row in rows[1:])]
-    rows = [[row[i] for i in kept] for row in rows]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(kept))]
+    return [[row[i] for i in kept] for row in rows]
+
+
+def _table(quantities: Sequence[Quantity], digits: int, with_reference: bool) -> list[str]:
+    rows = cells(quantities, digits, with_reference)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for row in rows:
         words = [cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True)]
