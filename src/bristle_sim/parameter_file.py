@@ -19,10 +19,12 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Choice, Range, shown
 
-__all__ = ["likely_key", "read_keys", "read_tool", "tool_keys", "write_tool"]
+__all__ = ["MAY_BE_ABSENT", "likely_key", "read_keys", "read_tool", "tool_keys", "write_tool"]
 
 ABSENT = "false"
 """What ``read_keys`` returns for a part that the file says is absent."""
+
+MAY_BE_ABSENT = ("bar", "workpart")
 
 
 def _declared(part: type) -> dict[str, tuple[str, Range | Choice]]:
@@ -70,7 +72,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
             if name not in PARTS:
                 raise ValueError(f"{path}: unknown table [{name}]; {likely_key(name, PARTS)}")
             typed |= {key: _text(path, key, each, known[name], f"[{name}] ") for key, each in value.items()}
-        elif value is False and name in ("bar", "workpart"):
+        elif value is False and name in MAY_BE_ABSENT:
             typed[name] = ABSENT
         else:
             typed[name] = _text(path, name, value, every)
@@ -97,7 +99,7 @@ def read_tool(path: str | Path) -> Tool:
         for part, keys in tool_keys().items():
             values = {name: declared.parse(typed[key]) for key, (name, declared) in keys.items() if key in typed}
             if part:
-                parts[part] = None if typed.get(part) == ABSENT else PARTS[part][0](**values)
+                parts[part] = None if part in MAY_BE_ABSENT and part in typed else PARTS[part][0](**values)
             else:
                 parts |= values
         return Tool(**parts)

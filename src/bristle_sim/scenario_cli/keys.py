@@ -73,10 +73,10 @@ def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
     declared = {key: each for part in parameter_file.tool_keys().values() for key, (_, each) in part.items()}
     defaults = Scenario("", "", (*(kinds[0] for kinds in PARTS.values()), Tool), run=scenario.run).keys()
     for key, text in typed.items():
-        if key in PARTS and PARTS[key][0] not in scenario.parts:
+        if key in parameter_file.MAY_BE_ABSENT:
+            if PARTS[key][0] in scenario.parts:
+                raise ValueError(f"{path}: {key} = false: must be a {key} in {scenario.name}")
             continue
-        if key in PARTS:
-            raise ValueError(f"{path}: {key} = false: must be a {key} in {scenario.name}")
         try:
             value = (keys[key][0] if key in keys else declared[key]).parse(text)
         except ValueError as error:
