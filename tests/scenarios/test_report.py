@@ -48,6 +48,7 @@ class Elements(HTMLParser):
             self.open.append(tag)
 
     def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert tag
         self.attributes += attrs
 
     def handle_endtag(self, tag: str) -> None:
