@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Circle
+from matplotlib.patches import Arc, Circle, FancyArrowPatch
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
@@ -88,12 +88,9 @@ def _angles(axes: Axes, radius: float, root: Array) -> None:
 
 def _motion(axes: Axes, radius: float) -> None:
     """How the hub turns, and the axes."""
-    axes.annotate(
-        "",
-        0.74 * radius * toward(math.radians(95.0)),
-        0.74 * radius * toward(math.radians(50.0)),
-        arrowprops={"arrowstyle": "-|>", "connectionstyle": "arc3,rad=0.25", "color": BLACK},
-    )
+    ends = 0.74 * radius * toward(np.radians([50.0, 95.0]))
+    style = "-|>,head_length=5,head_width=2.5"
+    axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, connectionstyle="arc3,rad=0.25", color=BLACK))
     _say(axes, 1.5, -0.12 * radius, "hub speed, rates:\npositive this way")
     corner = (-66.0, -18.0)
     _arrow(axes, corner, (9.0, 0.0), BLACK)
