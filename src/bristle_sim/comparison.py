@@ -125,6 +125,9 @@ def finite(value: float | None) -> float | None:
 WIDTH = 100
 """Columns that a table fits in."""
 
+WIDEST = ("reference", "within")
+"""Columns that are left out, in this order, where a table would be too wide with them."""
+
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
 LARGEST_PREFIX = {"s": "", "m": "", "N s": "", "g": "k", "N": "k", "N m": "k", "J": "k", "W": "k", "Pa": "G", "Hz": "k"}
@@ -134,27 +137,27 @@ LARGEST_PREFIX = {"s": "", "m": "", "N s": "", "g": "k", "N": "k", "N m": "k", "
 def table(quantities: Sequence[Quantity]) -> str:
     """Return an aligned table for the terminal, in units with prefixes, without columns that would be empty.
 
-    The relative difference names what it is from. The reference's own column is left out where the table would be wider
-    than 100 columns with it.
+    The relative difference names what it is from. Where the table would be wider than 100 columns, the
+    reference's own column is left out first, then the tolerance.
     """
-    for digits, with_reference in ((6, True), (5, True), (6, False), (5, False), (4, False)):
-        found = _table(quantities, digits, with_reference)
+    for digits, left_out in ((6, ()), (5, ()), (6, WIDEST[:1]), (5, WIDEST[:1]), (4, WIDEST[:1]), (4, WIDEST)):
+        found = _table(quantities, digits, left_out)
         if max(map(len, found)) <= WIDTH:
             break
     return "\n".join(found)
 
 
-def cells(quantities: Sequence[Quantity], digits: int = 6, with_reference: bool = True) -> list[list[str]]:
-    """Return the table's cells, its head first, without columns that would be empty."""
-    sides = ("simulated", "theory", *(["reference"] if with_reference else []), "printed")
+def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
+    """Return the table's cells, its head first, without columns that would be empty and those that are left out."""
+    sides = ("simulated", "theory", "reference", "printed")
     head = ["quantity", "unit", *sides, "difference from", "within", "ok"]
     rows = [head, *(_row(each, sides, digits) for each in quantities)]
     kept = [i for i, title in enumerate(head) if title in head[:3] or any(row[i] != "-" for row in rows[1:])]
-    return [[row[i] for i in kept] for row in rows]
+    return [[row[i] for i in kept if head[i] not in left_out] for row in rows]
 
 
-def _table(quantities: Sequence[Quantity], digits: int, with_reference: bool) -> list[str]:
-    rows = cells(quantities, digits, with_reference)
+def _table(quantities: Sequence[Quantity], digits: int, left_out: Sequence[str]) -> list[str]:
+    rows = cells(quantities, digits, left_out)
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for row in rows:

@@ -120,7 +120,8 @@ PROMISES = {
         film=("bristle_sim.render.impact_video", "impact_video"),
     ),
     "bent_bristles": Promise(
-        keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *RUBBING, *LAW)
+        keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *RUBBING, *LAW),
+        strikes=False,
     ),
     "force_history": Promise(
         ("peak_force", "compression_time", "compressive_impulse"),
@@ -136,6 +137,7 @@ PROMISES = {
         ),
         (*TOOL, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
+        strikes=False,
     ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
@@ -182,7 +184,7 @@ PROMISES = {
     ),
 }
 
-OUTCOMES = {"rebound", "no rebound", "stiction", "no contact", None}
+OUTCOMES = {"rebound", "no rebound", "stiction", "no contact"}
 SIDES = ("simulated", "theory", "reference", "printed")
 TIMINGS = ("wall_s", "cpu_s")
 SIGNATURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF", ".gif": b"GIF89a"}

@@ -150,6 +150,8 @@ def test_scripts_at_the_ends_of_their_ranges(name: str, capsys: pytest.CaptureFi
 def ends(found: Range | Choice) -> tuple[str, ...]:
     if isinstance(found, Choice):
         return found.options
+    if found.unit == "column":
+        return ("1",)
     return (repr(found.lowest if found.lowest_allowed else math.nextafter(found.lowest, math.inf)), repr(found.highest))
 
 
@@ -218,7 +220,7 @@ def test_truth_values_and_text_are_no_numbers(module: str) -> None:
             for bad in (True, np.True_, [True], [0.5, False], "0.5", ["0.5"]) if name not in WHOLE else ():
                 if isinstance(bad, str) and name == "path" and function.__name__ == "read_force_csv":
                     continue
-                with pytest.raises(ValueError, match=r"allowed|shape") as refusal:
+                with pytest.raises(ValueError, match=r"must be|allowed|shape") as refusal:
                     function(**{**good, name: bad})
                 assert "\n" not in str(refusal.value)
 

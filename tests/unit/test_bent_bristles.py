@@ -14,7 +14,7 @@ from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.render.bent_figure import bent_figure
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import bent_bristles, centre_line, slide_of
+from bristle_sim.studies.bent_bristles import bent_bristles, slide_of
 
 TOOL = Tool(
     hub=Hub(speed=272.27),
@@ -92,17 +92,6 @@ def test_remarks_say_what_was_computed() -> None:
     assert report.outcome is None
     assert slides["forward"].turn_time < slides["forward"].compression_time
     assert slides["reverse"].turn_time > slides["reverse"].compression_time
-
-
-def test_centre_line_is_the_wires() -> None:
-    """The lengths of shank and knee's arm are the bristle's, the angles are those asked for, and the tip is the run's."""
-    run = simulate(TOOL, Settings(), stop_after="strike")
-    root, knee, tip = centre_line(TOOL, float(run.hub_angle[-1]), float(run.angles[-1, 0]))
-    assert math.hypot(*root) == pytest.approx(TOOL.hub.radius)
-    assert math.dist(root, knee) == pytest.approx(TOOL.bristle.knee_position * TOOL.bristle.length)
-    assert math.dist(root, knee) + math.dist(knee, tip) == pytest.approx(TOOL.bristle.length)
-    assert math.atan2(*(knee - root) * (1.0, -1.0)) == pytest.approx(float(run.angles[-1, 0]))
-    np.testing.assert_allclose(tip, run.tip[-1], rtol=0.0, atol=1e-12 * TOOL.bristle.length)
 
 
 @pytest.mark.parametrize("knee", [-45.0, 30.0])

@@ -63,9 +63,9 @@ class TestNoticed:
 
     def test_overlap(self, run: Trajectory) -> None:
         strike = int(np.argmin(np.abs(run.time - run.first_contact("workpart").time)))  # type: ignore[union-attr]
-        tip = run.tip.copy()
-        tip[strike, 1] -= 1e-4 * Tool().bristle.length
-        assert only("deepest_overlap", verdicts(Tool(), SETTINGS, replace(run, tip=tip)))
+        line = run.centre_line.copy()
+        line[strike, -1, 1] -= 1e-4 * Tool().bristle.length
+        assert only("deepest_overlap", verdicts(Tool(), SETTINGS, replace(run, centre_line=line)))
 
     def test_impulse_that_does_not_change_the_velocity(self, run: Trajectory) -> None:
         strike = run.first_contact("workpart")
@@ -125,6 +125,17 @@ class TestGivenUp:
         stopped = whole_pass(Tool(), SETTINGS).extra["stopped"]
         assert stopped["complete"] is True
         assert stopped["reason"] == "end of the planned time"
+
+
+def test_rebounds_on_an_overdamped_belt_do_not_enter_the_bar() -> None:
+    """The belt brings the wire back within a microsecond: each rebound is followed, e* at a time, not taken for rest."""
+    tool = Tool(belt=Belt(damping_ratio=300.0), bar=Bar(restitution=0.5), workpart=None)
+    run = simulate(tool, Settings(hub_turn=0.34))
+    taps = [each for each in run.contacts if each.law == "energetic" and each.outcome == "rebound"]
+    assert len(taps) > 5
+    for each in taps:
+        assert each.velocity_after[0] < -each.velocity_before[0]
+    assert quantity("deepest_overlap", invariant_rows(tool, Settings(), run)).ok is True
 
 
 def test_a_step_without_end_is_refused_at_once() -> None:
