@@ -18,11 +18,12 @@ from bristle_sim.studies.crater_study import MEASURED
 from bristle_sim.studies.crater_sums import energy_depth_course, merchant_depth_course
 from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of
 from bristle_sim.theory.crater import (
+    energy_crater_depth,
+    energy_crater_depth_ratio,
     friction_for_crater_depth,
     merchant_crater_depth,
     merchant_crater_depth_limit,
 )
-from bristle_sim.theory.crater_energy import energy_crater_depth, energy_crater_depth_ratio
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, PRINTED_KINEMATICS, PRINTED_WIDTH
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES

@@ -17,7 +17,7 @@ from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION
 from bristle_sim.render.sweep_panels import panel_title
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 from bristle_sim.studies.crater_sums import merchant_depth_course, merchant_depth_extrapolated, merchant_depth_sum
-from bristle_sim.theory.crater_energy import energy_crater_depth_ratio
+from bristle_sim.theory.crater import energy_crater_depth_ratio
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
 
 __all__ = ["crater_figure", "crater_floor"]

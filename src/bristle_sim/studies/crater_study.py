@@ -26,12 +26,15 @@ from bristle_sim.studies.crater_sums import (
     merchant_depth_sum,
 )
 from bristle_sim.studies.timed_contact import timed_contact
-from bristle_sim.theory.crater import merchant_crater_depth_limit
-from bristle_sim.theory.crater_contact import ContactCrater, crater_depth_from_contact
-from bristle_sim.theory.crater_cutting import Surface as SurfaceKind
-from bristle_sim.theory.crater_cutting import depth_from_energy, depth_from_force, specific_cutting_energy
-from bristle_sim.theory.crater_energy import energy_crater_depth, energy_crater_depth_ratio
-from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles
+from bristle_sim.theory.crater import energy_crater_depth, energy_crater_depth_ratio, merchant_crater_depth_limit
+from bristle_sim.theory.crater_cutting import (
+    ContactCrater,
+    crater_depth_from_contact,
+    depth_from_energy,
+    depth_from_force,
+)
+from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles, specific_cutting_energy
+from bristle_sim.theory.merchant import Surface as SurfaceKind
 from bristle_sim.theory.monofilament import tip_speed
 
 __all__ = [

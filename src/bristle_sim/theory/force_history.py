@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import finite, positive, ranges, single, whole
+from bristle_sim.theory.checks import finite, positive, single, whole
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "TABLE_3_1", "ForceCurve", "segment_impulses"]
 
@@ -71,14 +71,14 @@ class ForceCurve:
     def __post_init__(self) -> None:
         if not self.amplitude or len(self.amplitude) != len(self.decay):
             raise ValueError(
-                f"amplitude, decay of lengths {len(self.amplitude)}, {len(self.decay)}: equal numbers, at least one"
+                f"amplitude, decay of lengths {len(self.amplitude)}, {len(self.decay)}: must be equal numbers, at least one"
             )
         for name, unit in (("amplitude", "1"), ("decay", "1/s"), ("offset", "N"), ("lead", "s")):
             finite(name, getattr(self, name), unit)
         positive("swing", self.swing, "N")
         positive("period", self.period, "s")
         if not 0.0 <= self.lead < self.period / 2.0:
-            raise ValueError(f"lead = {self.lead:g}: 0 <= lead < period/2 = {self.period / 2.0:g} is allowed (in s)")
+            raise ValueError(f"lead = {self.lead:g}: must be 0 <= lead < period/2 = {self.period / 2.0:g} (in s)")
 
     @classmethod
     def of_impact(cls, amplitude: ArrayLike, decay: ArrayLike, peak_force: float, duration: float) -> ForceCurve:
@@ -172,7 +172,9 @@ class ForceCurve:
         grid = np.linspace(0.0, self.duration, SCAN + 1)
         top = int(np.argmax(self._derivative(grid, order)))
         if not 0 < top < SCAN:
-            raise ValueError(f"decay = {self.decay}: a curve that rises and falls within its duration is allowed")
+            raise ValueError(
+                f"decay = {self.decay}: must give a curve that rises and falls within its duration (in 1/s)"
+            )
         low, high = grid[top - 1], grid[top + 1]
         return float(brentq(lambda t: self._derivative(t, order + 1), low, high, xtol=1e-15 * self.duration))
 
@@ -184,7 +186,7 @@ BRISTLE = ForceCurve((1.0160,), (5.4990,), offset=26.0, swing=30.0, lead=1e-5, p
 """Resultant force on the bristle tip (Zhang 2020, eq. 3.19): t_f = 0.1 ms, F* = 60 N."""
 
 
-@ranges(Range("compression_time", "s", 1e-30, 1e3, True, "Zhang 2020, eq. 3.15"))
+@checked_arguments
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> NDArray[np.float64]:
@@ -204,7 +206,6 @@ def segment_impulses(
     """
     whole("segments", segments, MOST_SEGMENTS)
     single("segments", segments)
-    finite("impulse", impulse, "N s")
     end = curve.peak_time() if compression_time is None else single("compression_time", compression_time)
     edges = np.linspace(0.0, end, int(segments) + 1)
     parts = curve.impulse(edges[1:], edges[:-1])
