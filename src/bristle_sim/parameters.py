@@ -14,9 +14,10 @@ import itertools
 import math
 from dataclasses import dataclass, field
 
-from bristle_sim.quantity import ANY, choice, quantity, shown, validate
+from bristle_sim.quantity import ANY, choice, count, quantity, shown, validate
 
 __all__ = [
+    "WIRE_KEYS",
     "Bar",
     "Belt",
     "Bristle",
@@ -34,6 +35,9 @@ __all__ = [
 ]
 
 Vector = tuple[float, float]
+
+WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")
+"""Keys of a wire that bends."""
 
 RETRACTION_AT_RELEASE = math.radians(44.5)
 """Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
@@ -106,7 +110,7 @@ class Belt:
 
 @dataclass(frozen=True, slots=True)
 class Bristle:
-    """Rigid slender wire, straight or with one knee; a positive knee bends the tip forward, in the hub's sense."""
+    """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that bends."""
 
     length: float = quantity(
         0.027,
@@ -141,7 +145,7 @@ class Bristle:
         "1",
         at_least=0.01,
         at_most=0.99,
-        source="assumed: share of the length; Zhang 2020, fig. 1.3",
+        source="assumed: fraction of the length; Zhang 2020, fig. 1.3",
         meaning="distance of the knee from the root, as a fraction of the length",
         needs="knee_angle_deg != 0",
     )
@@ -153,6 +157,34 @@ class Bristle:
         at_most=90.0,
         source="straight as in Zhang 2020, fig. 2.5",
         meaning="bend at the knee; positive bends the tip forward, in the hub's sense",
+    )
+    links: int = count(
+        1,
+        "wire_links",
+        at_least=1,
+        at_most=64,
+        source="rigid as in Zhang 2020, sec. 2.3",
+        meaning="number of equal rigid links of the wire; 1 is a rigid bristle",
+    )
+    modulus: float = quantity(
+        2e11,
+        "wire_modulus",
+        "Pa",
+        above=0.0,
+        at_most=1e15,
+        source="steel: E = 2e11 Pa",
+        meaning="Young's modulus of the wire, which stiffens the hinges between its links",
+        needs="wire_links != 1",
+    )
+    bending_damping_ratio: float = quantity(
+        0.0,
+        "wire_damping_ratio",
+        "1",
+        at_least=0.0,
+        at_most=1e3,
+        source="undamped as in Zhang 2020",
+        meaning="damping ratio of the wire's first bending mode",
+        needs="wire_links != 1",
     )
 
     def __post_init__(self) -> None:
@@ -202,7 +234,7 @@ class Bristle:
         return self.inertia_about_centre + self.mass * (centre[0] ** 2 + centre[1] ** 2)
 
     def _pieces(self) -> list[tuple[Vector, Vector, float]]:
-        """Straight pieces of the centre line with their share of the length."""
+        """Return the straight pieces of the centre line with their fractions of the length."""
         corners = ((0.0, 0.0), *self.path)
         return [
             (start, end, math.hypot(end[0] - start[0], end[1] - start[1]) / self.length)

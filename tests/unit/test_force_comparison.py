@@ -331,7 +331,7 @@ def test_what_describes_a_file_needs_one(key):
 @pytest.mark.parametrize(
     ("settings", "line"),
     [
-        ({"force_column": " "}, "^force_column = ' ': the heading"),
+        ({"force_column": " "}, "^force_column = ' ': must be the heading"),
         ({"force_column": "volts"}, "^force_csv = .*: force_column = 'volts': must be"),
         ({"force_per_volt": 0.0}, "^force_per_volt = 0: must be positive"),
         ({"force_per_volt": math.nan}, "^force_per_volt = nan: "),

@@ -102,7 +102,7 @@ def plies_figure() -> Redrawn:
     def rounded(n: ArrayLike) -> Array:
         return np.asarray(merchant_crater_depth(plies=np.asarray(n), angles=PRINTED_ANGLES))
 
-    course = [float(merchant_depth_course(dataclasses.replace(OWN, plies=float(n)))[-1]) for n in FEW_PLIES]
+    course = [float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
     curves = (
         curve_of(
             "exact angles", lambda n: merchant_crater_depth(plies=n), WHOLE_PLIES, {"printed": (FEW_PLIES, course)}
@@ -162,7 +162,7 @@ def stress_figure() -> Redrawn:
 
 def energy_figure() -> Redrawn:
     """Figure 4.19: depth by work and energy over the number of plies, in both readings."""
-    course = [float(energy_depth_course(dataclasses.replace(OWN, plies=float(n)))[-1]) for n in FEW_PLIES]
+    course = [float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
     curves = (
         curve_of("sum of quotients (4.62)", _each(energy_crater_depth), WHOLE_PLIES, {"motion": (FEW_PLIES, course)}),
         curve_of("ratio of two sums (4.66)", _each(energy_crater_depth_ratio), WHOLE_PLIES),
@@ -199,7 +199,7 @@ def _over_time(
     return Panel(MICROSECONDS, axis, (curve_of(name, formula, TIME, {"contact": (time[kept], values[first][kept])}),))
 
 
-def _depth_curve(name: str, along: str, x: Array, **fixed: float) -> Curve:
+def _depth_curve(name: str, along: str, x: Array, **fixed: Any) -> Curve:
     """Depth with 300 plies over a parameter; points by the printed sum."""
     key, factor = ("impact_angle_deg", math.degrees(1.0)) if along == "impact_angle" else (along, 1.0)
     base = dataclasses.replace(OWN, **fixed)

@@ -154,7 +154,8 @@ def friction_for_crater_depth(
         ValueError: for a depth that no mu >= tan(gamma) gives.
     """
     gamma = np.asarray(impact_angle)
-    whole("plies", single("plies", plies), MOST_PLIES)
+    whole("plies", plies, MOST_PLIES)
+    single("plies", plies)
     deepest = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, force, width, compression_time)
     sine = 1.0 - 2.0 * np.asarray(depth) / deepest
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
@@ -187,7 +188,8 @@ def constant_for_crater_depth(
         ValueError: for a depth that no C within 0 < C <= pi/2 gives.
     """
     gamma = np.asarray(impact_angle)
-    whole("plies", single("plies", plies), MOST_PLIES)
+    whole("plies", plies, MOST_PLIES)
+    single("plies", plies)
     positive("depth", depth, "m")
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
     require("impact_angle", gamma, gamma < 0.5 * np.pi, "must be below pi/2 (in rad)")
@@ -262,6 +264,7 @@ def _energy_plies(
     compression_time: float,
 ) -> tuple[Any, Any]:
     """Return the energy given up in each ply, J, and the force at its end, N."""
-    whole("plies", single("plies", plies), MOST_PLIES)
+    whole("plies", plies, MOST_PLIES)
+    single("plies", plies)
     time = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
     return -np.diff(kinetic_energy(time, coefficients, decay)), force(time[1:])
