@@ -43,5 +43,5 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
 
 
 def is_special(path: Path) -> bool:
-    """Whether a path names something that is neither a regular file nor a folder: a device, a pipe, a socket."""
+    """Tell whether a path names something that is neither a regular file nor a folder: a device, a pipe, a socket."""
     return path.exists() and not path.is_file() and not path.is_dir()

@@ -248,7 +248,7 @@ def crater_depth_from_contact(
     face: TipFace | None = None,
     surface: Surface = "parallel",
 ) -> ContactCrater:
-    """Craters that follow from a contact resolved in time, up to its deepest penetration.
+    """Return the craters that follow from a contact resolved in time, up to its deepest penetration.
 
     Args:
         time: s, increasing, shape (n,); n >= 2.

@@ -96,27 +96,27 @@ class CraterKinematics:
         )
 
     def tip_displacement(self, time: ArrayLike) -> Number:
-        """S along the path (4.4a), m."""
+        """Return S along the path (4.4a), m."""
         return self.excursion * self._grown(time)
 
     def tip_velocity(self, time: ArrayLike) -> Number:
-        """v_C along the path (4.4b), m/s."""
+        """Return v_C along the path (4.4b), m/s."""
         return self.tip_speed * self._left(time)
 
     def bristle_rate(self, time: ArrayLike) -> Number:
-        """Absolute rate of the bristle (4.6), rad/s."""
+        """Return the absolute rate of the bristle (4.6), rad/s."""
         return self.rate * self._left(time) - self.final_rate
 
     def centre_velocity(self, time: ArrayLike) -> Number:
-        """v_G (4.7), m/s."""
+        """Return v_G (4.7), m/s."""
         return self.centre_speed * self._left(time) + self.final_centre_speed
 
     def crater_depth(self, time: ArrayLike) -> Number:
-        """Depth below the surface, S sin(gamma) (4.8), m."""
+        """Return the depth below the surface, S sin(gamma) (4.8), m."""
         return self.depth * self._grown(time)
 
     def crater_face_depth(self, time: ArrayLike) -> Number:
-        """Trace of the depth on the tip's face (4.10), m."""
+        """Return the trace of the depth on the tip's face (4.10), m."""
         return self.face_depth * self._grown(time)
 
     def _left(self, time: ArrayLike) -> Number:
@@ -144,21 +144,21 @@ class TipFace:
 
     @property
     def short_axis(self) -> float:
-        """a_2 = d (4.11), m."""
+        """Return a_2 = d (4.11), m."""
         return self.wire_diameter
 
     @property
     def long_axis(self) -> float:
-        """a_1 = d/cos(tilt) (4.12), m."""
+        """Return a_1 = d/cos(tilt) (4.12), m."""
         return self.wire_diameter / math.cos(self.tilt)
 
     @property
     def full_depth(self) -> float:
-        """Depth below the surface at which the cut is as wide as the wire, (a_1/2) sin(face_angle), m."""
+        """Return the depth below the surface at which the cut is as wide as the wire, (a_1/2) sin(face_angle), m."""
         return 0.5 * self.long_axis * math.sin(self.face_angle)
 
     def width(self, depth: ArrayLike) -> Number:
-        """Width of the cut at a depth below the surface (4.9, 4.14), m; the wire's diameter from the centre line on."""
+        """Return the width of the cut at a depth below the surface (4.9, 4.14), m; d from the centre line on."""
         fraction = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
         return self.short_axis * np.sqrt(fraction * (2.0 - fraction))
 
@@ -189,12 +189,12 @@ class CuttingWidth:
 
     @classmethod
     def of_face(cls, face: TipFace, kinematics: CraterKinematics) -> CuttingWidth:
-        """The width unrounded, from the face and the motion (4.13-4.15)."""
+        """Return the width unrounded, from the face and the motion (4.13-4.15)."""
         swing = kinematics.face_depth * face.short_axis / face.long_axis
         return cls(0.5 * face.short_axis, swing, kinematics.decay)
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Width at times of any shape, m; the difference of squares is factored so that it is exact near t = 0."""
+        """Return the width at times of any shape, m; the factored difference of squares is exact near t = 0."""
         gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
         return 2.0 * np.sqrt(gone * (2.0 * self.half_width - gone))
 

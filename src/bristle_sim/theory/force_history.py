@@ -82,7 +82,7 @@ class ForceCurve:
 
     @classmethod
     def of_impact(cls, amplitude: ArrayLike, decay: ArrayLike, peak_force: float, duration: float) -> ForceCurve:
-        """The curve (3.3) of an impact with F* in N and t_f in s; it vanishes at both ends."""
+        """Return the curve (3.3) of an impact with F* in N and t_f in s; it vanishes at both ends."""
         positive("peak_force", peak_force, "N")
         positive("duration", duration, "s")
         lead = LEAD_SHARE * duration
@@ -94,35 +94,35 @@ class ForceCurve:
 
     @property
     def duration(self) -> float:
-        """t_f = T - 2 t_o, s."""
+        """Return t_f = T - 2 t_o, s."""
         return self.period - 2.0 * self.lead
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Force, N, at times in s of any shape."""
+        """Return the force, N, at times in s of any shape."""
         return self._derivative(time, 0)
 
     def rate(self, time: ArrayLike) -> Number:
-        """dF/dt, N/s."""
+        """Return dF/dt, N/s."""
         return self._derivative(time, 1)
 
     def impulse(self, end: ArrayLike, start: ArrayLike = 0.0) -> Number:
-        """Integral of F from start to end, N s (3.1); start and end in s, broadcast."""
+        """Return the integral of F from start to end, N s (3.1); start and end in s, broadcast."""
         return self._integral(end) - self._integral(start)
 
     def peak_time(self) -> float:
-        """Time of the largest force, F' = 0 (3.6), s: the end of compression t_c."""
+        """Return the time of the largest force, F' = 0 (3.6), s: the end of compression t_c."""
         return self._crest(0)
 
     def inflection_time(self) -> float:
-        """Time before the peak at which the force rises fastest, F'' = 0 (Zhang 2020, fig. 3.2), s."""
+        """Return the time before the peak at which the force rises fastest, F'' = 0 (Zhang 2020, fig. 3.2), s."""
         return self._crest(1)
 
     def peak_force(self) -> float:
-        """Largest force, N."""
+        """Return the largest force, N."""
         return float(self(self.peak_time()))
 
     def rescaled(self, impulse: float, compression_time: float) -> ForceCurve:
-        """The same shape with another compressive impulse (N s) and compression time (s).
+        """Return the same shape with another compressive impulse (N s) and compression time (s).
 
         Equal shares of the compression time carry equal shares of the impulse (3.14), so with k the ratio of the
         compression times F_new(t) = (impulse / (k p_c)) F(t/k): lengths stretch by k, rates shrink by it.
@@ -166,7 +166,7 @@ class ForceCurve:
         return decay, -decay + 2j * math.pi / self.period
 
     def _crest(self, order: int) -> float:
-        """Where the derivative of that order is largest in the contact: the next derivative's root."""
+        """Return where the derivative of that order is largest in the contact: the next derivative's root."""
         from scipy.optimize import brentq
 
         grid = np.linspace(0.0, self.duration, SCAN + 1)
@@ -190,7 +190,7 @@ BRISTLE = ForceCurve((1.0160,), (5.4990,), offset=26.0, swing=30.0, lead=1e-5, p
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> NDArray[np.float64]:
-    """Share an impulse out as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
+    """Divide an impulse as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
 
     Args:
         curve: of the impact whose shape is taken over.

@@ -33,7 +33,7 @@ NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]
 
 @checked_arguments
 def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
-    """Largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
+    """Return the largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
 
     Raises:
         ValueError: if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
@@ -58,7 +58,7 @@ def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub
 
 @checked_arguments
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
-    """Time from the pulley's tangent point until the bristle is radial again, T = 2 int_0^A d alpha/alpha', s.
+    """Return the time from the pulley's tangent point to the radial direction, T = 2 int_0^A d alpha/alpha', s.
 
     With alpha = A sin(u) the inverse root at the turning point goes away: d alpha/alpha' = du/sqrt(k/I + (2 g/I) [cos alpha -
     cos A]/(A cos u)^2), and cos alpha - cos A = 2 sin((A + alpha)/2) sin((A - alpha)/2) with A - alpha = A cos(u)^2/(1 + sin u).
@@ -72,12 +72,12 @@ def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_spe
 
 @checked_arguments
 def radial_tip_speed(hub_speed: float, hub_radius: float, length: float) -> float:
-    """Speed of the tip when the bristle is radial again, (2 L + r_h) omega, m/s."""
+    """Return the speed of the tip when the bristle is radial again, (2 L + r_h) omega, m/s."""
     return (2.0 * length + hub_radius) * hub_speed
 
 
 @checked_arguments
 def hub_speed_for_tip_speed(tip_speed: float, hub_radius: float, length: float) -> float:
-    """Speed of the pulley for a speed of the tip when radial, rad/s."""
+    """Return the speed of the pulley for a speed of the tip when radial, rad/s."""
     require("tip_speed", tip_speed, tip_speed >= 0.0, "must be at least 0, as the hub turns forward (in m/s)")
     return tip_speed / (2.0 * length + hub_radius)

@@ -7,7 +7,7 @@ the impact angle gamma, so that R makes arccot(mu) with the workpart whatever th
 
 ``surface="parallel"`` measures the shear plane as (4.28) does, d_u/sin(eta) long, which is right for a surface parallel to
 the path. The real surface rises from the path at gamma, so a shear plane at eta meets it after d_u cos(gamma)/sin(eta -
-gamma). ``surface="inclined"`` takes that: least work then asks for eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
+gamma). ``surface="inclined"`` takes that: least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
 
     R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
 
@@ -76,17 +76,17 @@ class CuttingAngles:
 
     @property
     def resultant_angle(self) -> Number:
-        """Angle between the resultant and the cutting velocity, beta - alpha."""
+        """Return the angle between the resultant and the cutting velocity, beta - alpha."""
         return self.friction - self.rake
 
     @property
     def resultant_ratio(self) -> Number:
-        """tau_s b d_u/R = sin(eta) cos(eta + beta - alpha) (4.20)."""
+        """Return tau_s b d_u/R = sin(eta) cos(eta + beta - alpha) (4.20)."""
         return np.sin(self.shear) * np.cos(self.shear + self.resultant_angle)
 
     @property
     def cutting_ratio(self) -> Number:
-        """tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha) (4.46); 1 over it is u/tau_s.
+        """Return tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha) (4.46); 1 over it is u/tau_s.
 
         u = F_c/(b d_u) is the specific cutting energy, J per m^3 of chip.
         """
@@ -99,7 +99,7 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 
 @checked_arguments
 def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) -> Number:
-    """Shear angle eta = (C - (beta - alpha))/2 (4.45); by default that of least work, pi/4 - (beta - alpha)/2 (4.25).
+    """Return the shear angle eta = (C - (beta - alpha))/2 (4.45); by default pi/4 - (beta - alpha)/2 (4.25).
 
     Raises:
         ValueError: if C is not within 0 < C <= pi/2, or beta - alpha >= C, which pushes the chip into the work.
@@ -111,7 +111,7 @@ def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) ->
 
 @checked_arguments
 def shear_constant(slope: ArrayLike) -> Number:
-    """The constant C of (4.45) for tau_s = tau_o + k sigma_s (4.44), k = ``slope``: C = arccot k (Merchant 1951).
+    """Return the constant C of (4.45) for tau_s = tau_o + k sigma_s (4.44), k = ``slope``: C = arccot k.
 
     With sigma_s = R sin(eta + beta - alpha)/A_s the resultant is tau_o b d_u/(sin(eta) [cos(x) - k sin(x)]),
     x = eta + beta - alpha, and cos(x) - k sin(x) ~ cos(x + arctan k); its least value is at 2 eta + beta - alpha =
@@ -122,7 +122,7 @@ def shear_constant(slope: ArrayLike) -> Number:
 
 @checked_arguments
 def orthogonal_angles(rake: ArrayLike, friction: ArrayLike, constant: ArrayLike = LEAST_WORK) -> CuttingAngles:
-    """Classical circle: rake angle and Coulomb's friction coefficient on the rake face, beta = arctan(friction) (4.25).
+    """Return the classical circle's angles for Coulomb's friction on the rake face, beta = arctan(friction) (4.25).
 
     Raises:
         ValueError: if friction < 0, rake is not within -pi/2 < rake < pi/2, or the tool cuts nothing.
@@ -141,7 +141,7 @@ def oblique_angles(
     rake_offset: ArrayLike = RAKE_OFFSET,
     check: bool = True,
 ) -> CuttingAngles:
-    """Modified circle: alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45) (Zhang 2020, eqs. 4.36-4.40).
+    """Return the modified circle's angles, alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45).
 
     Args:
         friction: mu, ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives.
@@ -173,26 +173,26 @@ def oblique_angles(
 
 
 def _least(impact_angle: Number, constant: ArrayLike) -> Number:
-    """Least friction with eta >= gamma, cot(C - gamma): tan(gamma) for C = pi/2 (4.42); infinite for gamma >= C."""
+    """Return the least friction with eta >= gamma, cot(C - gamma), tan(gamma) for C = pi/2 (4.42); inf for gamma >= C."""
     room = np.maximum(np.asarray(constant, dtype=float) - impact_angle, 0.0)
     return np.divide(1.0, np.tan(room), out=np.full(np.shape(room), np.inf), where=room > 0.0)
 
 
 @checked_arguments
 def resultant_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Resultant R = tau_s b d_u/(sin(eta) cos(eta + beta - alpha)) (4.20, 4.30), N."""
+    """Return the resultant R = tau_s b d_u/(sin(eta) cos(eta + beta - alpha)) (4.20, 4.30), N."""
     return np.multiply(depth, width) * shear_yield_stress / angles.resultant_ratio
 
 
 @checked_arguments
 def cutting_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Force along the cutting velocity, F_c = R cos(beta - alpha) (4.17a, 4.21, 4.31), N."""
+    """Return the force along the cutting velocity, F_c = R cos(beta - alpha) (4.17a, 4.21, 4.31), N."""
     return resultant_force(depth, width, shear_yield_stress, angles) * np.cos(angles.resultant_angle)
 
 
 @checked_arguments
 def depth_of_cut(force: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Uncut depth d_u that a cutting force F_c shears off at a width b (4.46), m."""
+    """Return the uncut depth d_u that a cutting force F_c shears off at a width b (4.46), m."""
     return force * angles.cutting_ratio / np.multiply(width, shear_yield_stress)
 
 
