@@ -23,9 +23,7 @@ MODULES = (
     "force_history",
     "force_fit",
     "crater",
-    "crater_contact",
     "crater_cutting",
-    "crater_energy",
 )
 """Modules of the theory with functions that take numbers."""
 

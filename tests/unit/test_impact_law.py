@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -632,32 +633,35 @@ def test_march_in_small_impulses(kind):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"inverse_mass": [[1.0, 0.5], [0.4, 1.0]]}, r"^inverse_mass = \(1, 0.5, 0.4, 1\): a symmetric matrix"),
+        ({"inverse_mass": [[1.0, 0.5], [0.4, 1.0]]}, r"^inverse_mass = \(1, 0.5, 0.4, 1\): must be symmetric"),
         (
             {"inverse_mass": [[1.0, 2.0], [2.0, 1.0]]},
-            r"^inverse_mass = \(1, 2, 2, 1\): a positive semidefinite matrix \(1/kg\)",
+            r"^inverse_mass = \(1, 2, 2, 1\): must be positive semidefinite \(1/kg\)",
         ),
         (
             {"inverse_mass": [[-1.0, 0.0], [0.0, 1.0]]},
-            r"^inverse_mass = \(-1, 0, 0, 1\): a positive semidefinite matrix \(1/kg\)",
+            r"^inverse_mass = \(-1, 0, 0, 1\): must be positive semidefinite \(1/kg\)",
         ),
-        ({"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]}, r"^inverse_mass = \(nan, 0, 0, 1\): finite entries"),
+        (
+            {"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]},
+            r"^inverse_mass = \(nan, 0, 0, 1\): must have finite entries",
+        ),
         ({"inverse_mass": [1.0, 2.0]}, r"^inverse_mass, velocity of shapes \(2,\), \(2,\)"),
         ({"velocity": [-1.0, 0.0, 0.0]}, r"^inverse_mass, velocity of shapes \(2, 2\), \(3,\)"),
-        ({"velocity": [-math.inf, 0.0]}, r"^velocity = \(-inf, 0\): finite components \(m/s\)"),
-        ({"friction": -0.1}, r"^friction = -0.1: finite and >= 0"),
-        ({"friction": math.inf}, r"^friction = inf: finite and >= 0"),
-        ({"friction": [0.1, math.nan]}, r"^friction = nan: finite and >= 0"),
-        ({"restitution_friction": -0.1}, r"^restitution_friction = -0.1: finite and >= 0"),
-        ({"restitution": 1.1}, r"^restitution = 1.1: 0 <= restitution <= 1"),
-        ({"restitution": [0.5, -0.1]}, r"^restitution = -0.1: 0 <= restitution <= 1"),
-        ({"friction": True}, r"^friction = True: real numbers"),
-        ({"friction": [0.3, False]}, r"^friction = \[0.3, False\]: real numbers"),
-        ({"restitution": "0.5"}, r"^restitution = '0.5': real numbers"),
-        ({"velocity": ("-1", "0")}, r"^velocity = \('-1', '0'\): real numbers"),
-        ({"inverse_mass": np.eye(2, dtype=bool)}, r"^inverse_mass = .*: real numbers"),
-        ({"inverse_mass": [[1e200, 3e200], [3e200, 1e200]]}, r"^inverse_mass = .*: a positive semidefinite matrix"),
-        ({"inverse_mass": [[1e-200, 3e-200], [3e-200, 1e-200]]}, r"^inverse_mass = .*: a positive semidefinite matrix"),
+        ({"velocity": [-math.inf, 0.0]}, r"^velocity = \(-inf, 0\): must have finite components \(m/s\)"),
+        ({"friction": -0.1}, r"^friction = -0.1: must be finite and >= 0"),
+        ({"friction": math.inf}, r"^friction = inf: must be finite and >= 0"),
+        ({"friction": [0.1, math.nan]}, r"^friction = nan: must be finite and >= 0"),
+        ({"restitution_friction": -0.1}, r"^restitution_friction = -0.1: must be finite and >= 0"),
+        ({"restitution": 1.1}, r"^restitution = 1.1: must be 0 <= restitution <= 1"),
+        ({"restitution": [0.5, -0.1]}, r"^restitution = -0.1: must be 0 <= restitution <= 1"),
+        ({"friction": True}, r"^friction = True: must be real numbers"),
+        ({"friction": [0.3, False]}, r"^friction = \[0.3, False\]: must be real numbers"),
+        ({"restitution": "0.5"}, r"^restitution = '0.5': must be real numbers"),
+        ({"velocity": ("-1", "0")}, r"^velocity = \('-1', '0'\): must be real numbers"),
+        ({"inverse_mass": np.eye(2, dtype=bool)}, r"^inverse_mass = .*: must be real numbers"),
+        ({"inverse_mass": [[1e200, 3e200], [3e200, 1e200]]}, r"^inverse_mass = .*: must be positive semidefinite"),
+        ({"inverse_mass": [[1e-200, 3e-200], [3e-200, 1e-200]]}, r"^inverse_mass = .*: must be positive semidefinite"),
         ({"velocity": (-1e200, 1e200)}, r"^velocity = \(-1e\+200, 1e\+200\) with inverse_mass .* v\^2/K are finite"),
         ({"velocity": [(-1.0, 1.0), (-1e160, 0.0)]}, r"^velocity = \(-1e\+160, 0\) with inverse_mass"),
         ({"inverse_mass": [[1e-320, 0.0], [0.0, 1e-320]]}, r"^velocity = .* with inverse_mass of diagonal"),
@@ -668,3 +672,85 @@ def test_bad_input_is_named_in_one_line(law, change, message):
     with pytest.raises(ValueError, match=message) as refusal:
         law(**arguments | change)
     assert "\n" not in str(refusal.value)
+
+
+def one_freedom(angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Direction (n, t) of the tip of a bristle at an angle to the normal, and K of unit mass along it alone."""
+    along = np.array([-math.sin(angle), math.cos(angle)])
+    return along, np.outer(along, along)
+
+
+class TestEdges:
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [np.asarray, lambda value: np.stack([value, value])])
+    def test_whole_numbers_are_numbers(self, law: Callable, lengthen: Callable) -> None:
+        """K = ((2, 1), (1, 2)), v = (-1, 1), mu = 0, e = 1 typed as integers: v_n is reversed by 2 |v_n|/K_nn."""
+        matrix, velocity = lengthen(np.array([[2, 1], [1, 2]])), lengthen(np.array([-1, 1]))
+        for arguments in ((matrix, velocity, 0, 1), (matrix.astype(float), velocity, 0.0, 1)):
+            result = law(*arguments)
+            np.testing.assert_allclose(result.impulse_normal, 1.0, rtol=1e-15)
+            np.testing.assert_allclose(result.velocity_tangential, 2.0, rtol=1e-15)
+
+    def test_a_touch_whose_work_is_below_the_smallest_float(self) -> None:
+        """K = 1, v_n = -1e-170: W_c = 5e-341 is no float, but p_f lies between p_c = 1e-170 and 2 p_c, and the outcome is named by v_n."""
+        result = energetic_impact(np.eye(2), [-1e-170, 0.0], 0.3, 0.5)
+        assert 1e-170 <= result.impulse_normal <= 2e-170
+        assert result.outcome_name == ("rebound" if result.velocity_normal > 0.0 else "no rebound")
+
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [float, lambda value: np.array([value])])
+    def test_one_freedom_a_rounding_off_its_line(self, law: Callable, lengthen: Callable) -> None:
+        """mu = 0.7 > tan 0.5: once slip has stopped nothing moves the point, whose v_n is then 1e-9 tan 0.5 or so.
+
+        That is rest, and the impulse is that of compression, 2/(sin 0.5 + 0.7 cos 0.5), up to parts in 1e9.
+        """
+        along, matrix = one_freedom(0.5)
+        result = law(matrix, 2.0 * along + np.array([0.0, 1e-9]), lengthen(0.7), 0.5)
+        assert OUTCOMES[int(np.asarray(result.outcome).item())] == "stiction"
+        expected = 2.0 / (math.sin(0.5) + 0.7 * math.cos(0.5))
+        assert np.asarray(result.impulse_normal).item() == pytest.approx(expected, rel=1e-8)
+
+    def test_one_freedom_well_off_its_line_can_still_part(self) -> None:
+        """Where v_n = w > 0 is left and stick adds nothing, the work rule asks for p = e*^2 (-W_c)/w more (Stronge).
+
+        v_n at the stop is the slip offered, 1e-3 2, times tan 0.5, since v_t/v_n moves along one line.
+        """
+        along, matrix = one_freedom(0.5)
+        result = energetic_impact(matrix, 2.0 * along + np.array([0.0, 2e-3]), 0.7, 0.5)
+        assert result.velocity_normal == pytest.approx(2e-3 * math.tan(0.5), rel=1e-9)
+        assert result.outcome_name == "rebound"
+        needed = -0.25 * result.compressive_work_normal - result.phase_work_normal[2]
+        assert result.phase_impulse[3] == pytest.approx(needed / result.velocity_normal, rel=1e-9)
+
+    def test_poissons_impulse_spent_in_slip_at_rest_parts_nothing(self) -> None:
+        """One degree of freedom that slips on at rest (mu 0, then 5): v_n stays 0, which is no rebound."""
+        along, matrix = one_freedom(0.5)
+        result = poisson_impact(matrix, 2.0 * along + np.array([0.0, -5.0]), 0.0, 0.5, 5.0)
+        assert result.velocity_normal == 0.0
+        assert result.outcome_name == "stiction"
+
+    @pytest.mark.parametrize("law", LAWS)
+    def test_phases_that_do_not_occur_have_no_slip(self, law: Callable) -> None:
+        """A point that departs has none of the four; without restitution (e = 0) the last two are missing."""
+        departing = law(np.eye(2), [1.0, 1.0], 0.3, 0.5)
+        assert departing.outcome_name == "no contact"
+        assert not departing.phase_slip.any()
+        assert not law(np.eye(2), [-1.0, 9.0], 0.3, 0.0).phase_slip[2:].any()
+
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [float, lambda value: np.array([value, 0.5 * value])])
+    def test_a_point_that_nothing_moves_along_the_normal_jams(self, law: Callable, lengthen: Callable) -> None:
+        """K_nn = 0 is positive semidefinite: no impulse stops the approach."""
+        outcome = law(np.diag([0.0, 1.0]), [-1.0, 0.5], lengthen(0.3), 0.5).outcome
+        assert np.all(np.asarray(outcome) == OUTCOMES.index("jam"))
+
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [float, lambda value: np.array([value])])
+    @pytest.mark.parametrize("coupling", [1e-310, -1e-310])
+    def test_a_coupling_too_small_to_be_divided_by_is_none(
+        self, law: Callable, lengthen: Callable, coupling: float
+    ) -> None:
+        """1/1e-310 is no float. Uncoupled, v = (-1, 5), mu = 0.3, e = 0.5: p_f = 1.5, and v_t falls by 0.45."""
+        result = law([[1.0, coupling], [coupling, 1.0]], [-1.0, 5.0], lengthen(0.3), 0.5)
+        assert np.asarray(result.impulse_normal).item() == pytest.approx(1.5, rel=1e-15)
+        assert np.asarray(result.velocity_tangential).item() == pytest.approx(4.55, rel=1e-15)

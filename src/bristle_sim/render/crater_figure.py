@@ -18,8 +18,7 @@ from bristle_sim.render.sweep_panels import note, panel_title
 from bristle_sim.studies.crater_constant import IMPACT_ANGLES_DEG, constants_over
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 from bristle_sim.studies.crater_sums import merchant_depth_course, merchant_depth_extrapolated, merchant_depth_sum
-from bristle_sim.theory.crater import friction_for_crater_depth
-from bristle_sim.theory.crater_energy import energy_crater_depth_ratio
+from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
 
 __all__ = ["crater_figure", "crater_floor"]

@@ -1,21 +1,22 @@
 """Force, energy and depth of cutting as one statement, and what a contact resolved in time says of the crater."""
 
+import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 
-from bristle_sim.theory.crater_contact import crater_depth_from_contact
 from bristle_sim.theory.crater_cutting import (
+    crater_depth_from_contact,
     cutting_stroke,
     depth_from_energy,
     depth_from_force,
-    specific_cutting_energy,
     swept_volume,
 )
 from bristle_sim.theory.crater_kinematics import TipFace
-from bristle_sim.theory.merchant import cutting_force, oblique_angles
+from bristle_sim.theory.merchant import cutting_force, oblique_angles, specific_cutting_energy
 
 GAMMA = math.radians(23.4)
 FACE = TipFace()
@@ -239,3 +240,127 @@ def test_what_is_no_contact_is_refused(change, message):
 def test_values_out_of_range_are_refused(call, message):
     with pytest.raises(ValueError, match=message):
         call()
+
+
+ANGLE = 0.4
+TWICE = dataclasses.replace(TipFace(), wire_diameter=2.0 * TipFace().wire_diameter)
+"""The face of a wire twice as thick: all its lengths are doubled."""
+
+
+class TestCuttingByAnotherFace:
+    """All lengths doubled: forces are 4 times, volumes and energies 8 times as large."""
+
+    def test_volume_and_depths(self) -> None:
+        volume = swept_volume(3e-4, ANGLE)
+        assert swept_volume(6e-4, ANGLE, TWICE) == pytest.approx(8.0 * volume, rel=1e-13, abs=0.0)
+        for depth_from, factor in ((depth_from_energy, 8.0), (depth_from_force, 4.0)):
+            depth = depth_from(1e-2, 5e8, ANGLE)
+            # Newton's method ends at 1e-14 of the root.
+            assert depth_from(factor * 1e-2, 5e8, ANGLE, TWICE) == pytest.approx(2.0 * depth, rel=1e-12, abs=0.0)
+
+    def test_stroke_of_eight_times_the_mass(self) -> None:
+        small = cutting_stroke(30.0, 3e-5, 5e8, ANGLE)
+        large = cutting_stroke(30.0, 24e-5, 5e8, ANGLE, TWICE)
+        expected = (2.0 * small.depth, 2.0 * small.path, 2.0 * small.duration, 4.0 * small.peak_cutting_force)
+        # The duration's integrand is a difference that keeps ten digits near the end of the path.
+        assert dataclasses.astuple(large) == pytest.approx(expected, rel=1e-9, abs=0.0)
+
+
+def three_samples(**changes: object) -> dict[str, object]:
+    """A straight path at gamma in three samples, 1 us apart: the tip slows from 2 to 1 to 0 m/s under 10, 20, 30 N."""
+    speed, normal = np.array([2.0, 1.0, 0.0]), np.array([10.0, 20.0, 30.0])
+    rows = {
+        "time": np.array([0.0, 1e-6, 2e-6]),
+        "normal_force": normal,
+        "tangential_force": -0.5 * normal,
+        "penetration": np.array([0.0, 1e-6, 2e-6]),
+        "normal_velocity": -math.sin(ANGLE) * speed,
+        "tangential_velocity": math.cos(ANGLE) * speed,
+    }
+    return rows | {"impact_angle": ANGLE} | changes
+
+
+class TestCraterFromContact:
+    def test_the_clock_may_start_at_any_time(self) -> None:
+        """Shifted by 2^-10 s times are still exact to 1e-19 s, 1e-13 of a microsecond."""
+        now = crater_depth_from_contact(**three_samples())
+        later = crater_depth_from_contact(**three_samples(time=np.array([0.0, 1e-6, 2e-6]) + 2.0**-10))
+        assert dataclasses.astuple(later) == pytest.approx(dataclasses.astuple(now), rel=1e-12, abs=0.0)
+
+    def test_a_face_twice_as_large(self) -> None:
+        """Four times the force at twice the speed is eight times the energy: depths are doubled."""
+        now = crater_depth_from_contact(**three_samples())
+        larger = {name: 4.0 * three_samples()[name] for name in ("normal_force", "tangential_force")}
+        larger |= {name: 2.0 * three_samples()[name] for name in ("normal_velocity", "tangential_velocity")}
+        twice = crater_depth_from_contact(**three_samples(**larger), face=TWICE)
+        assert twice.depth_from_force == pytest.approx(2.0 * now.depth_from_force, rel=1e-12, abs=0.0)
+        assert twice.depth_from_energy == pytest.approx(2.0 * now.depth_from_energy, rel=1e-12, abs=0.0)
+
+    def test_friction_of_tan_gamma_itself_lets_the_shear_plane_out(self) -> None:
+        """mu >= tan gamma (4.42)."""
+        assert crater_depth_from_contact(**three_samples(), friction=math.tan(ANGLE)).shear_plane_emerges
+        assert not crater_depth_from_contact(**three_samples(), friction=0.999 * math.tan(ANGLE)).shear_plane_emerges
+
+    @pytest.mark.parametrize("penetration", [[3e-6, 2e-6, 1e-6], [2e-6, 3e-6, 1e-6]])
+    def test_the_deepest_sample_ends_compression_but_two_are_needed(self, penetration: list[float]) -> None:
+        """The trapezium of the first microsecond: 10 and 20 N normal, half of that along the surface."""
+        crater = crater_depth_from_contact(**three_samples(penetration=penetration))
+        assert crater.compression_time == 1e-6
+        assert crater.path_impulse == pytest.approx(
+            15e-6 * (math.sin(ANGLE) + 0.5 * math.cos(ANGLE)), rel=1e-14, abs=0.0
+        )
+
+    def test_two_samples_are_enough(self) -> None:
+        rows = {name: np.asarray(value)[:2] for name, value in three_samples().items() if name != "impact_angle"}
+        assert crater_depth_from_contact(**rows, impact_angle=ANGLE).compression_time == 1e-6
+
+    @pytest.mark.parametrize(
+        ("change", "said"),
+        [
+            ({"tangential_velocity": [1.0, 2.0]}, r"^time \(3,\), normal_force \(3,\), .*tangential_velocity \(2,\): "),
+            ({"penetration": [[0.0, 1e-6, 2e-6]]}, r"^time \(3,\), .*penetration \(1, 3\), "),
+            ({"time": [0.0, 2e-6, 1e-6]}, r"^time = 1e-06: .*decrease.* \(in s\)$"),
+            ({"normal_velocity": [0.0, math.nan, 0.0]}, r"^normal_velocity = nan: .* \(in m/s\)$"),
+            ({"normal_force": [0.0, 0.0, -1.0]}, r"^normal_force = -1: .* \(in N\)$"),
+        ],
+    )
+    def test_refusals_name_key_and_value(self, change: dict[str, object], said: str) -> None:
+        with pytest.raises(ValueError, match=said):
+            crater_depth_from_contact(**three_samples(**change))
+
+    @pytest.mark.parametrize("shape", [(1,), (3, 1)])
+    def test_one_row_of_two_samples_or_more(self, shape: tuple[int, ...]) -> None:
+        rows = {name: np.ones(shape) for name in three_samples() if name != "impact_angle"}
+        with pytest.raises(
+            ValueError, match=re.escape(f"time {shape}, normal_force {shape}, tangential_force {shape}")
+        ):
+            crater_depth_from_contact(**rows)
+
+
+REFUSALS = {
+    "impact_angle = 1.570796": (
+        lambda: swept_volume(1.0, 0.5 * math.pi),
+        "0 < impact_angle < pi/2",
+        "(in rad)",
+    ),
+    "path = -1": (lambda: swept_volume(-1.0), "0 <= path", "(in m)"),
+    "energy = -1": (lambda: depth_from_energy(-1.0, 1.0), "0 <= energy", "(in J)"),
+    "specific_energy = 0": (lambda: depth_from_energy(1.0, 0.0), "1e-60 <= specific_energy", "(in J/m^3)"),
+    "specific_energy = -1": (lambda: depth_from_force(1.0, -1.0), "1e-60 <= specific_energy", "(in J/m^3)"),
+    "cutting_force = -1": (lambda: depth_from_force(-1.0, 1.0), "0 <= cutting_force", "(in N)"),
+    "speed = 0": (lambda: cutting_stroke(0.0, 1.0, 1.0), "1e-60 <= speed", "(in m/s)"),
+    "effective_mass = 0": (lambda: cutting_stroke(1.0, 0.0, 1.0), "1e-60 <= effective_mass", "(in kg)"),
+}
+
+
+@pytest.mark.parametrize("start", REFUSALS)
+def test_refusals_name_key_value_range_and_unit(start: str) -> None:
+    """Values are compared as numbers: a message may write them with more or fewer digits."""
+    call, allowed, unit = REFUSALS[start]
+    name, _, value = start.partition(" = ")
+    with pytest.raises(ValueError, match=rf"^{name} = \S+: ") as refusal:
+        call()
+    shown = re.match(rf"{name} = (\S+): ", str(refusal.value))[1]
+    assert float(shown) == pytest.approx(float(value), rel=1e-5, nan_ok=True)
+    assert allowed in str(refusal.value)
+    assert str(refusal.value).endswith(unit)
