@@ -26,8 +26,14 @@ BANDWIDTHS = np.geomspace(100.0, 1e4, 21)
 
 
 @styled()
-def whole_tool_figure(whole: WholeTool) -> Figure:
-    """Draw normal forces on the workpart in N, and the impulses of impacts in mN s."""
+def whole_tool_figure(whole: WholeTool | None) -> Figure:
+    """Draw normal forces on the workpart in N, and the impulses of impacts in mN s.
+
+    Raises:
+        ValueError: for a tool whose bristle completes no turn.
+    """
+    if whole is None:
+        raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
     figure = blank_figure(WIDTH, HEIGHT)
     one = axes_at(figure, 1.5, 8.4, 12.8, 3.4)
     shown, over = axes_at(figure, 1.5, 1.2, 7.4, 4.7), axes_at(figure, 11.2, 1.2, 4.4, 4.7)

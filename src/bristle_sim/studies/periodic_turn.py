@@ -21,7 +21,7 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["PeriodicTurn", "periodic_turn"]
+__all__ = ["PeriodicTurn", "TurnNotCompleted", "periodic_turn"]
 
 TURN = 2.0 * math.pi
 
@@ -31,6 +31,10 @@ MOST_TURNS = 12
 REPEATED = 1e-9
 """Least change of angle and of rate over the belt's natural rate, rad, from turn to turn that counts as none; requested
 accuracies above 1e-11 are multiplied by 100: a turn adds up the errors of some ten flights and contacts."""
+
+
+class TurnNotCompleted(ValueError):
+    """A bristle that jams, or lies down on the hub, completes no turn; the message says when and why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +66,8 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
     """Simulate turns until one repeats the last; ``settings.hub_turn`` is set aside.
 
     Raises:
-        ValueError: if the hub stands still, or a turn is not completed.
+        TurnNotCompleted: if the bristle jams or lies down on the hub.
+        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
@@ -84,9 +89,9 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
 def _completed(run: Trajectory, settings: Settings) -> Trajectory:
     require_result(run, settings)
     if run.stop_reason is not StopReason.END:
-        raise ValueError(
-            f"hub_speed = {run.hub_speed:g}: must leave the bristle able to complete a turn; it stops at"
-            f" {run.time[-1]:g} s: {run.stop_reason} (in rad/s)"
+        raise TurnNotCompleted(
+            f"the bristle completes no turn: {run.stop_reason} at {1e3 * run.time[-1]:.4f} ms, after"
+            f" {math.degrees(run.hub_speed * run.time[-1]):.0f} deg of the hub's turn"
         )
     return run
 

@@ -18,7 +18,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.quantity import quantity, validate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.load_cell import load_cell_response
-from bristle_sim.studies.periodic_turn import PeriodicTurn, periodic_turn
+from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
 from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, turn_forces
 
 __all__ = ["Assembly", "WholeTool", "load_cell_series", "whole_tool"]
@@ -44,6 +44,18 @@ BAND = (5.0, 95.0)
 MENTIONED = 0.01
 """Impacts with less than this fraction of the largest impulse are left out of the count in the remarks: rebounds die out in
 a geometric series without end."""
+
+
+UNITS = {
+    "impact_rate": "1/s",
+    "mean_normal_force": "N",
+    "mean_tangential_force": "N",
+    "mean_torque": "N m",
+    "mean_hand_torque": "N m",
+    "drive_power": "W",
+    "force_envelope_low": "N",
+    "force_envelope_high": "N",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,14 +114,17 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     carries the bar's forces too; the hand that holds hub and bar together bears the workpart's moment alone.
 
     Raises:
-        ValueError: if the hub stands still, the bristle completes no turn, or there is no workpart.
+        ValueError: if the hub stands still, there is no workpart, or a run is not computed within the settings' steps.
     """
     if tool.workpart is None:
         raise ValueError("workpart = None: must be a Workpart, whose forces are requested")
     fine = Settings(
         accuracy=settings.accuracy, maximum_steps=settings.maximum_steps, samples_per_period=SAMPLES_PER_PERIOD
     )
-    turn = periodic_turn(tool, fine)
+    try:
+        turn = periodic_turn(tool, fine)
+    except TurnNotCompleted as reason:
+        return Report(None, tuple(Quantity(name, unit, None) for name, unit in UNITS.items()), remarks=(str(reason),))
     found = WholeTool(tool, assembly, turn, tuple(turn_forces(tool, turn)))
     return Report(
         outcome=None,
@@ -123,8 +138,14 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     )
 
 
-def load_cell_series(whole: WholeTool) -> dict[str, Array]:
-    """Return the normal force that the load cell under the workpart shows, from one bristle to the next."""
+def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
+    """Return the normal force that the load cell under the workpart shows, from one bristle to the next.
+
+    Raises:
+        ValueError: for a tool whose bristle completes no turn.
+    """
+    if whole is None:
+        raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
     times = whole.period * np.arange(INSTANTS) / INSTANTS
     impacts = [(each.time, float(each.integral[0])) for each in _impacts_on_workpart(whole)]
     intervals = [
@@ -148,15 +169,19 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
         power = rate * dissipated(tool, whole.turn, [edge for each in whole.forces for edge in _edges(each)])
     low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
     struck = len({math.floor((each.time - whole.turn.begin) / whole.duration * whole.turn.turns) for each in records})
-    return (
-        Quantity("impact_rate", "1/s", rate * struck, whole.assembly.bristles * speed / (2.0 * math.pi)),
-        Quantity("mean_normal_force", "N", means[0], normal, tolerance=tolerance),
-        Quantity("mean_tangential_force", "N", 0.0 - means[1], 0.0 - tangential, tolerance=tolerance),
-        Quantity("mean_torque", "N m", drive, None if power is None else power / speed, tolerance=tolerance),
-        Quantity("mean_hand_torque", "N m", 0.0 - means[2]),
-        Quantity("drive_power", "W", drive * speed, power, tolerance=tolerance),
-        Quantity("force_envelope_low", "N", float(low)),
-        Quantity("force_envelope_high", "N", float(high)),
+    found: dict[str, tuple[float, float | None, float | None]] = {
+        "impact_rate": (rate * struck, whole.assembly.bristles * speed / (2.0 * math.pi), None),
+        "mean_normal_force": (means[0], normal, tolerance),
+        "mean_tangential_force": (0.0 - means[1], 0.0 - tangential, tolerance),
+        "mean_torque": (drive, None if power is None else power / speed, tolerance),
+        "mean_hand_torque": (0.0 - means[2], None, None),
+        "drive_power": (drive * speed, power, tolerance),
+        "force_envelope_low": (float(low), None, None),
+        "force_envelope_high": (float(high), None, None),
+    }
+    return tuple(
+        Quantity(name, UNITS[name], simulated, theory, tolerance=within)
+        for name, (simulated, theory, within) in found.items()
     )
 
 
