@@ -11,9 +11,10 @@ positive in the hub's sense of rotation; a bristle at angle phi points from its 
 from bristle_sim.parameters.bristle import WIRE_KEYS, Bristle
 from bristle_sim.parameters.experiments import Comparison, DoublePendulum, Release, SinglePendulum, Strike
 from bristle_sim.parameters.surroundings import RETRACTION_AT_RELEASE, Bar, Contact, Surface, Workpart
-from bristle_sim.parameters.tool import PRINTED_BELT_STIFFNESS, Belt, Hub, Tool, operating_point
+from bristle_sim.parameters.tool import PARTS, PRINTED_BELT_STIFFNESS, Belt, Hub, Tool, operating_point
 
 __all__ = [
+    "PARTS",
     "PRINTED_BELT_STIFFNESS",
     "RETRACTION_AT_RELEASE",
     "WIRE_KEYS",
