@@ -148,6 +148,7 @@ class Trajectory:
         cost: see Cost.
         parameters: what was simulated, as plain numbers and words.
         contact_at_end: see ContactAtEnd; the reference leaves it out.
+        stop_detail: what a contact law that gave up said, with its remedy; empty for any other stop.
     """
 
     time: Array
@@ -166,6 +167,7 @@ class Trajectory:
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
+    stop_detail: str = ""
 
     @property
     def tip(self) -> Array:
@@ -211,7 +213,7 @@ class Trajectory:
     @property
     def stop_advice(self) -> str:
         """What would let the run go further, in terms of the obstacle touched last."""
-        return self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
+        return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
         """The first contact with ``bar`` or ``workpart``, or None."""
@@ -258,6 +260,7 @@ class Trajectory:
             "cost": dataclasses.asdict(self.cost),
             "parameters": self.parameters,
             "contact_at_end": dataclasses.asdict(self.contact_at_end),
+            "stop_detail": self.stop_detail,
         }
         with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
             np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
@@ -294,6 +297,7 @@ class Trajectory:
             cost=Cost(**meta["cost"]),
             parameters=meta["parameters"],
             contact_at_end=ContactAtEnd(**meta["contact_at_end"]),
+            stop_detail=meta.get("stop_detail", ""),
         )
 
 

@@ -102,7 +102,7 @@ class TestWholeAndPart:
             each.outcome
             for budget in range(2000, 8000, 1000)
             for each in simulate(Tool(), Settings(maximum_steps=budget)).contacts
-            if each.law == "hold"
+            if each.law == "sustained"
         }
         assert SPENT in outcomes
 

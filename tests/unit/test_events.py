@@ -285,7 +285,7 @@ class TestChatter:
         taps = [each for each in run.contacts if each.law == "energetic"]
         assert_sound(run)
         assert 3 < len(taps) < 2.0 * math.log(1e-8) / math.log(restitution)
-        assert any(each.law == "hold" for each in run.contacts)
+        assert any(each.law == "sustained" for each in run.contacts)
         assert least_gap(tool, run) > INSIDE
 
     def test_workpart_at_rest_under_the_belt(self) -> None:
@@ -304,7 +304,7 @@ class TestChatter:
         run = simulate(tool, Settings(accuracy=1e-10), start_hub_angle=0.0, start_relative_angle=0.8001)
         strike = run.event_time("strike")
         assert strike is not None
-        hold = next(each for each in run.contacts if each.law == "hold")
+        hold = next(each for each in run.contacts if each.law == "sustained")
         assert hold.time == pytest.approx(strike * 1.7 / 0.3, rel=1e-3)
         assert run.angles[-1, 0] == pytest.approx(0.8, abs=1e-9)
 

@@ -28,7 +28,8 @@ __all__ = ["CompliantLaw"]
 
 LEAST_DURATION = 3e-7
 """Shortest contact in scene time units, times sqrt(e*). Measured: a contact of duration T differs from the rigid-body
-limit by 0.4 T, and rounding of its penetration, of which restitution leaves the share e*^2, by 4e-14/(T e*)."""
+limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*). Damping of
+a rate r > 1 takes the fraction r T of a velocity meanwhile: the shortest contact is then shorter by sqrt(r)."""
 
 ROUNDING = 1e-15
 """Rounding of the contact's force in a stretch, as a velocity, times duration and e*; less cannot be asked of a step."""
@@ -89,8 +90,10 @@ class CompliantLaw:
             space.stick_compliance,
         )
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
+        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
         way_out = coefficients.restitution or 1.0
-        duration = self.duration or max(LEAST_DURATION / math.sqrt(way_out), 0.1 * self.accuracy / fastest)
+        least = LEAST_DURATION / math.sqrt(way_out * damping)
+        duration = self.duration or max(least, 0.1 * self.accuracy / max(fastest, damping))
         if -space.velocity[0] * duration * way_out < LEAST_DEPTH:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
         stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2

@@ -43,6 +43,7 @@ class Recording:
     contacts: list[ContactRecord] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
+    stop_detail: str = ""
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     wall_s: float = 0.0
     cpu_s: float = 0.0

@@ -65,6 +65,7 @@ def trajectory_in_si(
         ),
         parameters=parameters,
         contact_at_end=recording.contact_at_end,
+        stop_detail=recording.stop_detail,
     )
 
 

@@ -75,9 +75,9 @@ def falling(restitution: float, friction: float = 0.0) -> Tool:
 
 def taps_of(run: Trajectory, obstacle: str) -> tuple[list[ContactRecord], ContactRecord | None]:
     """Taps up to the first time the bristle is held, and that entry of the ledger."""
-    hold = next((each for each in run.contacts if each.obstacle == obstacle and each.law == "hold"), None)
+    hold = next((each for each in run.contacts if each.obstacle == obstacle and each.law == "sustained"), None)
     end = math.inf if hold is None else hold.time
-    taps = [each for each in run.contacts if each.obstacle == obstacle and each.law != "hold" and each.time <= end]
+    taps = [each for each in run.contacts if each.obstacle == obstacle and each.law != "sustained" and each.time <= end]
     return taps, hold
 
 

@@ -260,7 +260,7 @@ def _agree(run: Trajectory, exact: Trajectory, what: str, until: float = math.in
 
 def _of(run: Trajectory, what: str, until: float) -> tuple[list[str], list[str]]:
     words = (*NAMES[what], f"{what} touch", "jam")
-    hits = [each for each in run.contacts if each.obstacle == what and each.law != "hold"]
+    hits = [each for each in run.contacts if each.obstacle == what and each.law != "sustained"]
     early = [each.name for each in run.events if each.name in words and (each.time < until or "not" in each.name)]
     return early, [each.outcome for each in hits[:1]]
 

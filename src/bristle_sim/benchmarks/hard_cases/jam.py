@@ -268,7 +268,7 @@ WHOLE = 0.1
 
 def _hit(run: Trajectory) -> ContactRecord:
     """The first impact on the workpart."""
-    return next(each for each in run.contacts if each.obstacle == "workpart" and each.law != "hold")
+    return next(each for each in run.contacts if each.obstacle == "workpart" and each.law != "sustained")
 
 
 def _thrown_pass(distance: float) -> HardCase:

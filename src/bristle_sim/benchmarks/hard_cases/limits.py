@@ -197,7 +197,7 @@ def _rough_bar(restitution: float, law: str) -> HardCase:
 
 def _measure_pass(tool: Tool, restitution: float, limit: float, struck: str) -> Finding:
     run = simulate(tool, Settings(accuracy=ACCURACY, maximum_steps=200_000))
-    hits = [each for each in run.contacts if each.law != "hold"]
+    hits = [each for each in run.contacts if each.law != "sustained"]
     off = worst([_law_kept(each, restitution) for each in hits])
     gained = worst([_gained(each) for each in hits])
     told = [within(off, limit, "off the law by", run.cost.steps), within(gained, limit, "gained")]

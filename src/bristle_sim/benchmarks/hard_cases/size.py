@@ -208,7 +208,7 @@ def _passes(scale: Scale) -> Finding:
 
 def _release(run: Trajectory) -> float:
     """When the bar's hold ended, s."""
-    held = next(each for each in run.contacts if each.law == "hold" and each.obstacle == "bar")
+    held = next(each for each in run.contacts if each.law == "sustained" and each.obstacle == "bar")
     return held.time + held.duration
 
 
@@ -251,7 +251,7 @@ Figures = dict[str, Any]
 
 def _figures(run: Trajectory, scale: Scale) -> Figures:
     """Impacts but for the last of ever smaller taps, and the end; dimensionless."""
-    hits = [each for each in run.contacts if each.law != "hold"]
+    hits = [each for each in run.contacts if each.law != "sustained"]
     fastest = max((-each.velocity_before[0] for each in hits), default=0.0)
     found = _impacts([each for each in hits if -each.velocity_before[0] > WORTH * fastest], scale)
     found["words"].append(run.stop_reason)

@@ -95,7 +95,7 @@ def deepest(tool: Tool, run: Trajectory) -> float:
 
 def contact_work(contact: ContactRecord) -> float:
     """Work of an impact on the bristle, p . (v + v')/2, J; that of a sustained touch is friction's, from its ledger."""
-    if contact.law == "hold":
+    if contact.law == "sustained":
         return sum(contact.compressive_work or ())
     velocities = zip(contact.velocity_before, contact.velocity_after, strict=True)
     return sum(0.5 * p * (u + v) for p, (u, v) in zip(contact.impulse, velocities, strict=True))
@@ -129,7 +129,7 @@ def _strike_while_held(bar_restitution: float, bar_friction: float, restitution:
     tool = replace(TOOL, belt=Belt(3.0 * TOOL.belt.stiffness), bar=bar, workpart=part)
     run, referred = simulate(tool), simulate_reference(tool, accuracy=1e-10)
     unit = tool_units(tool).time
-    ends = [each.time + each.duration for each in run.contacts if (each.obstacle, each.law) == ("bar", "hold")]
+    ends = [each.time + each.duration for each in run.contacts if (each.obstacle, each.law) == ("bar", "sustained")]
     strikes = [each for each in run.contacts if each.obstacle == "workpart"]
     struck = [each for each in strikes if any(abs(each.time - end) <= ROUNDING * unit for end in ends)]
     told = Finding(f"{len(struck)} strikes while held, {run.stop_reason}", bool(struck), run.cost.steps)
