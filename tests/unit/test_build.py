@@ -145,7 +145,11 @@ class TestHinges:
     def test_absent_when_there_are_none(self) -> None:
         assert kinds(Scene(self.RODS, Effects()).space) == ["PivotJoint", "PivotJoint"]
         hinged = Scene(self.RODS, Effects(hinges=((0.3, 0.0),))).space
-        assert [type(each).__name__ for each in hinged.constraints] == ["PivotJoint", "PivotJoint", "DampedRotarySpring"]
+        assert [type(each).__name__ for each in hinged.constraints] == [
+            "PivotJoint",
+            "PivotJoint",
+            "DampedRotarySpring",
+        ]
 
     def test_one_for_each_joint_between_two_links(self) -> None:
         with pytest.raises(ValueError, match=r"^hinges: must be one \(stiffness, damping\) for each of the 1 joints"):

@@ -14,7 +14,7 @@ from typing import Any
 import pymunk
 
 from bristle_sim.quantity import Range, shown
-from bristle_sim.scene.contact_pair import ContactPair, LocatedImpact, TouchingPoint, read_points
+from bristle_sim.scene.contact_pair import ContactPair, LocatedImpact, TouchingPoint, touching_points
 from bristle_sim.scene.impact_sequence import ImpactSequence
 from bristle_sim.scene.rest_filter import RestFilter
 from bristle_sim.theory.impact import Impact, energetic_impact
@@ -137,11 +137,6 @@ class EnergeticContact:
         return self._first.friction
 
     @property
-    def restitution(self) -> float:
-        """Restitution of the first pair."""
-        return self._first.restitution
-
-    @property
     def restitution_friction(self) -> float | None:
         """Friction in restitution of the first pair."""
         return self._first.restitution_friction
@@ -187,23 +182,10 @@ class EnergeticContact:
             if self.report is not None:
                 self.report(LocatedImpact.of(impact, point, self.time))
 
-        sequence = ImpactSequence(self._points_of, self._filter.resting_approach(), record)
+        points_of = functools.partial(touching_points, self.pairs, self._filter.surface_velocity)
+        sequence = ImpactSequence(points_of, self._filter.resting_approach(), record)
         sequence.resolve(moved, set(skipped))
         self._filter.jammed |= sequence.jammed
-
-    def _points_of(self, body: pymunk.Body) -> list[TouchingPoint]:
-        """Touching points of a body in all pairs, without those that the engine was told to ignore."""
-        found: list[TouchingPoint] = []
-
-        def read(arbiter: pymunk.Arbiter) -> None:
-            shapes = arbiter.shapes
-            pair = self.pairs.get(frozenset(each.collision_type for each in shapes))
-            if pair is None:
-                return
-            found.extend(read_points(arbiter, pair, self._filter.surface_velocity(shapes)))
-
-        body.each_arbiter(read)
-        return found
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:

@@ -58,8 +58,7 @@ def trajectory_in_si(
         contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
         stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
-            recording.wall_s,
-            recording.cpu_s,
+            *recording.seconds,
             recording.steps,
             recording.error / motion_scale(scene, states[0]) if with_estimate else None,
         ),
