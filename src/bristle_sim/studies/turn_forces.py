@@ -55,7 +55,7 @@ def turn_forces(tool: Tool, turn: PeriodicTurn) -> list[Impulse | SampledForce]:
     """Return all forces of the turns that count, in order of time."""
     found: list[Impulse | SampledForce] = []
     for contact in turn.contacts:
-        found += _sustained(tool, turn, contact) if contact.law == "hold" else [_impulse(tool, turn, contact)]
+        found += _sustained(tool, turn, contact) if contact.law == "sustained" else [_impulse(tool, turn, contact)]
     return found
 
 

@@ -1,4 +1,4 @@
-"""Contacts in time: what other tests let pass. Expected from closed forms, balances, symmetry."""
+"""Contacts resolved in time, against closed forms, balances and symmetry."""
 
 import math
 from collections.abc import Callable
@@ -9,7 +9,7 @@ import pytest
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
-from bristle_sim.scene.contact_laws import Coefficients
+from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import WorkpartObstacle
 from bristle_sim.scene.strike import Chain, build_strike, strike
@@ -17,6 +17,8 @@ from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+
+
 ROUGH = Surface(0.3, None, 0.5)
 
 
@@ -95,8 +97,8 @@ class TestCompliantContact:
         assert ("compression stick" in found.phases) == (friction == 0.9)
 
     @pytest.mark.parametrize("steps", [200, 400])
-    def test_plain_steps_are_as_many_as_asked_for(self, steps: int) -> None:
-        """So many in the duration, which they miss by about one of themselves, and one or two where a turn is located."""
+    def test_plain_steps_are_as_many_as_requested(self, steps: int) -> None:
+        """That number in the duration, which they miss by about one of themselves, and one or two where a turn is located."""
         history = resolved(PAIR, ROUGH, CompliantLaw(1e-4, 1e-6, steps)).history
         assert history is not None
         assert steps <= len(history.time) <= steps + 10
@@ -211,27 +213,43 @@ class TestPressedContact:
         np.testing.assert_allclose(history.normal_force[deeper], stiffness * history.penetration[deeper], rtol=0.1)
 
 
+class TestDampedContact:
+    @pytest.mark.parametrize("ratio", [1.0, 10.0, 751.0])
+    def test_the_shortest_contact_follows_the_damping(self, ratio: float) -> None:
+        """A belt of damping ratio D has the rate 2 D: 3e-7/sqrt(e*) would take 8e-4 of a speed at D = 751.
+
+        With T = 3e-7/sqrt(2 D e*) the motion meanwhile and rounding are as large, 4e-14/(T e*): 1e-5 at most.
+        """
+        obstacle = WorkpartObstacle(math.cos(0.6), 0.3, 0.3, 0.5)
+        effects = Effects(stiffness=1.0 / 3.0, damping=2.0 / 3.0 * ratio, obstacles=(obstacle,))
+        scene, before = Scene(Mechanism((Link.rod(1.0, 1.0),)), effects), State(0.0, (0.6,), (-1.0,))
+        rigid, _ = EnergeticLaw().resolve(scene, before, obstacle, Coefficients.of(obstacle))
+        found, record = CompliantLaw(None, 1e-6).resolve(scene, before, obstacle, Coefficients.of(obstacle))
+        assert record.duration == pytest.approx(3e-7 / math.sqrt(2.0 * ratio * 0.5), rel=1e-4)
+        assert found.rates == pytest.approx(rigid.rates, abs=1e-5)
+
+
 class TestCompliantRefusals:
     @pytest.mark.parametrize(
         ("call", "said"),
         [
             (
                 lambda: resolved(PAIR, Surface(0.3, None, 9e-4), CompliantLaw(None, 1e-6)),
-                "^restitution = 0.0009: 0, or at least 0.001, ",
+                "^restitution = 0.0009: must be 0, or at least 0.001, ",
             ),
             (
                 lambda: resolved(PAIR, Surface(0.3, None, 0.25), CompliantLaw(3e-7, 1e-6)),
-                "^contact_duration: at least 2 times ",
+                "^contact_duration: must be at least 2 times ",
             ),
             (
                 lambda: resolved(PAIR, Surface(0.3, None, 0.0), CompliantLaw(1.5e-7, 1e-6)),
-                "^contact_duration: at least 2 times ",
+                "^contact_duration: must be at least 2 times ",
             ),
             (
                 lambda: resolved(
                     Chain((1.0, 1e4), (1.0, 1.0), (-0.3, -0.5), (0.1, 0.2)), ROUGH, CompliantLaw(None, 1e-6)
                 ),
-                "^contact = compliant: links at least 1e-3 times as heavy ",
+                "^contact = compliant: links must be at least 1e-3 times as heavy ",
             ),
         ],
     )
@@ -239,7 +257,21 @@ class TestCompliantRefusals:
         with pytest.raises(ValueError, match=said):
             call()
 
-    def test_the_least_values_are_allowed(self) -> None:
+    def test_the_least_values(self) -> None:
         """e* = 1e-3, and a duration of 3e-7/sqrt(e*)."""
         assert resolved(PAIR, Surface(0.3, None, 1e-3), CompliantLaw(1e-4, 1e-4)).outcome == "rebound"
         assert resolved(PAIR, Surface(0.3, None, 0.25), CompliantLaw(3e-7 / math.sqrt(0.25), 1e-4)).outcome == "rebound"
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_record_of_a_contact_resolved_in_time(restitution: float) -> None:
+    """Every entry tends to that of the rigid-body law, as the rates do: within ten times the accuracy asked for."""
+    chain = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+    surface = Surface(0.3, None, restitution)
+    limit = strike(chain, surface, Contact(), Settings()).contact
+    found = strike(chain, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
+    for name in ("compressive_impulse", "compressive_work", "restitutive_work", "velocity_before", "velocity_after"):
+        expected = getattr(limit, name)
+        # The tangential parts are shares of the normal ones; a final v_n of 0 is one beside that of the approach.
+        size = max(map(abs, limit.velocity_before if "velocity" in name else expected), default=0.0)
+        assert getattr(found, name) == pytest.approx(expected, rel=1e-4, abs=1e-4 * size + 1e-12), name

@@ -1,4 +1,4 @@
-"""Steps and their extrapolation: what other tests let pass. Expected values by hand."""
+"""Extrapolation of engine steps: its tolerance, its next interval, and what it refuses."""
 
 import math
 
@@ -8,8 +8,7 @@ from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.repetitions import Repetitions
-from bristle_sim.scene.stepping import Advance, PlainSteps, SymmetricSteps
+from bristle_sim.scene.stepping import Advance
 
 
 class Tally:
@@ -36,55 +35,6 @@ class Tally:
 def oscillator() -> tuple[Scene, State]:
     """A rod of mass and length 1, turning about the hub's axis at a natural rate of 1."""
     return Scene(Mechanism((Link.rod(1.0, 1.0),)), Effects(stiffness=1.0 / 3.0)), State(0.0, (0.7,), (-0.2,))
-
-
-class TestFixedSteps:
-    @pytest.mark.parametrize(
-        ("share", "count"), [(0.5, 1), (1.0, 1), (2.0, 2), (2.5, 3), (8.0, 8), (8.0 * (1.0 + 1e-14), 8)]
-    )
-    def test_a_stretch_takes_as_many_steps_as_it_needs(self, share: float, count: int) -> None:
-        """Equal steps no longer than the one asked for; a stretch of whole steps is not cut once more by rounding."""
-        scene, state = oscillator()
-        load = Tally()
-        result = SymmetricSteps(0.01).advance(scene, state, 0.01 * share, load)
-        assert load.calls == scene.steps == count
-        assert result.totals == (0.01 * share / count, count)
-
-    def test_symmetric_steps_propose_eight(self) -> None:
-        stepper = SymmetricSteps(0.01)
-        assert stepper.propose(1e3) == pytest.approx(0.08, rel=1e-15)
-        assert stepper.propose(0.03) == 0.03
-
-    @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
-    def test_a_load_that_fails_makes_the_stretch_fail(self, kind: type[PlainSteps] | type[SymmetricSteps]) -> None:
-        scene, state = oscillator()
-        for least, failed in ((0.0, False), (0.05, True)):
-            result = kind(0.1).advance(scene, state, 0.01, Tally(least))
-            assert result.failed is failed
-            assert len(result.accelerations) == 1
-            assert result.error == 0.0, "there is no estimate"
-
-    def test_joints_are_corrected_in_flight_alone(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """Not under a load, which would take a correction for a force, nor over next to nothing, where it has no bound."""
-        scene, state = oscillator()
-        told: list[bool] = []
-        monkeypatch.setattr(scene, "correct_joints", lambda *, completely: told.append(bool(completely)))
-        for duration, load in ((0.01, None), (0.01, Tally()), (1e-7, None), (1e-7, Tally())):
-            PlainSteps(0.01).advance(scene, state, duration, load)
-        assert told == [True, False, False, False, False, False, False, False]
-
-
-class TestRepetitions:
-    def test_three_repetitions_by_hand(self) -> None:
-        """Lagrange's weights at h = 0 for n = 4, 5, 6: 4/(-1) 4/(-2) = 8, 5/1 5/(-1) = -25, 6/2 6/1 = 18."""
-        table = Repetitions(4, 5, 6)
-        assert table.counts == (4, 5, 6)
-        assert table.weights == [(1.0,), (-4.0, 5.0), (8.0, -25.0, 18.0)]
-        # Less the weights without the first result, (1,) and (-5, 6).
-        assert table.differences[1:] == [(-4.0, 4.0), (8.0, -20.0, 12.0)]
-        assert table.noise == pytest.approx(
-            [each * repetitions.ROUNDING for each in (1.0, 9.0, 51.0)], rel=1e-15, abs=0.0
-        )
 
 
 class TestExtrapolation:
@@ -155,3 +105,37 @@ class TestExtrapolation:
             result = Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), stepper.limit, errors={last: stepper.limit})
             assert stepper.accepts(result, 0.3)
             assert stepper.rows == 4
+
+    def test_a_stretch_may_be_a_tenth_longer_to_save_a_stub(self) -> None:
+        """1.05 lengths are gone in one stretch, 1.15 in two halves."""
+        stepper = Extrapolation(1e-6)
+        assert stepper.propose(1.05 * stepper.length) == 1.05 * stepper.length
+        assert stepper.propose(1.15 * stepper.length) == 0.575 * stepper.length
+
+    def test_a_refused_stretch_is_cut_by_its_estimate(self) -> None:
+        """Twenty radians are far off 1e-9: an error e of order k needs (1e-9/e)^(1/k), at most 0.2 for e >= 0.01, k <= 10.
+
+        No change is larger than tenfold at once.
+        """
+        scene, start = oscillator()
+        stepper = Extrapolation(1e-9)
+        result = stepper.advance(scene, start, 20.0)
+        assert result.error > 0.01
+        assert not stepper.accepts(result, 20.0)
+        assert 2.0 * (1.0 - 1e-12) <= stepper.length < 10.0
+
+    @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+    def test_uniform_motion_is_hardly_ever_refused(self, tolerance: float) -> None:
+        """An oscillator's stretches are all alike, and each is aimed at half the tolerance: its phase alone is new."""
+        scene, state = oscillator()
+        stepper = Extrapolation(tolerance)
+        refused = accepted = 0
+        while state.time < 60.0:
+            length = stepper.propose(1e3)
+            result = stepper.advance(scene, state, length)
+            if stepper.accepts(result, length):
+                state, accepted = result.state, accepted + 1
+            else:
+                refused += 1
+        assert accepted > 10
+        assert refused <= 0.2 * accepted
