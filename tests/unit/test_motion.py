@@ -7,12 +7,12 @@ import math
 
 import numpy as np
 import pytest
-from swinging_bristle import AMPLITUDE, FREQUENCY, HUB_START, STRIKE, make_trajectory, swing
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render.motion import Motion
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory
+from swinging_bristle import AMPLITUDE, FREQUENCY, HUB_START, STRIKE, make_trajectory, swing
 
 
 @pytest.fixture(scope="module")

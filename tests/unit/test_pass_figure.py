@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.text import Text
-from swinging_bristle import AMPLITUDE, END, FREQUENCY, STRIKE, artist, make_trajectory
 
 from bristle_sim.parameters import Tool, Workpart
 from bristle_sim.render.pass_figure import pass_figure, spread
 from bristle_sim.render.story import key_events
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Event, Trajectory
+from swinging_bristle import AMPLITUDE, END, FREQUENCY, STRIKE, artist, make_trajectory
 
 
 @pytest.fixture(scope="module")

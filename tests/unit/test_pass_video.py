@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from swinging_bristle import END, STRIKE, make_trajectory
 
 from bristle_sim.parameters import Bar, Hub, Tool
 from bristle_sim.render.film_scene import slow_motion
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.pass_video import PassScene, pass_video
 from bristle_sim.trajectory import Trajectory
+from swinging_bristle import END, STRIKE, make_trajectory
 
 
 @pytest.fixture(scope="module")

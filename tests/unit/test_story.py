@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from swinging_bristle import END, STRIKE, make_trajectory
 
 from bristle_sim.render.story import key_events, phase_at, phases, story_end
 from bristle_sim.trajectory import Event, Trajectory
+from swinging_bristle import END, STRIKE, make_trajectory
 
 
 @pytest.fixture(scope="module")

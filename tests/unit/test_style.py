@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 from PIL import Image
-from swinging_bristle import END, make_trajectory
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.style import blank_figure, save_figure, signed
+from bristle_sim.render.style import blank_figure, save_figure, scale_for, signed
 from bristle_sim.trajectory import Trajectory
+from swinging_bristle import END, make_trajectory
 
 
 @pytest.fixture(scope="module")
@@ -60,3 +62,26 @@ def test_a_failing_figure_leaves_the_old_file(tmp_path, monkeypatch):
     with pytest.raises(RuntimeError, match="no ink"):
         save_figure(figure, target)
     assert [(each.name, each.read_bytes()) for each in tmp_path.iterdir()] == [("a.png", b"old")]
+
+
+@pytest.mark.parametrize(
+    ("largest", "factor", "unit"),
+    [
+        (1.2e-3, 1e3, "mN·s"),
+        (0.592, 1e3, "mN·s"),
+        (27.0, 1.0, "N·s"),
+        (-4e6, 1e-6, "MN·s"),
+        (1e-30, 1e15, "fN·s"),
+        (0.0, 1.0, "N·s"),
+        (math.inf, 1.0, "N·s"),
+    ],
+)
+def test_scales_are_readable(largest: float, factor: float, unit: str) -> None:
+    scale = scale_for(largest, "N·s")
+    assert scale.unit == unit
+    assert scale.factor == pytest.approx(factor, rel=1e-15)
+
+
+def test_scale_of_almost_a_thousand_is_the_next_one() -> None:
+    assert scale_for(999.9999999, "m").unit == "km"
+    assert scale_for(999.0, "m").unit == "m"

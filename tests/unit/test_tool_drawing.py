@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.text import Text
-from swinging_bristle import END, artist, make_trajectory
 
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
@@ -23,6 +22,7 @@ from bristle_sim.render.story import key_events
 from bristle_sim.render.tool_drawing import close_up, wire_outline
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
+from swinging_bristle import END, artist, make_trajectory
 
 
 @pytest.fixture(scope="module")

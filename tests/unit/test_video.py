@@ -10,7 +10,6 @@ import sys
 
 import numpy as np
 import pytest
-from swinging_bristle import make_trajectory
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render import video
@@ -18,6 +17,7 @@ from bristle_sim.render.pass_video import pass_video
 from bristle_sim.render.readout import Readout
 from bristle_sim.render.video import Stage, write_video
 from bristle_sim.trajectory import Trajectory
+from swinging_bristle import make_trajectory
 
 
 @pytest.fixture(scope="module")
