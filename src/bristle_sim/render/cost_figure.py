@@ -15,8 +15,8 @@ from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
 from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from bristle_sim.render.panels import note
 from bristle_sim.render.style import axes_at, blank_figure, styled
-from bristle_sim.render.sweep_panels import note
 
 __all__ = ["best_methods", "cost_figure", "verdict"]
 

@@ -23,8 +23,8 @@ from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT
+from bristle_sim.render.panels import draw_panel, line_entries, point_entries
 from bristle_sim.render.style import axes_at, blank_figure, checked_target, save_figure, styled
-from bristle_sim.render.sweep_panels import draw_panel, handles
 from bristle_sim.studies.curves import Panel
 
 __all__ = ["contact_sheet", "draw", "main", "save_figures"]
@@ -133,7 +133,7 @@ def _page(
             _draw_table(axes, figure.table)
         else:
             _draw(axes, panel)
-    key = {line.get_label(): line for _, panel in cells if panel is not None for line in handles(panel, key=True)}
+    key = {line.get_label(): line for _, panel in cells if panel is not None for line in point_entries(panel)}
     if key:
         look: dict[str, Any] = {"ncols": min(len(key), 4), "fontsize": 7.0, "columnspacing": 1.4}
         page.legend(handles=list(key.values()), loc="lower center", **look)
@@ -152,7 +152,7 @@ def _draw(axes: Axes, panel: Panel) -> None:
     draw_panel(axes, panel)
     axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
     axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
-    lines = [line for line in handles(panel, key=False) if str(line.get_label()).strip()]
+    lines = [line for line in line_entries(panel) if str(line.get_label()).strip()]
     look: dict[str, Any] = {"fontsize": 6.5, "handlelength": 1.1, "handletextpad": 0.4, "labelspacing": 0.25}
     if panel.family:
         look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.7}

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION
+from bristle_sim.render.panels import note, panel_title
 from bristle_sim.render.style import axes_at, blank_figure, styled
-from bristle_sim.render.sweep_panels import note, panel_title
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segment_table
 from bristle_sim.studies.force_trials import FitTrial

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.impulse_plane import draw_impulse_plane
+from bristle_sim.render.panels import draw_energy, draw_panel, explain_marks, name_curves, note, panel_title, say
 from bristle_sim.render.style import axes_at, blank_figure, scale_for, styled
-from bristle_sim.render.sweep_panels import draw_energy, draw_panel, explain_marks, name_curves, note, panel_title, say
 from bristle_sim.studies.curves import Panel
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import energetic_course, recorded_course

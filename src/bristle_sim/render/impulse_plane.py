@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.panels import note
 from bristle_sim.render.style import Scale, scale_for
-from bristle_sim.render.sweep_panels import note
 from bristle_sim.studies.impulse_course import ImpulseCourse
 
 __all__ = ["PHASE_COLOURS", "draw_impulse_plane"]

@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bar
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.panels import panel_title
 from bristle_sim.render.style import axes_at, blank_figure, styled
-from bristle_sim.render.sweep_panels import panel_title
 from bristle_sim.studies.cue_map import CueMap
 
 if TYPE_CHECKING:

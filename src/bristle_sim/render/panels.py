@@ -13,7 +13,17 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, ORANGE, SERIES, VERMIL
 from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
 
-__all__ = ["draw_energy", "draw_panel", "explain_marks", "handles", "name_curves", "note", "panel_title", "say"]
+__all__ = [
+    "draw_energy",
+    "draw_panel",
+    "explain_marks",
+    "line_entries",
+    "name_curves",
+    "note",
+    "panel_title",
+    "point_entries",
+    "say",
+]
 
 CREATED = "#fbe3d6"
 NOTHING = 1e-12
@@ -176,15 +186,17 @@ def name_curves(axes: Axes, panel: Panel) -> None:
     )
 
 
-def handles(panel: Panel, *, key: bool) -> list[Line2D]:
-    """Return entries of a legend: what the points and the dot are if ``key``, else curves, led by their symbol, and levels."""
-    if key:
-        laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
-        dot = [_own("operating point")] if any(not mark.label for mark in panel.marks) else []
-        return [*(source(law) for law in laws), *dot]
+def point_entries(panel: Panel) -> list[Line2D]:
+    """Return entries of a legend that say what the points and the dot of the operating point are."""
+    laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
+    dot = [_own("operating point")] if any(not mark.label for mark in panel.marks) else []
+    return [*(source(law) for law in laws), *dot]
+
+
+def line_entries(panel: Panel) -> list[Line2D]:
+    """Return entries of a legend for the curves, led by their symbol, and for the levels."""
     lines = [Line2D([], [], color=GREY, dashes=dashes, label=level.label) for level, dashes in _level_looks(panel)]
-    levels = {line.get_label(): line for line in lines}.values()
-    return [*_names(panel), *levels]
+    return [*_names(panel), *{line.get_label(): line for line in lines}.values()]
 
 
 def _names(panel: Panel) -> list[Line2D]:

@@ -1,0 +1,163 @@
+"""The film of an impact shows what was computed, to scale."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
+from bristle_sim.render.chain_drawing import ChainDrawing
+from bristle_sim.render.contact_motion import ContactMotion, contact_motion
+from bristle_sim.render.impact_video import ImpactScene, impact_video
+from bristle_sim.scene.strike import Chain
+from bristle_sim.scene.strike import strike as strike_chain
+from bristle_sim.settings import Settings
+from bristle_sim.studies.impacts import Impacts, oblique_impact
+from bristle_sim.studies.timed_contact import with_visible_contact
+from impact_cases import bristle, line, rods
+
+
+@pytest.fixture(scope="module")
+def strike() -> Impacts:
+    return bristle()
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> Impacts:
+    return rods()
+
+
+@pytest.fixture(scope="module")
+def strike_motion(strike: Impacts) -> ContactMotion:
+    return contact_motion(strike.strikes["compliant"].contact)
+
+
+@pytest.fixture(scope="module")
+def pendulum_motion(pendulum: Impacts) -> ContactMotion:
+    return contact_motion(pendulum.strikes["compliant"].contact)
+
+
+def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
+    chain = Chain((1.0, 1.0), (2.0, 1.0), (0.0, -0.5 * math.pi), (1.0, 0.0))
+    struck = strike_chain(chain, Surface(), Contact(), Settings())
+    np.testing.assert_allclose(struck.centre_line, [(0.0, 0.0), (0.0, -2.0), (-1.0, -2.0)], atol=1e-15)
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    ChainDrawing(axes, struck.centre_line, 0.0, 1.0)
+    np.testing.assert_allclose(line(axes, "rods").get_xydata(), [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
+
+
+def test_root_of_a_chain_on_a_hub_is_on_its_rim(strike: Impacts) -> None:
+    """The radial bristle's root and tip, 23.4 deg before the workpart's normal."""
+    gamma = math.radians(23.4)
+    towards = np.array([-math.sin(gamma), -math.cos(gamma)])
+    for struck in strike.strikes.values():
+        np.testing.assert_allclose(struck.centre_line, np.outer([0.0275, 0.0545], towards), atol=1e-15)
+
+
+@pytest.mark.parametrize("contact", [Contact(), Contact("compliant"), Contact("engine")])
+def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None:
+    """50 us of compression, millimetres and some ten newtons instead of nanometres and meganewtons."""
+    shown = with_visible_contact(bristle(contact=contact))
+    scene = ImpactScene(shown, width=320, height=180)
+    assert scene.motion.compression_end == pytest.approx(5e-5, rel=1e-5)
+    # Impulse over duration: the mean force of 2.8 mN s in some 100 us; the peak is at most pi/2 of it in either half.
+    assert 20.0 < scene.motion.normal_force.max() < 100.0
+    written = "\n".join(each.get_text() for each in scene.stage.figure.texts)
+    assert "compression 50 µs (as printed, for the film)" in written
+
+
+def test_films_show_a_requested_duration() -> None:
+    shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
+    assert contact_motion(shown.strikes["compliant"].contact).touch_end == pytest.approx(2e-5, rel=0.02)  # see scene
+    assert shown.timing == "contact_duration as requested"
+
+
+def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
+    tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
+    slow = rods(rate_1=-1e-5, rate_2=-2e-5)
+    for impacts in (tiny, slow):
+        shown = with_visible_contact(impacts)
+        assert shown.timing == "rigid-body limit"
+        assert shown.strikes == impacts.strikes
+
+
+def test_film_shows_the_motion(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
+    scene = ImpactScene(pendulum, width=320, height=180, duration=4.0)
+    stop = pendulum_motion.slip_stop
+    assert stop is not None
+    film_time = float(scene.warp.film_time(stop))
+    scene.show(film_time)
+    assert scene.caption.get_text() == "slip stops"
+    for marker, name, factor in scene.panels.markers:
+        (x,), (y,) = (np.asarray(values) for values in marker.get_data())
+        instant = x / scene.panels.clock.factor
+        assert instant == pytest.approx(stop, rel=1e-3)  # the warp is linear between 4001 nodes
+        expected = pendulum_motion.at(name, instant) * factor
+        assert y == pytest.approx(expected, abs=1e-9 * max(1.0, abs(expected)))
+    scene.show(film_time + 0.6)
+    assert scene.caption.get_text() == "restitution: the tip slips back"
+    scene.show(scene.warp.film[-1])
+    assert scene.caption.get_text() == "rebound"
+
+
+def test_forces_in_the_film_follow_slip(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
+    scene = ImpactScene(pendulum, width=320, height=180)
+    close_up, stop = scene.close_up, pendulum_motion.slip_stop
+    assert stop is not None
+    sides = []
+    for time in (0.9 * stop, stop + 0.1 * (pendulum_motion.touch_end - stop)):
+        close_up.show(time)
+        friction, normal = (each.get_path().get_extents() for each in (close_up.friction, close_up.normal))
+        sides.append(0.5 * (friction.x0 + friction.x1 - normal.x0 - normal.x1))
+        assert close_up.normal.get_visible()
+    assert sides[0] < 0.0 < sides[1]
+    close_up.show(float(pendulum_motion.time[-1]))
+    assert not close_up.friction.get_visible()
+    assert not close_up.normal.get_visible()
+
+
+def test_ways_in_the_close_up_are_to_scale(strike: Impacts, strike_motion: ContactMotion) -> None:
+    close_up = ImpactScene(strike, width=320, height=180).close_up
+    lowest = []
+    for time in (0.0, 0.5 * strike_motion.touch_end):
+        close_up.show(time)
+        outline = close_up.rod.get_xy()
+        lowest.append(outline[outline[:, 1].argmin()])
+    moved = (lowest[1] - lowest[0]) / close_up.scale
+    assert close_up.stretch == 1.0
+    expected = [strike_motion.at(name, 0.5 * strike_motion.touch_end) for name in ("along", "depth")]
+    assert moved[0] == pytest.approx(expected[0], rel=1e-9)
+    assert -moved[1] == pytest.approx(expected[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("state", [Strike(impact_angle_deg=1.0), Strike(impact_angle_deg=90.0)])
+def test_films_of_grazing_and_head_on_strikes(state: Strike) -> None:
+    scene = ImpactScene(bristle(state, friction=0.001), width=320, height=180, duration=1.0)
+    assert len([bytes(frame) for frame in scene.frames(3)]) == 3
+    assert math.isfinite(scene.close_up.scale)
+    assert (scene.close_up.stretch > 1.0) == (state.impact_angle_deg < 45.0)
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
+def test_film_is_written(strike: Impacts, tmp_path: Path, suffix: str) -> None:
+    if suffix == ".mp4":
+        pytest.importorskip("imageio_ffmpeg")
+    path = impact_video(strike, tmp_path / f"impact{suffix}", fps=10.0, width=320, height=180, duration=0.5)
+    assert path.stat().st_size > 1000
+    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+
+
+def test_no_film_of_a_tip_that_does_not_approach(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="no contact"):
+        impact_video(rods(rate_1=1.0, rate_2=1.0), tmp_path / "impact.gif")
+    with pytest.raises(ValueError, match=r"\.avi"):
+        impact_video(rods(), tmp_path / "impact.avi")
+    unresolved = dataclasses.replace(rods(), strikes={})
+    with pytest.raises(ValueError, match="not resolved in time"):
+        impact_video(unresolved, tmp_path / "impact.gif")
+    assert not list(tmp_path.iterdir())

@@ -1,0 +1,171 @@
+"""The drawn tool: the recorded centre line, the wire's outline, the view."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import itertools
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.text import Text
+
+from bristle_sim.parameters import Bristle, Tool
+from bristle_sim.reference import simulate_reference
+from bristle_sim.render import motion as motion_module
+from bristle_sim.render.motion import Motion
+from bristle_sim.render.pass_figure import pass_figure
+from bristle_sim.render.pass_video import PassScene
+from bristle_sim.render.story import key_events
+from bristle_sim.render.tool_drawing import close_up, wire_outline
+from bristle_sim.scene.tool import simulate
+from bristle_sim.trajectory import Trajectory
+from swinging_bristle import END, artist, make_trajectory
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    return make_trajectory()
+
+
+@pytest.fixture(scope="module")
+def figure(run):
+    return pass_figure(run, Tool(), until=END)
+
+
+def kinked(run: Trajectory, corners: int = 5) -> Trajectory:
+    """The same run with a centre line that no tool has: four links at odd angles, and with its own velocities."""
+    spread_out = np.linspace(0.0, 1.0, corners)[:, None] ** [1.0, 1.7]
+    root, tip = run.centre_line[:, :1], run.centre_line[:, 1:]
+    lines = root + (0.8 * tip - root) * spread_out
+    velocities = (
+        run.centre_line_velocity[:, :1] * (1.0 - spread_out) + 0.8 * run.centre_line_velocity[:, 1:] * spread_out
+    )
+    return dataclasses.replace(run, centre_line=lines, centre_line_velocity=velocities)
+
+
+def middle(outline: np.ndarray) -> np.ndarray:
+    """The corners of the centre line that an outline runs about, mm: the mean of its left and its right side."""
+    half = len(outline) // 2
+    left, right = outline[:half], outline[half : 2 * half][::-1]
+    return 0.5 * (left + right)
+
+
+def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
+    """Of whatever shape: were any length, knee or angle of the tool used, wire and record would part."""
+    odd = kinked(run)
+    figure = pass_figure(odd, Tool(), until=END)
+    for number, event in enumerate(key_events(odd), start=1):
+        for wire in figure.findobj(lambda each, number=number: each.get_gid() == f"wire {number}"):
+            shown = middle(wire.get_xy()[:-1])
+            # A wire that ends an interval is a sample; the others lie between two: Hermite's cubic, as above.
+            assert shown == pytest.approx(1e3 * Motion(odd).centre_line(event.time), abs=1e-9)
+    path = np.concatenate([artist(figure, name).get_xydata() for name in ("tip path", "tip path after the strike")])
+    for sample in 1e3 * odd.tip:
+        assert np.hypot(*(path - sample).T).min() < 1e-9  # mm: every recorded tip is on the path
+    scene = PassScene(odd, Tool(), width=320, height=240, duration=1.0, until=END)
+    for number in (10, 30, 60, 100):
+        scene.show(float(scene.warp.film_time(odd.time[number])))
+        shown = middle(scene.wire.wire.get_xy()[:-1])
+        # The warp's inverse is linear between 4001 nodes: an instant off by rounding, times 40 m/s.
+        assert shown == pytest.approx(1e3 * odd.centre_line[number], abs=1e-6)
+        assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * odd.tip[number], abs=1e-6)
+
+
+WIRE_DRAWINGS = (
+    "motion",
+    "tool_drawing",
+    "pass_figure",
+    "pass_video",
+    "cue_figure",
+    "chain_drawing",
+    "contact_closeup",
+)
+
+
+@pytest.mark.parametrize("module", WIRE_DRAWINGS)
+def test_what_draws_wires_knows_no_lengths_knees_or_link_angles(module):
+    """Kinematics need them; a picture is given points."""
+    tree = ast.parse((Path(motion_module.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
+    read = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    assert not read & {"length", "lengths", "path", "knee_angle_deg", "knee_position", "links", "angles"}
+
+
+@pytest.fixture(scope="module", params=[-30.0, 0.0, 30.0, 45.0])
+def bent(request) -> tuple[Tool, Trajectory]:
+    """A pass of a bent bristle up to its strike, in the scene."""
+    tool = Tool(bristle=Bristle(knee_angle_deg=request.param))
+    return tool, simulate(tool, stop_after="strike")
+
+
+def test_a_bent_wire_touches_the_bar_and_strikes_the_workpart_in_the_picture(bent):
+    tool, run = bent
+    figure = pass_figure(run, tool)
+    numbers = {event.name: number for number, event in enumerate(key_events(run), start=1)}
+    struck = middle(artist(figure, f"wire {numbers['strike']}").get_xy()[:-1])
+    assert struck[-1] == pytest.approx(1e3 * run.tip[-1], abs=1e-9)
+    assert struck[-1, 1] == pytest.approx(-1e3 * tool.workpart_depth, abs=1e-6)  # mm; where the touch is located
+    touching = middle(artist(figure, f"wire {numbers['bar touch']}").get_xy()[:-1])
+    distance = min(_distance(1e3 * np.array(tool.bar.centre), *piece) for piece in itertools.pairwise(touching))
+    assert distance == pytest.approx(1e3 * tool.bar_reach, abs=1e-6)
+    speed = math.hypot(*run.first_contact("workpart").velocity_before)
+    written = "\n".join(each.get_text() for each in figure.findobj(Text))
+    assert f"tip arrives at {speed:.2f} m/s" in written
+    assert Motion(run).tip_speed(math.nextafter(run.time[-1], 0.0)) == pytest.approx(speed, rel=1e-9)
+
+
+def _distance(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
+    """Of a point from a straight piece of wire."""
+    along = end - start
+    share = min(max(float((point - start) @ along / (along @ along)), 0.0), 1.0)
+    return float(np.hypot(*(point - start - share * along)))
+
+
+def test_the_bent_wire_is_as_long_as_it_is_and_moves_as_it_is_drawn(bent):
+    tool, run = bent
+    pieces = np.diff(run.centre_line, axis=1)
+    lengths = np.hypot(pieces[..., 0], pieces[..., 1])
+    assert lengths.sum(axis=1) == pytest.approx(np.full(run.time.size, tool.bristle.length), rel=1e-12)
+    motion, step = Motion(run), 1e-8
+    time = 0.5 * (run.time[5] + run.time[6])
+    ends = [motion.centre_line(time + shift)[-1] for shift in (-step, step)]
+    # The central difference of a cubic is off by h^2 and rounding, 1e-17 m / 1e-8 s of 20 m/s.
+    assert motion.tip_speed(time) == pytest.approx(np.hypot(*(ends[1] - ends[0])) / (2.0 * step), rel=1e-7)
+
+
+def test_scene_and_reference_agree_on_the_centre_line():
+    """Written by each from its own kinematics; compared at the strike, where both have a sample."""
+    tool = Tool(bristle=Bristle(knee_angle_deg=-30.0))
+    run, other = simulate(tool, stop_after="strike"), simulate_reference(tool, accuracy=1e-9, stop_after="strike")
+    assert run.centre_line.shape[1:] == other.centre_line.shape[1:] == (3, 2)
+    before = [np.flatnonzero(each.time == each.first_contact("workpart").time)[0] for each in (run, other)]
+    places = [each.centre_line[at] for each, at in zip((run, other), before, strict=True)]
+    velocities = [each.centre_line_velocity[at] for each, at in zip((run, other), before, strict=True)]
+    # Accuracy 1e-6, magnified tenfold as elsewhere: of 55 mm and 40 m/s.
+    assert places[0] == pytest.approx(places[1], abs=1e-5 * 0.055)
+    assert velocities[0] == pytest.approx(velocities[1], abs=1e-5 * 40.0)
+
+
+def test_close_up_holds_wire_bar_and_surface_at_the_aspect_asked_for(run):
+    tool, course = Tool(), Motion(run).course()
+    view = close_up(course, tool, 1.5)
+    assert (view.right - view.left) / (view.top - view.bottom) == pytest.approx(1.5)
+    assert view.left < 1e3 * min(run.tip[:, 0].min(), -tool.bar.horizontal - tool.bar.radius)
+    assert view.bottom < -1e3 * tool.workpart_depth < view.top
+
+
+def test_wire_outline_is_a_rectangle_about_the_centre_line():
+    corners = wire_outline(np.array([[0.0, 0.0], [3.0, 4.0]]), 0.5)
+    assert corners.mean(axis=0) == pytest.approx([1.5, 2.0])
+    sides = np.hypot(*np.diff(np.vstack([corners, corners[:1]]), axis=0).T)
+    assert sides == pytest.approx([5.0, 0.5, 5.0, 0.5])
+
+
+def test_wire_outline_is_mitred_at_a_knee():
+    """Two pieces at a right angle: the corners stand half a diameter from both, at the root of 2 from the knee."""
+    corners = wire_outline(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), 1.0)
+    assert corners == pytest.approx(
+        np.array([[0.0, 0.5], [3.5, 0.5], [3.5, 3.0], [4.5, 3.0], [4.5, -0.5], [0.0, -0.5]])
+    )
