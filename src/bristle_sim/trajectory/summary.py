@@ -1,4 +1,4 @@
-"""A trajectory in five lines, and beside a small drawing for notebooks."""
+"""Summaries of a trajectory: five lines, and for notebooks a small drawing with them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ WIDTH = 260
 
 
 def summary_lines(run: Trajectory) -> tuple[str, ...]:
-    """Samples, strike, events, why the run stopped, and cost: one line each."""
+    """Describe samples, strike, events, why the run stopped, and cost: one line each."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
     events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in run.events[:SHOWN])
     more = f" and {len(run.events) - SHOWN} more" if len(run.events) > SHOWN else ""
@@ -48,7 +48,7 @@ def _strike(run: Trajectory) -> str:
 
 
 def summary_page(run: Trajectory) -> str:
-    """The five lines beside tip path, wire, hub, bar and workpart, as HTML."""
+    """Return the five lines with a drawing of tip path, wire, hub, bar and workpart, as HTML."""
     words = html.escape("\n".join(summary_lines(run)))
     return f'<div style="display:flex;gap:1em;align-items:center">{_drawing(run)}<pre>{words}</pre></div>'
 

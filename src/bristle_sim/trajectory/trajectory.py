@@ -1,4 +1,4 @@
-"""What a simulation returns: samples in time, events, contacts, why it stopped and what it cost."""
+"""The trajectory that a simulation returns: samples in time, events, contacts, why it stopped and what it cost."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ class Trajectory:
 
     @property
     def stop_advice(self) -> str:
-        """What would let the run go further, in terms of the obstacle touched last."""
+        """Say what would let the run go further, in terms of the obstacle touched last."""
         return self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
