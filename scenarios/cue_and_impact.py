@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 
@@ -59,6 +59,7 @@ SCENARIO = Scenario(
     plot=plot,
     video=video,
     series=series,
+    without=WIRE_KEYS,
 )
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 
@@ -62,6 +62,7 @@ SCENARIO = Scenario(
     without=(
         "knee_position",
         "knee_angle_deg",
+        *WIRE_KEYS,
         "hub_turn",
         "friction",
         "restitution_friction",

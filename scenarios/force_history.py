@@ -13,7 +13,7 @@ from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.crater_parameters import ForceHistory, Measurement
-from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 
@@ -54,7 +54,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     series=series,
-    without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
+    without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
 )
 
 if __name__ == "__main__":

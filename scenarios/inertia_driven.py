@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 
@@ -43,7 +43,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=run,
     plot=plot,
-    without=("knee_position", "knee_angle_deg", "hub_turn", "step"),
+    without=("knee_position", "knee_angle_deg", *WIRE_KEYS, "hub_turn", "step"),
     defaults={
         "reference": ("yes", "chosen: a flight takes the independent solution little time"),
         "accuracy": (1e-9, "chosen: the flight agrees with the reference to 1e-8"),

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
+from bristle_sim.parameters import WIRE_KEYS, Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 
@@ -59,7 +59,7 @@ SCENARIO = Scenario(
     plot=plot,
     video=video,
     series=series,
-    without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
+    without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
 )
 
 if __name__ == "__main__":

@@ -1,3 +1,87 @@
-"""Time-domain cross-check of the bristle-blasting impact model."""
+"""Simulate a bristle-blasting tool in time, and compare it with the formulas of its dissertation.
+
+A pass at the dissertation's operating point, with its strike:
+
+>>> import bristle_sim as bs
+>>> tool = bs.Tool(workpart=bs.Workpart(friction=0.31, restitution=0.42))
+>>> run = bs.simulate(tool, bs.Settings(accuracy=1e-6))
+>>> strike = run.first_contact("workpart")
+>>> print(f"{strike.outcome} at {1e3 * strike.time:.2f} ms, impulse {1e3 * strike.impulse[0]:.2f} mN s")
+rebound at 4.53 ms, impulse 2.75 mN s
+
+What this module exports keeps its meaning from version to version; everything else may change. Each name is imported when
+it is first used, so that a program that needs the impact law alone does not wait for pymunk.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from bristle_sim.parameter_file import read_tool, write_tool
+    from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
+    from bristle_sim.reference import simulate_reference
+    from bristle_sim.scene.energetic_contact import EnergeticContact
+    from bristle_sim.scene.tool import simulate
+    from bristle_sim.settings import Settings
+    from bristle_sim.studies.sweep import sweep
+    from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
+    from bristle_sim.trajectory import Trajectory
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "Bar",
+    "Belt",
+    "Bristle",
+    "Contact",
+    "EnergeticContact",
+    "Hub",
+    "Settings",
+    "Tool",
+    "Trajectory",
+    "Workpart",
+    "__version__",
+    "energetic_impact",
+    "newton_impact",
+    "operating_point",
+    "poisson_impact",
+    "read_tool",
+    "simulate",
+    "simulate_reference",
+    "sweep",
+    "write_tool",
+]
+
+_MODULES = {
+    "EnergeticContact": "scene.energetic_contact",
+    "Settings": "settings",
+    "Trajectory": "trajectory",
+    "energetic_impact": "theory.impact",
+    "newton_impact": "theory.impact",
+    "poisson_impact": "theory.impact",
+    "read_tool": "parameter_file",
+    "simulate": "scene.tool",
+    "simulate_reference": "reference",
+    "sweep": "studies.sweep",
+    "write_tool": "parameter_file",
+}
+"""Where each name is defined, below this package; names that are left out are parameters."""
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from importlib import import_module
+
+    try:
+        value = getattr(import_module(f"{__name__}.{_MODULES.get(name, 'parameters')}"), name)
+    except ModuleNotFoundError as error:
+        if name != "sweep":
+            raise
+        raise ImportError(f"bristle_sim.sweep: {error}; pip install 'bristle_sim[sweep]'") from error
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Quantity", "Report", "Unfinished", "finite", "table"]
+__all__ = ["Quantity", "Report", "Unfinished", "cells", "finite", "table"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,14 +147,18 @@ def table(quantities: Sequence[Quantity]) -> str:
     return "\n".join(found)
 
 
-def _table(quantities: Sequence[Quantity], digits: int, left_out: Sequence[str]) -> list[str]:
+def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
+    """Return the table's cells, its head first, without columns that would be empty and those that are left out."""
     sides = ("simulated", "theory", "reference", "printed")
     head = ["quantity", "unit", *sides, "difference from", "within", "ok"]
     rows = [head, *(_row(each, sides, digits) for each in quantities)]
     kept = [i for i, title in enumerate(head) if title in head[:3] or any(row[i] != "-" for row in rows[1:])]
-    kept = [i for i in kept if head[i] not in left_out]
-    rows = [[row[i] for i in kept] for row in rows]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(kept))]
+    return [[row[i] for i in kept if head[i] not in left_out] for row in rows]
+
+
+def _table(quantities: Sequence[Quantity], digits: int, left_out: Sequence[str]) -> list[str]:
+    rows = cells(quantities, digits, left_out)
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = []
     for row in rows:
         words = [cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True)]

@@ -49,12 +49,12 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
 
 
 def is_special(path: Path) -> bool:
-    """Whether a path names an open stream, or what is neither a regular file nor a folder: a device, a pipe, a socket."""
+    """Tell whether a path names an open stream, or what is neither a regular file nor a folder: a device, a pipe, a socket."""
     return _descriptor(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
 
 
 def _descriptor(path: Path) -> int | None:
-    """Number of the open stream that a path names; None for any other path."""
+    """Return the number of the open stream that a path names; None for any other path."""
     found = _STREAM.fullmatch(str(path))
     if found is None:
         return None

@@ -175,6 +175,19 @@ PROMISES = {
         integrates=True,
         strikes=False,
     ),
+    "whole_tool": Promise(
+        (
+            "impact_rate",
+            "mean_normal_force",
+            "mean_tangential_force",
+            "mean_torque",
+            "drive_power",
+            "force_envelope_low",
+            "force_envelope_high",
+        ),
+        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "load_cell_bandwidth"),
+        strikes=False,
+    ),
     "tolerances": Promise(
         keys=(*TOOL, *BELT, *BAR, "penetration", *RUBBING, "samples", *(f"spread_{key}" for key in TOOL + BELT + BAR)),
         lists={"rows": {"output", "mean", "std", "low", "high", "indices"}},

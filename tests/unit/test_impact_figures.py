@@ -25,12 +25,11 @@ from bristle_sim.parameters import (
     Tool,
 )
 from bristle_sim.render.chain_drawing import ChainDrawing
-from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, stretches
+from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, intervals
 from bristle_sim.render.cue_figure import cue_figure
 from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_figure, single_pendulum_figure
 from bristle_sim.render.impact_video import ImpactScene, impact_video
-from bristle_sim.render.prefixes import scale_for
-from bristle_sim.render.style import save_figure
+from bristle_sim.render.style import save_figure, scale_for
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
@@ -345,7 +344,7 @@ def test_cue_figure_without_a_formula_or_a_cue(release: CueTiming) -> None:
 def test_motion_passes_the_record(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
     history = pendulum.strikes["compliant"].contact.history
     assert history is not None
-    for part in stretches(history):
+    for part in intervals(history):
         inside = slice(part.start + 1, part.stop - 1)
         time = history.time[inside] - history.time[0]
         for name in ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force"):
@@ -422,7 +421,7 @@ def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
     struck = strike_chain(chain, Surface(), Contact(), Settings())
     np.testing.assert_allclose(struck.centre_line, [(0.0, 0.0), (0.0, -2.0), (-1.0, -2.0)], atol=1e-15)
     axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
-    ChainDrawing(axes, struck, 0.0, 1.0)
+    ChainDrawing(axes, struck.centre_line, 0.0, 1.0)
     np.testing.assert_allclose(line(axes, "rods").get_xydata(), [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
 
 

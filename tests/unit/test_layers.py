@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import sys
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
@@ -23,6 +24,7 @@ RANKS = {
     "crater_parameters": 1,
     "settings": 1,
     "stop_reason": 1,
+    "parameter_file": 2,
     "trajectory": 2,
     "theory": 2,
     "scene": 3,
@@ -32,7 +34,8 @@ RANKS = {
     "dissertation": 6,
     "benchmarks": 6,
     "render": 7,
-    "scenario_cli": 7,
+    "scenario_cli": 8,
+    "__main__": 9,
 }
 """A layer may import layers of lower rank, and itself. Two layers of one rank know nothing of each other."""
 
@@ -42,6 +45,7 @@ HOMES = {
     "scipy.integrate": "reference",
     "matplotlib": "render",
     "PIL": "render",
+    "jinja2": "render",
     "imageio_ffmpeg": "render",
 }
 """The only layer that may import a library."""
@@ -110,8 +114,24 @@ def test_an_upward_import_happens_only_when_called(place: tuple[str, ...]):
 
 
 def test_the_package_itself_imports_nothing():
-    """Whoever imports one layer must not get others with it."""
-    assert list(imports((PACKAGE / "__init__.py").read_text(encoding="utf-8"))) == []
+    """Whoever imports one layer must not get others with it; what a type checker reads is not imported."""
+    face = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
+    top = [node for node in face.body if isinstance(node, ast.Import | ast.ImportFrom)]
+    assert list(imports(ast.unparse(ast.Module(top, [])))) == ["typing", "typing.TYPE_CHECKING", "typing.Any"]
+
+
+def test_the_command_line_draws_only_when_asked():
+    """A report is written by ``render``, which is imported inside the function that needs it."""
+    for path in sorted((PACKAGE / "scenario_cli").glob("*.py")):
+        body = ast.parse(path.read_text(encoding="utf-8")).body
+        top = ast.Module([node for node in body if not isinstance(node, ast.FunctionDef)], [])
+        assert not [name for name in imports(ast.unparse(top)) if within(name, "bristle_sim.render")]
+
+
+def test_the_wheel_carries_every_folder_and_the_scripts():
+    packaged = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]
+    folders = {".".join(path.parent.relative_to(ROOT / "src").parts) for path in PACKAGE.rglob("__init__.py")}
+    assert packaged == sorted({*folders, "bristle_sim.scenarios"})
 
 
 @pytest.mark.parametrize(
@@ -135,7 +155,8 @@ def test_the_package_itself_imports_nothing():
         ("studies", "from bristle_sim.dissertation.audit import audit_rows"),
         ("dissertation", "from bristle_sim.benchmarks import law_benchmark"),
         ("render", "from bristle_sim.scenario_cli import main"),
-        ("scenario_cli", "def later():\n    from bristle_sim.render.style import save_figure"),
+        ("render", "from bristle_sim.parameters import Tool\nfrom bristle_sim.__main__ import main"),
+        ("scenario_cli", "def later():\n    import jinja2"),
         ("quantity", "from bristle_sim.parameters import Tool"),
         ("parameters", "from bristle_sim.settings import Settings"),
         ("quantity", "from bristle_sim.files import complete_or_absent"),
@@ -162,6 +183,32 @@ def test_a_fault_is_seen(layer: str, source: str):
 )
 def test_downward_imports_are_no_fault(layer: str, source: str):
     assert faults(layer, source) == []
+
+
+INTEGRATING = (
+    "bristle_sim.scene",
+    "bristle_sim.reference",
+    "scipy.integrate",
+    "bristle_sim.studies.cue_map.position_map",
+)
+"""What integrates or simulates; the data of the dissertation's figures and audit are computed for their pages alone."""
+
+
+def integrating(source: str) -> list[str]:
+    return [name for name in imports(source) if any(within(name, each) for each in INTEGRATING)]
+
+
+@pytest.mark.parametrize("path", sorted((PACKAGE / "render").glob("*.py")), ids=lambda path: path.stem)
+def test_what_draws_imports_nothing_that_integrates(path: Path):
+    """Studies compute, pictures are drawn from what they return."""
+    assert integrating(path.read_text(encoding="utf-8")) == []
+
+
+def test_an_import_that_integrates_is_seen():
+    assert integrating("from bristle_sim.scene.strike import ChainStrike")
+    assert integrating("def later():\n    from bristle_sim.reference import simulate_reference")
+    assert integrating("from bristle_sim.studies.cue_map import CueMap, position_map")
+    assert integrating("from scipy import integrate")
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)

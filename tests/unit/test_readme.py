@@ -1,27 +1,122 @@
-"""What README shows must run."""
+"""What README shows must run, and what it says comes out must come out."""
 
+from __future__ import annotations
+
+import itertools
+import json
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+from bristle_sim.scenario_cli import command
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+PYTHON = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+SHELL = [
+    line.split("#")[0].strip()
+    for block in re.findall(r"```sh\n(.*?)```", README, re.DOTALL)
+    for line in block.splitlines()
+]
+COMMANDS = [line for line in SHELL if line.startswith("bristle-sim")]
+MODULES = [line for line in SHELL if line.startswith("python -m bristle_sim")]
+
+SLOW = ("accuracy_cost", "hard_cases")
+"""Scenarios that take minutes; their own tests run them."""
 
 
-def test_the_python_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+def test_the_python_examples_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One after the other, as in a notebook."""
+    pytest.importorskip("xarray")
+    monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
-    exec(compile(code, "README.md", "exec"), names)
+    for block in PYTHON:
+        exec(compile(block, "README.md", "exec"), names)
     first = names["impacts"][0]
     assert first.outcome_name == "rebound"
     assert first.energy_change < 0.0
     assert first.phases[0] == "compression slip"
-    assert capsys.readouterr().out.startswith("rebound ")
+    assert names["found"]["impulse"].shape == (3, 2)
+    assert {path.name for path in tmp_path.iterdir()} == {"pass.npz", "tool.toml"}
+    said = capsys.readouterr().out.splitlines()
+    assert said[0].startswith("rebound at ")
+    assert said[-1].startswith("rebound (")
 
 
-def test_named_files_exist() -> None:
-    root = Path(__file__).parents[2]
-    named = set(re.findall(r"\]\(([\w./-]+)\)", README)) | set(re.findall(r"`?scenarios/(\w+\.py)", README))
-    for name in named:
-        assert (root / name).exists() or (root / "scenarios" / name).exists(), name
+@pytest.mark.parametrize("line", COMMANDS)
+def test_the_commands_run(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The films of small scenes are filmed elsewhere; slow scenarios only read their keys here."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "media").mkdir()
+    _, *arguments = shlex.split(line)
+    if "--video" in arguments:
+        at = arguments.index("--video")
+        del arguments[at : at + 2]
+    if arguments and arguments[0] in SLOW:
+        arguments.append("--list-keys")
+    assert command.main(arguments) == 0
+    assert capsys.readouterr().out
+    files = [value for option, value in itertools.pairwise(arguments) if option in ("--csv", "--json", "--plot")]
+    assert all((tmp_path / name).stat().st_size > 0 for name in files if "--list-keys" not in arguments)
+
+
+def test_the_commands_that_draw_are_there() -> None:
+    for line in MODULES:
+        module = line.split()[2].replace(".", "/")
+        assert 'if __name__ == "__main__"' in (ROOT / "src" / f"{module}.py").read_text(encoding="utf-8")
+
+
+ROWS = {
+    "retraction at the last touch of the bar": ("release_retraction_deg", 1.0),
+    "largest retraction before the strike": ("largest_retraction_deg", 1.0),
+    "time of the strike": ("contact_time", 1e3),
+    "lag behind the radial direction at the strike": ("lag_deg_at_contact", 1.0),
+    "bristle's speed relative to the hub at the strike": ("relative_speed_at_contact", 1.0),
+    "tip speed at the strike": ("tip_speed_at_contact", 1.0),
+    "final normal impulse": ("normal_final_impulse", 1e3),
+    "bristle's rate after the strike, over before": ("rebound_ratio", 1.0),
+}
+"""Rows of README's table: the quantity's name in the JSON, and what converts it to the unit shown."""
+
+
+def test_the_results_are_those_that_come_out(capsys: pytest.CaptureFixture[str]) -> None:
+    """To half a unit of the last digit shown."""
+    assert command.main(["cue_and_impact", "--json", "-"]) == 0
+    found = {row["name"]: row for row in json.loads(capsys.readouterr().out)["quantities"]}
+    table = README[README.index("| quantity | simulated") :].split("\n\n")[0].splitlines()[2:]
+    rows = {cells[1].strip(): cells[2:5] for cells in (line.split("|") for line in table)}
+    assert rows.keys() == ROWS.keys()
+    for label, cells in rows.items():
+        name, factor = ROWS[label]
+        for side, cell in zip(("simulated", "theory", "printed"), cells, strict=True):
+            shown = re.match(r"-?[\d.]+", cell.strip().replace("\N{MINUS SIGN}", "-"))
+            value = found[name][side]
+            if shown is None:
+                assert side == "printed"
+                continue
+            decimals = len(shown[0].partition(".")[2])
+            assert f"{factor * value:.{decimals}f}" == shown[0], (label, side)
+
+
+def test_every_scenario_is_in_the_table() -> None:
+    table = README[README.index("| scenario | question") :].split("\n\n")[0]
+    assert set(re.findall(r"`(\w+)`", table)) == {path.stem for path in (ROOT / "scenarios").glob("*.py")}
+
+
+def test_named_files_and_headings_exist() -> None:
+    """A picture is named in the commands that make it."""
+    links = set(re.findall(r"\]\(([^)]+)\)", README))
+    headings = {
+        re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in re.findall(r"^#+ (.*)", README, re.M)
+    }
+    for link in links:
+        assert link[1:] in headings if link.startswith("#") else (ROOT / link).exists(), link
+    pictures = {link for link in links if link.startswith("media/")}
+    assert pictures == {word for line in SHELL for word in line.split() if word.startswith("media/")}

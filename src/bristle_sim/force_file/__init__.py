@@ -1,1 +1,1 @@
-"""Measured force histories from files."""
+"""Measured force histories from files. Public: ``read.read_force_csv``."""

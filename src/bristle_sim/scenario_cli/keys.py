@@ -8,10 +8,12 @@ import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from bristle_sim import parameter_file
+from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Range
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
-__all__ = ["key_list", "values_of", "warnings_of"]
+__all__ = ["key_list", "settings_from", "takes_tool", "values_of", "warnings_of"]
 
 WIDTH = 100
 """Columns of the list of keys."""
@@ -52,6 +54,38 @@ def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
             raise ValueError(f"{key} = {typed[key]!r}: must be left out unless {declared.needs}, or it has no effect")
         values[key] = None if declared.optional else default
     return values
+
+
+def takes_tool(scenario: Scenario) -> bool:
+    """Whether a part of the tool is among the scenario's parameters, so that a file may give them."""
+    return any(kinds[0] in scenario.parts for kinds in PARTS.values())
+
+
+def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
+    """Settings that a parameter file makes, and a warning for each value that the scenario does not use.
+
+    Raises:
+        ValueError: in one line, for a file that is no TOML, an unknown key, a value that is refused, or an absent part.
+        OSError: for a file that cannot be read.
+    """
+    keys, settings, idle = scenario.keys(), [], []
+    typed = parameter_file.read_keys(path, keys)
+    declared = {key: each for part in parameter_file.tool_keys().values() for key, (_, each) in part.items()}
+    defaults = Scenario("", "", (*(kinds[0] for kinds in PARTS.values()), Tool), run=scenario.run).keys()
+    for key, text in typed.items():
+        if key in parameter_file.MAY_BE_ABSENT:
+            if PARTS[key][0] in scenario.parts:
+                raise ValueError(f"{path}: {key} = false: must be a {key} in {scenario.name}")
+            continue
+        try:
+            value = (keys[key][0] if key in keys else declared[key]).parse(text)
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from error
+        if key in keys:
+            settings.append(f"{key}={text}")
+        elif value != defaults[key][1]:
+            idle.append(f"{path}: {key} = {text} has no effect on {scenario.name}")
+    return settings, idle
 
 
 def _advice(key: str, keys: Iterable[str]) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import logging
+import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -13,10 +14,10 @@ from typing import NoReturn
 from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.scenario_cli import output
 from bristle_sim.scenario_cli.ending import ending_in_order
-from bristle_sim.scenario_cli.keys import key_list, values_of, warnings_of
+from bristle_sim.scenario_cli.keys import key_list, settings_from, takes_tool, values_of, warnings_of
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
-__all__ = ["main"]
+__all__ = ["BAD_INPUT", "main"]
 
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
@@ -25,20 +26,28 @@ MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 """Exit statuses; the last is that of a shell whose command was ended by SIGINT."""
 
 
-def main(scenario: Scenario, arguments: Sequence[str] | None = None) -> int:
-    """Run a scenario and return its exit status: 0, 1 (a tolerance missed), 2 (bad input) or 130 (interrupted)."""
-    program, warnings = f"{scenario.name}.py", []
+def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program: str = "") -> int:
+    """Run a scenario and return its exit status: 0, 1 (a tolerance missed), 2 (bad input) or 130 (interrupted).
+
+    ``program`` is the name of the command in messages; by default the script's.
+    """
+    arguments, warnings = sys.argv[1:] if arguments is None else arguments, list[str]()
+    command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
+    program = program or f"{scenario.name}.py"
     with ending_in_order(), _progress_on_a_terminal(program):
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
-            options = _parser(scenario).parse_args(arguments)
+            options = _parser(scenario, program).parse_args(arguments)
             if options.list_keys:
                 output.say(key_list(scenario))
                 return 0
+            if options.parameters is not None:
+                from_file, warnings = settings_from(scenario, options.parameters)
+                options.set = [*from_file, *options.set]
             values = values_of(scenario, options.set)
-            warnings = warnings_of(scenario, options.set, values)
-            status = _answer(scenario, options, values)
+            warnings += warnings_of(scenario, options.set, values)
+            status = _answer(scenario, options, values, command)
         except (ValueError, OSError) as error:
             line = "; ".join([" ".join(str(error).split()), *warnings])
             output.tell(f"{program}: error: {line}")
@@ -52,22 +61,38 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None) -> int:
     return status
 
 
-def _answer(scenario: Scenario, options: argparse.Namespace, values: Values) -> int:
+def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, command: str) -> int:
     pages = (options.plot or "").lower().endswith(".pdf")
     targets = {
         "--plot": output.target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder and not pages),
         "--video": output.target("--video", options.video, VIDEOS),
         "--csv": output.target("--csv", options.csv),
+        "--report": output.target("--report", options.report, (".html",)),
         "--json": None if options.json == "-" else output.target("--json", options.json),
     }
     inputs = [(key, values[key]) for key, (declared, _) in scenario.keys().items() if declared.unit == "file"]
-    output.require_different([*inputs, *targets.items()])
+    output.require_different([("--parameters", options.parameters), *inputs, *targets.items()])
     try:
         report, status = _run(scenario, values, options.set), 0
     except Unfinished as interruption:
         report, status = interruption.report, INTERRUPTED
     if not status:
         _draw(scenario, report, targets)
+        if targets["--report"] is not None:
+            from bristle_sim.render.report import write_report
+
+            write_report(
+                targets["--report"],
+                report,
+                name=scenario.name,
+                question=scenario.question,
+                command=command,
+                parameters=[(declared, values[key], default) for key, (declared, default) in scenario.keys().items()],
+                plot=scenario.plot,
+                plot_is_folder=scenario.plot_is_folder,
+                video=targets["--video"],
+            )
+            output.tell(f"--report: wrote {targets['--report']}")
     text = output.document(scenario, values, report, finished=not status)
     if targets["--json"] is not None:
         output.write_json(targets["--json"], text)
@@ -104,8 +129,8 @@ class _Parser(argparse.ArgumentParser):
         raise ValueError(message)
 
 
-def _parser(scenario: Scenario) -> _Parser:
-    parser = _Parser(prog=f"{scenario.name}.py", description=scenario.question, allow_abbrev=False)
+def _parser(scenario: Scenario, program: str) -> _Parser:
+    parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -113,6 +138,10 @@ def _parser(scenario: Scenario) -> _Parser:
         default=[],
         help="override a parameter, in SI units or with a unit (27mm); the last of a key counts",
     )
+    if takes_tool(scenario):
+        parser.add_argument("--parameters", metavar="FILE.toml", help="read the tool from a file; --set overrides it")
+    else:
+        parser.set_defaults(parameters=None)
     parser.add_argument("--json", metavar="FILE", help="write the results as JSON; - for standard output")
     where = "FOLDER|FILE.pdf" if scenario.plot_is_folder else "FILE"
     offers = (
@@ -125,6 +154,9 @@ def _parser(scenario: Scenario) -> _Parser:
             parser.add_argument(f"--{name}", metavar=what, help=words)
         else:
             parser.set_defaults(**{name: None})
+    parser.add_argument(
+        "--report", metavar="FILE.html", help="write a page with question, answer, figures and parameters"
+    )
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
     for key in scenario.options:
         parser.add_argument(

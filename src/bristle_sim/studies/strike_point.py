@@ -11,8 +11,8 @@ from bristle_sim.quantity import Choice, Range
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_results import STATE_UNITS, contact_quantities, require_result, state_at_strike
-from bristle_sim.theory.crater_cutting import depth_from_energy, specific_cutting_energy
-from bristle_sim.theory.merchant import API_5L
+from bristle_sim.theory.crater_cutting import depth_from_energy
+from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 __all__ = [

@@ -1,1 +1,5 @@
-"""Closed forms: short pure functions and the impact law."""
+"""Closed forms as short pure functions that broadcast, and the impact law.
+
+Public: ``impact`` (``energetic_impact``, ``poisson_impact``, ``newton_impact``), ``monofilament``, ``pendulums``, ``cueing``,
+``force_history``, ``force_fit``, ``merchant``, ``crater`` and the ``crater_`` modules, ``inertia_drive``. Each cites its equations.
+"""

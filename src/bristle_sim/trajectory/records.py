@@ -66,7 +66,7 @@ class ContactRecord:
 
     Attributes:
         obstacle: ``bar`` or ``workpart``.
-        law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``hold`` (sustained contact).
+        law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``sustained``.
         outcome: the impact law's word, or how a sustained contact ended.
         time, duration: start and length in s; an instantaneous impact lasts 0 s.
         impulse: on the moving body, N s.

@@ -58,6 +58,7 @@ def write(run: Trajectory, path: str | Path) -> None:
         "cost": dataclasses.asdict(run.cost),
         "parameters": run.parameters,
         "contact_at_end": dataclasses.asdict(run.contact_at_end),
+        "stop_detail": run.stop_detail,
     }
     with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
         np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
@@ -94,6 +95,7 @@ def _arguments(meta: dict[str, Any], stored: Any) -> dict[str, Any]:
         "cost": Cost(**meta["cost"]),
         "parameters": meta["parameters"],
         "contact_at_end": ContactAtEnd(**meta["contact_at_end"]),
+        "stop_detail": meta.get("stop_detail", ""),
     }
 
 

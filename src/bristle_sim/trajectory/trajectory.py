@@ -44,6 +44,7 @@ class Trajectory:
         cost: see Cost.
         parameters: what was simulated, as plain numbers and words.
         contact_at_end: see ContactAtEnd; the reference leaves it out.
+        stop_detail: what a contact law that gave up said, with its remedy; empty for any other stop.
     """
 
     time: Array
@@ -62,6 +63,7 @@ class Trajectory:
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
+    stop_detail: str = ""
 
     @property
     def tip(self) -> Array:
@@ -107,7 +109,7 @@ class Trajectory:
     @property
     def stop_advice(self) -> str:
         """Say what would let the run go further, in terms of the obstacle touched last."""
-        return self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
+        return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
         """The first contact with ``bar`` or ``workpart``, or None."""

@@ -1,0 +1,53 @@
+#!/usr/bin/env -S python
+# /// script
+# dependencies = ["nox>=2024.10.9"]
+# ///
+"""Tasks of a developer, each in its own virtual environment: ``nox`` checks and tests, ``nox -l`` lists all."""
+
+import nox
+
+nox.needs_version = ">=2024.10.9"
+nox.options.default_venv_backend = "uv|virtualenv"
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Check style, formatting and types."""
+    session.install("-e", ".[test]")
+    session.run("ruff", "check")
+    session.run("ruff", "format", "--check")
+    session.run("mypy")
+
+
+@nox.session(python=["3.11", "3.12", "3.13", "3.14"])
+def tests(session: nox.Session) -> None:
+    """Run the tests; arguments after ``--`` go to pytest."""
+    session.install("-e", ".[test]")
+    session.run("pytest", "-n", "auto", *session.posargs)
+
+
+@nox.session(default=False)
+def coverage(session: nox.Session) -> None:
+    """Run the tests with every peer, and print the branches that no test takes."""
+    session.install("-e", ".[test,peers]", "playwright")
+    session.run("pytest", "-n", "auto", "--cov", "--cov-report=term", *session.posargs)
+
+
+@nox.session(python="3.11", default=False)
+def minimum(session: nox.Session) -> None:
+    """Run the tests with the oldest versions of the libraries that pyproject.toml admits."""
+    session.install("-e", ".[test]", "-c", "minimum-versions.txt")
+    session.run("pytest", "-n", "auto", *session.posargs)
+
+
+@nox.session(default=False)
+def package(session: nox.Session) -> None:
+    """Build the source distribution and the wheel, and check both."""
+    session.install("build", "check-wheel-contents", "validate-pyproject[all]")
+    session.run("validate-pyproject", "pyproject.toml")
+    session.run("python", "-m", "build", "--outdir", session.create_tmp())
+    session.run("check-wheel-contents", session.create_tmp())
+
+
+if __name__ == "__main__":
+    nox.main()

@@ -1,0 +1,8 @@
+"""Run the command ``bristle-sim`` as ``python -m bristle_sim``."""
+
+import sys
+
+from bristle_sim.scenario_cli.command import main
+
+if __name__ == "__main__":
+    sys.exit(main())

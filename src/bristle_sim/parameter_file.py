@@ -1,0 +1,136 @@
+"""A tool in a TOML file: one table a part, the keys of ``--set``, each with its unit, meaning and source in a comment.
+
+A number is in the unit that ``--list-keys`` shows, a text such as ``"27 mm"`` carries its own. A part that is absent is
+``bar = false``; what a file leaves out has its default.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import json
+import textwrap
+import tomllib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.files import complete_or_absent
+from bristle_sim.parameters import PARTS, Tool
+from bristle_sim.quantity import Choice, Range, shown
+
+__all__ = ["MAY_BE_ABSENT", "likely_key", "read_keys", "read_tool", "tool_keys", "write_tool"]
+
+ABSENT = "false"
+"""What ``read_keys`` returns for a part that the file says is absent."""
+
+MAY_BE_ABSENT = ("bar", "workpart")
+
+
+def _declared(part: type) -> dict[str, tuple[str, Range | Choice]]:
+    """Each key of a parameter class with its field's name and its declaration."""
+    fields = [each for each in dataclasses.fields(part) if "declaration" in each.metadata]
+    return {each.metadata["declaration"].key: (each.name, each.metadata["declaration"]) for each in fields}
+
+
+def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
+    """Return the keys of each part of a tool, and of the tool itself as part "", with fields and declarations."""
+    return {"": _declared(Tool), **{name: _declared(kinds[0]) for name, kinds in PARTS.items()}}
+
+
+def likely_key(key: str, keys: Iterable[str]) -> str:
+    """Return the advice to a misspelt key: the one that was likely meant, or all there are."""
+    known = sorted(keys)
+    likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
+    likely = likely or [each for each in known if each.endswith(f"_{key}")]
+    return f"did you mean {likely[0]}?" if likely else f"must be one of {', '.join(known)}"
+
+
+def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
+    """Read a parameter file as what would be typed for each key.
+
+    Args:
+        path: of the file.
+        further: keys that may stand above the tables, besides those of the tool.
+
+    Returns:
+        Text by key, and ``"false"`` by the name of each part that is absent.
+
+    Raises:
+        ValueError: in one line, for a file that is no TOML and for a key or table that nothing knows.
+        OSError: for a file that cannot be read.
+    """
+    try:
+        with Path(path).open("rb") as stream:
+            found = tomllib.load(stream)
+    except ValueError as error:  # also text that is not UTF-8
+        raise ValueError(f"{path}: must be a TOML file ({error})") from error
+    known, typed = tool_keys(), dict[str, str]()
+    every = {key for keys in known.values() for key in keys} | {*further}
+    for name, value in found.items():
+        if isinstance(value, dict):
+            if name not in PARTS:
+                raise ValueError(f"{path}: unknown table [{name}]; {likely_key(name, PARTS)}")
+            typed |= {key: _text(path, key, each, known[name], f"[{name}] ") for key, each in value.items()}
+        elif value is False and name in MAY_BE_ABSENT:
+            typed[name] = ABSENT
+        else:
+            typed[name] = _text(path, name, value, every)
+    return typed
+
+
+def _text(path: str | Path, key: str, value: Any, known: Iterable[str], where: str = "") -> str:
+    if key not in known:
+        raise ValueError(f"{path}: {where}unknown key {shown(key)}; {likely_key(key, known)}")
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError(f"{path}: {where}{key} = {shown(value)}: must be a number or a text with a unit")
+    return value if isinstance(value, str) else repr(float(value))
+
+
+def read_tool(path: str | Path) -> Tool:
+    """Read a tool from a TOML file; what the file leaves out has its default.
+
+    Raises:
+        ValueError: in one line, for a file that is no TOML, an unknown key, or a value that is out of range.
+        OSError: for a file that cannot be read.
+    """
+    typed, parts = read_keys(path), dict[str, Any]()
+    try:
+        for part, keys in tool_keys().items():
+            values = {name: declared.parse(typed[key]) for key, (name, declared) in keys.items() if key in typed}
+            if part:
+                parts[part] = None if part in MAY_BE_ABSENT and part in typed else PARTS[part][0](**values)
+            else:
+                parts |= values
+        return Tool(**parts)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+
+
+def write_tool(tool: Tool, path: str | Path) -> None:
+    """Write a tool to a TOML file that ``read_tool`` reads back, every digit of it, with a comment to each key.
+
+    Raises:
+        OSError: naming the file, if it cannot be written.
+    """
+    lines = ['# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".']
+    tables = list[str]()
+    for part, keys in tool_keys().items():
+        owner = getattr(tool, part) if part else tool
+        if owner is None:
+            lines.append(f"{part} = false  # absent")
+            continue
+        target = tables if part else lines
+        target += ["", f"[{part}]"] if part else []
+        for key, (name, declared) in keys.items():
+            target += _entry(key, getattr(owner, name), declared)
+    with complete_or_absent(Path(path)) as partial:
+        partial.write_text("\n".join([*lines, *tables]) + "\n", encoding="utf-8")
+
+
+def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:
+    """A key's line, below the comment that says what it is; one without a value is itself a comment."""
+    unit = f"; {declared.unit}" if isinstance(declared, Range) and declared.unit != "1" else ""
+    words = f"{declared.meaning}{unit} (default: {declared.source})"
+    comment = textwrap.wrap(words, 116, initial_indent="# ", subsequent_indent="#   ")
+    return [*comment, f"# {key} = none" if value is None else f"{key} = {json.dumps(value)}"]

@@ -1,0 +1,80 @@
+"""The command ``bristle-sim``: list the scenarios, or run one as its script does.
+
+A wheel carries the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work tree has it beside ``src``.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import importlib.util
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import bristle_sim
+from bristle_sim.scenario_cli import output
+from bristle_sim.scenario_cli.main import BAD_INPUT
+from bristle_sim.scenario_cli.main import main as run
+from bristle_sim.scenario_cli.scenario import Scenario
+
+__all__ = ["load", "main", "scripts"]
+
+PROGRAM = "bristle-sim"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the scenario that the first argument names, or list all; return the exit status."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if given and given[0] == "--version":
+        output.say(f"{PROGRAM} {bristle_sim.__version__}")
+        return 0
+    if not given or given[0] in ("-h", "--help"):
+        output.say(overview())
+        return 0
+    known = scripts()
+    name = given[0].removesuffix(".py")
+    if name not in known:
+        likely = difflib.get_close_matches(name.replace("-", "_"), list(known), n=1)
+        advice = f"did you mean {likely[0]}?" if likely else f"{PROGRAM} alone lists the scenarios"
+        output.tell(f"{PROGRAM}: error: unknown scenario {given[0]!r}; {advice}")
+        return BAD_INPUT
+    return run(load(known[name]), given[1:], program=f"{PROGRAM} {name}")
+
+
+def scripts() -> dict[str, Path]:
+    """Return the scenarios' scripts by name, from the installed package or from the work tree."""
+    package = Path(bristle_sim.__file__).parent
+    folders = (package / "scenarios", package.parents[1] / "scenarios")
+    found = next((each for each in folders if each.is_dir()), folders[0])
+    return {path.stem: path for path in sorted(found.glob("*.py"))}
+
+
+def load(path: Path) -> Scenario:
+    """Import a script as a module of bristle_sim.scenarios, and return its scenario."""
+    name = f"bristle_sim.scenarios.{path.stem}"
+    specification = importlib.util.spec_from_file_location(name, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    sys.modules[name] = module
+    specification.loader.exec_module(module)
+    scenario = module.SCENARIO
+    assert isinstance(scenario, Scenario)
+    return scenario
+
+
+def overview() -> str:
+    """Return one line for each scenario, its name and its question, and how to run one."""
+    known = scripts()
+    width = max(map(len, known), default=0)
+    lines = [f"  {name:{width}}  {_question(path)}" for name, path in known.items()]
+    usage = f"usage: {PROGRAM} SCENARIO [--set KEY=VALUE]... [--report FILE.html]; {PROGRAM} SCENARIO --help says more"
+    return "\n".join([usage, "", *lines])
+
+
+def _question(path: Path) -> str:
+    """The question in a script's text; importing every script would take seconds."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    keywords = (each for node in ast.walk(tree) if isinstance(node, ast.Call) for each in node.keywords)
+    return str(next(ast.literal_eval(each.value) for each in keywords if each.arg == "question"))

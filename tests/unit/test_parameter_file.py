@@ -1,0 +1,86 @@
+"""A tool in a TOML file: every digit comes back, and what is misspelt is refused with the likely key."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from bristle_sim.parameter_file import read_keys, read_tool, write_tool
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+
+ratio = st.floats(0.0, 1.0)
+tools = st.builds(
+    Tool,
+    hub=st.builds(Hub, speed=st.floats(0.0, 1e6)),
+    belt=st.builds(Belt, damping_ratio=ratio),
+    bristle=st.builds(Bristle, mass=st.floats(1e-30, 1.0), knee_angle_deg=st.floats(-90.0, 20.0)),
+    bar=st.none() | st.builds(Bar, friction=ratio),
+    workpart=st.none() | st.builds(Workpart, penetration=st.floats(0.0, 1e-3), restitution_friction=st.none() | ratio),
+    contact=st.just(Contact("compliant", 1e-4)) | st.builds(Contact, st.sampled_from(["energetic", "engine"])),
+    gravity=ratio,
+)
+
+
+@given(tools)
+@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_a_tool_comes_back_as_it_was_written(tmp_path: Path, tool: Tool):
+    write_tool(tool, tmp_path / "tool.toml")
+    assert read_tool(tmp_path / "tool.toml") == tool
+
+
+def test_a_comment_tells_meaning_unit_and_source(tmp_path: Path):
+    write_tool(Tool(), tmp_path / "tool.toml")
+    text = (tmp_path / "tool.toml").read_text()
+    assert "# speed of the hub's rotation; rad/s (default: Zhang 2020, eq. 2.2)\nhub_speed = 261.8\n" in text
+    assert "# restitution_friction = none" in text
+    assert tomllib.loads(text)["workpart"]["friction"] == 0.31
+
+
+def read(tmp_path: Path, text: str) -> Tool:
+    path = tmp_path / "tool.toml"
+    path.write_text(text, encoding="utf-8")
+    return read_tool(path)
+
+
+def test_a_value_may_carry_its_unit_and_what_is_left_out_has_its_default(tmp_path: Path):
+    tool = read(tmp_path, 'bar = false\n[hub]\nhub_speed = "3000rpm"\n[workpart]\nfriction = 1\n')
+    assert tool.hub.speed == pytest.approx(100.0 * 3.141592653589793, rel=1e-15)  # 3000/60 turns a second
+    assert tool.bar is None
+    assert tool.workpart == Workpart(friction=1.0)
+    assert tool.bristle == Bristle()
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("[hub]\nhub_sped = 3", r"\[hub\] unknown key 'hub_sped'; did you mean hub_speed\?"),
+        ("[bar]\nfriction = 0.2", r"\[bar\] unknown key 'friction'; did you mean bar_friction\?"),
+        ("[hubs]\nhub_speed = 3", r"unknown table \[hubs\]; did you mean hub\?"),
+        ("zzz = 3", "unknown key 'zzz'; must be one of bar_friction"),
+        ("hub = false", "unknown key 'hub'"),
+        ("[hub]\nhub_speed = -3", r"hub_speed = '-3.0': must be a finite number with 0 <= hub_speed <= 1e\+06"),
+        ("[hub]\nhub_speed = nan", "hub_speed = 'nan': must be"),
+        ("[hub]\nhub_speed = true", "hub_speed = True: must be a number or a text with a unit"),
+        ("[hub]\nhub_speed = [3]", r"hub_speed = \[3\]: must be"),
+        ('[contact]\ncontact = "rubber"', "contact = 'rubber': must be one of"),
+        ("[workpart]\npenetration = 1", "penetration = 1: must be less"),
+        ("hub_speed", "must be a TOML file"),
+        ("\x00", "must be a TOML file"),
+    ],
+)
+def test_what_is_no_tool_is_refused_in_one_line(text: str, words: str, tmp_path: Path):
+    with pytest.raises(ValueError, match=words) as refusal:
+        read(tmp_path, text)
+    assert str(refusal.value).startswith(f"{tmp_path / 'tool.toml'}: ")
+    assert "\n" not in str(refusal.value)
+
+
+def test_further_keys_stand_above_the_tables(tmp_path: Path):
+    (tmp_path / "tool.toml").write_text("accuracy = 1e-8\nhub_speed = 3\n")
+    assert read_keys(tmp_path / "tool.toml", ["accuracy"]) == {"accuracy": "1e-08", "hub_speed": "3.0"}
+    with pytest.raises(ValueError, match="unknown key 'accuracy'"):
+        read_keys(tmp_path / "tool.toml")
