@@ -1,7 +1,7 @@
 """The whole pass: a bristle is held back by the bar, released, whipped onto the workpart and thrown back.
 
 At t = 0 the bristle is radial, 90 degrees before the workpart's normal, and turns with the hub. Its release, flight,
-strike and rebound are simulated and laid beside the dissertation's formulas for cueing and impact.
+strike and rebound are simulated and compared with the dissertation's formulas for cueing and impact.
 """
 
 import sys

@@ -2,7 +2,8 @@
 
 The bristle is released from rest relative to the hub at the retraction angle, with no bar in the scene. The time to its
 highest relative speed, and the hub's turn meanwhile, say where the bar must stand. The printed belt stiffness is tried in
-all its readings. Full passes, with the bar there and where bar_horizontal and bar_vertical put it, say what that gives.
+all its readings. Full passes, with the bar there and where bar_horizontal and
+bar_vertical put it, show the strikes that follow.
 """
 
 import math
@@ -39,7 +40,7 @@ def run(values: Mapping[str, Any]) -> Report:
 
 
 def plot(report: Report, path: Path) -> None:
-    """The released bristle beside the formula's, and the bar where it stands and where the cue needs it."""
+    """The released bristle and the formula's, and the bar where it stands and where the cue needs it."""
     from bristle_sim.render.cue_figure import cue_figure
     from bristle_sim.render.style import save_figure
 

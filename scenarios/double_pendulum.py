@@ -1,6 +1,6 @@
 """Stronge's double pendulum: two hinged rods, the lower end strikes; slip stops, sticks or reverses on the way.
 
-Final rates, impulses and the kinetic-energy ratio are laid beside the closed form, for any ratio of the rods' masses. The
+Final rates, impulses and the kinetic-energy ratio are compared with the closed form, for any ratio of the rods' masses. The
 engine's own contact gains energy here; the energetic law never does.
 """
 
@@ -16,7 +16,7 @@ from bristle_sim.settings import Settings
 
 
 def run(values: Mapping[str, Any]) -> Report:
-    """Strike once, by the law asked for."""
+    """Strike once, by the requested law."""
     from bristle_sim.studies.impacts import double_pendulum
 
     return double_pendulum(

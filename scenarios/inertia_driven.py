@@ -46,7 +46,7 @@ SCENARIO = Scenario(
     without=("knee_position", "knee_angle_deg", *WIRE_KEYS, "hub_turn", "step"),
     defaults={
         "reference": ("yes", "chosen: a flight takes the independent solution little time"),
-        "accuracy": (1e-9, "chosen: the flight is held to 1e-8 of the reference"),
+        "accuracy": (1e-9, "chosen: the flight agrees with the reference to 1e-8"),
     },
 )
 

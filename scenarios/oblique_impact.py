@@ -1,7 +1,7 @@
-"""One oblique strike of a radial bristle: impulses, works and rebound beside the dissertation's closed forms.
+"""One oblique strike of a radial bristle: impulses, works and rebound compared with the dissertation's closed forms.
 
 The bristle is radial at the impact angle, its tip on the workpart, and turns at speed_ratio times the hub's speed. One
-contact law is asked for; all three are shown side by side.
+contact law is requested; the table below compares all three.
 """
 
 import sys
@@ -16,7 +16,7 @@ from bristle_sim.settings import Settings
 
 
 def run(values: Mapping[str, Any]) -> Report:
-    """Strike once, by the law asked for."""
+    """Strike once, by the requested law."""
     from bristle_sim.studies.impacts import oblique_impact
 
     return oblique_impact(

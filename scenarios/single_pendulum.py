@@ -1,6 +1,6 @@
 """Stronge's single pendulum: a rod on a fixed hinge strikes a rough surface with its end.
 
-The rebound ratio and the impulses are laid beside the closed form; the rod does not rebound at all where friction
+The rebound ratio and the impulses are compared with the closed form; the rod does not rebound at all where friction
 reaches the tangent of the impact angle.
 """
 
@@ -16,7 +16,7 @@ from bristle_sim.settings import Settings
 
 
 def run(values: Mapping[str, Any]) -> Report:
-    """Strike once, by the law asked for."""
+    """Strike once, by the requested law."""
     from bristle_sim.studies.impacts import single_pendulum
 
     return single_pendulum(

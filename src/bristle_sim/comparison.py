@@ -34,7 +34,7 @@ class Quantity:
 
     @property
     def judge(self) -> float | None:
-        """What the simulated value is compared with: the reference if there is one, else theory, else print."""
+        """The value that the simulated one is compared with: the reference if there is one, else theory, else print."""
         return self._judged[0]
 
     @property
@@ -58,7 +58,7 @@ class Quantity:
 
     @property
     def ok(self) -> bool | None:
-        """Whether the difference is within the tolerance, which NaN never is; None where nothing is asked."""
+        """Whether the difference is within the tolerance, which NaN never is; None without a tolerance or another value."""
         if self.tolerance is None or self.judge is None:
             return None
         if self.simulated is None:
@@ -85,17 +85,17 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a scenario found.
+    """The results of a scenario.
 
     Attributes:
-        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None where no impact is asked about.
+        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None where the question is not about an impact.
         quantities: the comparison.
         phases: of the impact, in order.
         events: (name, time in s), in order.
-        wall_s, steps: what the simulation cost.
+        wall_s, steps: cost of the simulation.
         remarks: sentences a reader of the table should know.
         extra: what a scenario adds to the JSON.
-        subject: what pictures are made of.
+        subject: the objects that pictures are drawn from.
     """
 
     outcome: str | None
@@ -171,7 +171,7 @@ def _table(quantities: Sequence[Quantity], digits: int, left_out: Sequence[str])
 def _row(each: Quantity, sides: Sequence[str], digits: int) -> list[str]:
     unit, factor = _readable_unit(each.unit, (each.simulated, each.theory, each.reference, each.printed))
     numbers = [_number(getattr(each, side), factor, digits) for side in sides]
-    difference = _share(each.relative_difference, "+")
+    difference = _relative(each.relative_difference, "+")
     if difference != "-":
         difference += f" {each.judge_name}"
     return [
@@ -179,7 +179,7 @@ def _row(each: Quantity, sides: Sequence[str], digits: int) -> list[str]:
         unit,
         *numbers,
         difference,
-        _share(each.tolerance),
+        _relative(each.tolerance),
         {True: "yes", False: "NO", None: "-"}[each.ok],
     ]
 
@@ -201,7 +201,7 @@ def _number(value: float | None, factor: float, digits: int) -> str:
     return "-" if value is None or not math.isfinite(value) else f"{value / factor:.{digits}g}"
 
 
-def _share(value: float | None, sign: str = "") -> str:
+def _relative(value: float | None, sign: str = "") -> str:
     """A relative number: in per cent, or by its power of ten where it is small or huge."""
     if value is None or not math.isfinite(value):
         return "-"

@@ -9,7 +9,7 @@ import pytest
 from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import Course
+from bristle_sim.studies.contact_course import PiecewiseCubic
 from bristle_sim.studies.force_comparison import SEGMENTS, force_comparison, segment_table
 from bristle_sim.studies.force_trials import fit_trials, noisy_points, trial_row
 from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
@@ -40,14 +40,14 @@ def row(found, name):
 
 def test_a_course_is_integrated_by_cubics():
     time = np.linspace(0.0, 1.0, 25)
-    course = Course(time, np.sin(np.pi * time))
+    course = PiecewiseCubic(time, np.sin(np.pi * time))
     # Splines leave some (pi/24)^4 = 3e-4 of a fourth derivative over 180: far below 1e-5.
     assert course.integral(0.0, 1.0) == pytest.approx(2.0 / np.pi, rel=1e-5)
     assert course.integral(0.0, 0.25) == pytest.approx((1.0 - math.sqrt(0.5)) / np.pi, rel=1e-5)
 
 
 def test_a_course_jumps_where_an_instant_is_sampled_twice():
-    course = Course(np.array([0.0, 1.0, 1.0, 1.0, 3.0]), np.array([0.0, 1.0, 7.0, 5.0, 5.0]))
+    course = PiecewiseCubic(np.array([0.0, 1.0, 1.0, 1.0, 3.0]), np.array([0.0, 1.0, 7.0, 5.0, 5.0]))
     # 1/2 on the ramp and 5 (3 - 1) behind the jump; the lone sample between has no duration.
     assert course.integral(0.0, 3.0) == pytest.approx(10.5, rel=1e-14)
     assert course.integral(0.5, 2.0) == pytest.approx(0.375 + 5.0, rel=1e-14)

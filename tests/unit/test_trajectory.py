@@ -235,6 +235,11 @@ def test_a_run_draws_itself(run: Trajectory):
     assert len(figure.axes) > 3
 
 
+def test_a_run_is_filmed(run: Trajectory, tmp_path: Path):
+    film = run.animate(tmp_path / "pass.gif", duration=0.2, fps=10, width=160, height=120)
+    assert film.read_bytes().startswith(b"GIF8")
+
+
 def test_events_are_found_by_name(trajectory: Trajectory):
     assert trajectory.event_time("bar touch") == 0.1
     assert trajectory.event_time("bar touch", last=True) == 0.2

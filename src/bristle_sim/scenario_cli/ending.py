@@ -21,7 +21,7 @@ LATER = 1e-3
 
 @contextmanager
 def ending_in_order() -> Iterator[None]:
-    """Let SIGINT raise KeyboardInterrupt and SIGTERM SystemExit, where nobody else has a handler for them."""
+    """Let SIGINT raise KeyboardInterrupt and SIGTERM SystemExit, where there is no other handler for them."""
     ours: list[signal.Signals] = []
     if threading.current_thread() is threading.main_thread():
         usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}

@@ -31,7 +31,7 @@ LIKELY_UNITS = {
 
 
 def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
-    """Every key's value: its default, or the last that ``KEY=VALUE`` settings give it.
+    """Return every key's value: its default, or the last that ``KEY=VALUE`` settings give it.
 
     Raises:
         ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
@@ -89,7 +89,7 @@ def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
 
 
 def _advice(key: str, keys: Iterable[str]) -> str:
-    """The key that was likely meant, or how to see all."""
+    """Name the key that was likely meant, or say how to list all."""
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), list(keys), n=1)
     return f"did you mean {likely[0]}?" if likely else "--list-keys shows all keys"
 
@@ -107,7 +107,7 @@ def _holds(condition: str, values: Values) -> bool:
 
 
 def warnings_of(scenario: Scenario, settings: Sequence[str], values: Values) -> list[str]:
-    """One line for each typed value that is far from its default, with the unit that may have been meant."""
+    """Return one line for each typed value that is far from its default, with the unit that may have been meant."""
     keys, lines = scenario.keys(), []
     for key, text in dict(setting.split("=", 1) for setting in settings).items():
         declared, default = keys[key]
@@ -120,7 +120,7 @@ def warnings_of(scenario: Scenario, settings: Sequence[str], values: Values) -> 
 
 
 def _likely_unit(declared: Range, text: str, default: float | None) -> str:
-    """How to type a bare number in the unit that would bring it within a factor of ten of the default."""
+    """Suggest the unit of a bare number that would bring it within a factor of ten of the default."""
     try:
         number = float(text)
     except ValueError:  # it has a unit already
@@ -132,7 +132,7 @@ def _likely_unit(declared: Range, text: str, default: float | None) -> str:
 
 
 def key_list(scenario: Scenario) -> str:
-    """Two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
+    """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
     cells = [("key", "default", "unit", "range")]
     notes = ["meaning (source of the default)"]
     for key, (declared, default) in scenario.keys().items():

@@ -110,7 +110,7 @@ def _run(scenario: Scenario, values: Values, settings: Sequence[str]) -> Report:
 
 
 def _draw(scenario: Scenario, report: Report, targets: dict[str, Path | None]) -> None:
-    """Picture, video and time series; the series first, which may be refused."""
+    """Write picture, video and time series; the series is computed first, since it may be refused."""
     table = targets["--csv"]
     columns = scenario.series(report) if scenario.series is not None and table is not None else {}
     for option, draw in (("--plot", scenario.plot), ("--video", scenario.video)):
@@ -125,7 +125,7 @@ def _draw(scenario: Scenario, report: Report, targets: dict[str, Path | None]) -
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        """Leave it to ``main`` to say so in one line."""
+        """Raise, so that ``main`` reports it in one line."""
         raise ValueError(message)
 
 

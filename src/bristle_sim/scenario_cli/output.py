@@ -1,4 +1,4 @@
-"""What a scenario writes: table, JSON and CSV, and the files that options name, checked before anything is computed."""
+"""Writes table, JSON and CSV, and checks the files that options name before anything is computed."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["document", "in_words", "require_different", "say", "target", "tell",
 
 
 def target(option: str, name: str | None, suffixes: tuple[str, ...] = (), *, folder: bool = False) -> Path | None:
-    """The file (or folder) that an option names, checked before anything is computed; no suffixes admit any.
+    """Return the file (or folder) that an option names, checked before anything is computed; no suffixes admit any.
 
     Raises:
         ValueError: in one line, for a name that cannot be written.
@@ -53,7 +53,7 @@ def require_different(named: Iterable[tuple[str, Path | str | None]]) -> None:
 
 
 def document(scenario: Scenario, values: Values, report: Report, *, finished: bool = True) -> str:
-    """The results as JSON, in SI units at full precision; it says so if the work was interrupted."""
+    """Return the results as JSON, in SI units at full precision; it says so if the work was interrupted."""
     found = {
         "scenario": scenario.name,
         "version": __version__,
@@ -70,7 +70,7 @@ def document(scenario: Scenario, values: Values, report: Report, *, finished: bo
 
 
 def _plain(value: Any) -> Any:
-    """The same in JSON's own types; a number that is not finite becomes null."""
+    """Turn values into JSON's own types; a number that is not finite becomes null."""
     if isinstance(value, Mapping):
         return {key: _plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
@@ -96,7 +96,7 @@ def write_csv(path: Path, columns: Columns) -> None:
 
 
 def in_words(report: Report) -> str:
-    """The table, the outcome where an impact is asked about, and the remarks."""
+    """Return the table, the outcome where the question is about an impact, and the remarks."""
     lines = [table(report.quantities)]
     if report.outcome is not None:
         phases = f" ({', '.join(report.phases)})" if report.phases else ""
@@ -109,7 +109,7 @@ def in_words(report: Report) -> str:
 
 
 def _wrapped(remark: str) -> list[str]:
-    """A remark in lines that fit; one that is laid out in columns or lines already stays as it is."""
+    """Wrap a remark into lines that fit; one that is in columns or lines already stays as it is."""
     if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
         return [remark]
     return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")

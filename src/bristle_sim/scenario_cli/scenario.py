@@ -23,11 +23,11 @@ T = TypeVar("T", bound="DataclassInstance")
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """One question, asked from the command line.
+    """One question that a script answers on the command line.
 
     Attributes:
         name: of the script, without suffix.
-        question: what it asks and compares.
+        question: in a sentence.
         parts: parameter classes whose declared fields are the script's keys.
         run: answers the question for given key values; may raise ValueError for values that do not fit together.
         plot, video: draw a report to a path; like ``run`` they import what they need themselves, so that help and bad
@@ -52,7 +52,7 @@ class Scenario:
     options: tuple[str, ...] = ()
 
     def keys(self) -> dict[str, tuple[Range | Choice, Any]]:
-        """Every key with its declaration and default; the declaration's source is that of this default."""
+        """Return every key with its declaration and default; the declaration's source is that of this default."""
         found: dict[str, tuple[Range | Choice, Any]] = {}
         for part in self.parts:
             for each in dataclasses.fields(part):
@@ -68,7 +68,7 @@ class Scenario:
 
 
 def build(part: type[T], values: Values) -> T:
-    """A parameter object of the given class from key values."""
+    """Build a parameter object of the given class from key values."""
     arguments = {}
     for each in dataclasses.fields(part):
         declared = each.metadata.get("declaration")

@@ -33,12 +33,12 @@ SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
 
 @dataclass(frozen=True, slots=True)
 class Slide:
-    """What a tip does on the workpart in its first strike.
+    """Describes how a tip slides on the workpart in its first strike.
 
     Attributes:
         forward: distance it slides forward before it turns, m.
-        total: displacement along the workpart while in touch, m; negative: retracted.
-        duration: time in touch, s.
+        total: displacement along the workpart while in contact, m; negative: retracted.
+        duration: of the contact, s.
         turn_time: from the first touch until the slip turns, s; inf if it does not turn.
         compression_time: from the first touch to the deepest penetration, s.
         turns_in_compression: whether slip reverses before compression ends.
@@ -53,7 +53,7 @@ class Slide:
 
     @property
     def verdict(self) -> str:
-        """Where in the contact the slip turns."""
+        """Say in which part of the contact the slip turns."""
         if math.isinf(self.turn_time):
             return "slip does not turn"
         return "slip turns in compression" if self.turns_in_compression else "slip turns in restitution"
@@ -61,7 +61,7 @@ class Slide:
 
 @dataclass(frozen=True, slots=True)
 class BentBristles:
-    """The passes by shape, for pictures."""
+    """The three tools, their passes and slides, by shape."""
 
     tools: dict[str, Tool]
     trajectories: dict[str, Trajectory]
@@ -171,7 +171,7 @@ def _verdict(slide: Slide | None) -> str:
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:
-    """What the film says of the forward bent tip, in figures of the simulation."""
+    """Compare the forward bent tip's slide with that of the other two, as the film does."""
     found = [slide.forward for slide in slides.values() if slide is not None]
     if len(found) < len(SHAPES):
         return "not every shape strikes: nothing to compare with the film"

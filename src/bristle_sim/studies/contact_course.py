@@ -15,16 +15,16 @@ from bristle_sim.parameters import Bristle, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-__all__ = ["Course", "TimedContact", "pieces"]
+__all__ = ["PiecewiseCubic", "TimedContact", "pieces"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class Course:
-    """Values over time, smooth but at instants that are sampled more than once; with their slopes where those are known.
+class PiecewiseCubic:
+    """Interpolates samples by cubics, smooth but at instants that are sampled more than once.
 
-    All of shape (n,). Pieces between such instants are cubic: through values and slopes, or a spline through values.
+    Arrays of shape (n,). Between such instants the cubics pass through values and slopes, or are a spline through values.
     """
 
     time: Array
@@ -32,7 +32,7 @@ class Course:
     slopes: Array | None = None
 
     def integral(self, start: float, end: float) -> float:
-        """From start to end, s."""
+        """Integrate from start to end, s."""
         total = 0.0
         for first, last in pieces(self.time):
             low, high = max(start, self.time[first]), min(end, self.time[last - 1])
@@ -41,7 +41,7 @@ class Course:
         return total
 
     def sums(self) -> Array:
-        """Integral from the first sample to each, shape (n,)."""
+        """Integrate from the first sample to each, shape (n,)."""
         found = np.zeros(len(self.time))
         for first, last in pieces(self.time):
             found[first:last] += self._cubic(first, last).antiderivative()(self.time[first:last])
@@ -49,7 +49,7 @@ class Course:
         return found
 
     def fine(self, points: int) -> tuple[Array, Array]:
-        """Time and values on the same cubics, with so many points for each sample."""
+        """Return time and values on the cubics, with a number of points for each sample."""
         parts = []
         for first, last in pieces(self.time):
             time = np.linspace(self.time[first], self.time[last - 1], points * (last - first))
@@ -64,7 +64,7 @@ class Course:
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """First sample and the one past the last of each smooth piece; instants that rounding tells apart are one."""
+    """First sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
     return [(first, last) for first, last in pairwise(edges) if last - first > 1]
@@ -109,13 +109,13 @@ class TimedContact:
         return float(self.time[self.deepest])
 
     @cached_property
-    def resultant(self) -> Course:
+    def resultant(self) -> PiecewiseCubic:
         """Resultant force, N."""
         leaning = np.hypot(1.0, self._ratio)
-        return Course(self.time, leaning * self.history.normal_force, leaning * self._normal_slope)
+        return PiecewiseCubic(self.time, leaning * self.history.normal_force, leaning * self._normal_slope)
 
     def smooth_resultant(self, points: int = 24) -> tuple[Array, Array]:
-        """The resultant between its samples too, on the cubics that are integrated: time in s, force in N."""
+        """Return the resultant between its samples too, on the cubics that are integrated: time in s, force in N."""
         return self.resultant.fine(points)
 
     @property
@@ -135,28 +135,28 @@ class TimedContact:
 
     @cached_property
     def hub_angle(self) -> Array:
-        """Of the root, rad."""
+        """Angle of the root, rad."""
         return np.asarray(self.chain.hub_angle + self.chain.hub_speed * self.time)
 
     @cached_property
     def tip(self) -> tuple[Array, Array]:
-        """Place of the tip from the hub's centre, along and above the workpart, m."""
+        """Position of the tip from the hub's centre, along and above the workpart, m."""
         radius, length = self.chain.hub_radius, self.chain.lengths[0]
         start, angle = self.chain.hub_angle, self.chain.angles[0]
-        slid = Course(self.time, self.history.tangential_velocity).sums()
+        slid = PiecewiseCubic(self.time, self.history.tangential_velocity).sums()
         along = radius * math.sin(start) + length * math.sin(angle) + slid
         return along, -radius * math.cos(start) - length * math.cos(angle) - self.history.penetration
 
     @cached_property
     def angle(self) -> Array:
-        """Of the bristle, rad: from its root, where the hub carries it, to the tip."""
+        """Angle of the bristle from its root on the hub to its tip, rad."""
         along, above = self.tip
         radius = self.chain.hub_radius
         return np.arctan2(along - radius * np.sin(self.hub_angle), -radius * np.cos(self.hub_angle) - above)
 
     @cached_property
     def rate(self) -> Array:
-        """Of the bristle, rad/s, from the tip's velocity along the workpart."""
+        """Rate of the bristle, rad/s, from the tip's velocity along the workpart."""
         along = self.history.tangential_velocity - self.chain.hub_radius * self.chain.hub_speed * np.cos(self.hub_angle)
         return np.asarray(along / (self.chain.lengths[0] * np.cos(self.angle)))
 
@@ -167,18 +167,20 @@ class TimedContact:
 
     @cached_property
     def path(self) -> Array:
-        """Length of the tip's way since first touch, m."""
-        return Course(self.time, np.hypot(self.history.normal_velocity, self.history.tangential_velocity)).sums()
+        """Length of the tip's path since first touch, m."""
+        return PiecewiseCubic(
+            self.time, np.hypot(self.history.normal_velocity, self.history.tangential_velocity)
+        ).sums()
 
     @property
     def work(self) -> float:
         """Work of the force on the tip over its path, first touch to last, J; negative.
 
-        From the recorded samples, where the ledger's works are added up in the engine step by step.
+        From the recorded samples, while the contact record's works are added up in the engine step by step.
         """
         h = self.history
         power = h.normal_force * (h.normal_velocity + self._ratio * h.tangential_velocity)
-        return Course(self.time, power).integral(0.0, float(self.time[-1]))
+        return PiecewiseCubic(self.time, power).integral(0.0, float(self.time[-1]))
 
     @property
     def energy_given_up(self) -> float:
@@ -196,7 +198,7 @@ class TimedContact:
 
     @property
     def energy_given_up_in_hub_frame(self) -> float:
-        """What T - omega L falls by, J: Jacobi's integral, which nothing but the contact changes; from states alone."""
+        """Decrease of T - omega L, Jacobi's integral, which nothing but the contact changes, J; from states alone."""
         jacobi = self._kinetic_energy() - self.chain.hub_speed * self._angular_momentum()
         return float(jacobi[0] - jacobi[-1])
 
@@ -207,14 +209,16 @@ class TimedContact:
         lever = along - self._ratio * above
         turning = h.tangential_velocity + self._ratio * h.normal_velocity
         slopes = lever * self._normal_slope + turning * h.normal_force
-        recorded = Course(self.time, lever * h.normal_force, slopes).integral(0.0, end)
-        # In stick the record leaves out the force that holds the tip while the hub turns on; the ledger's impulse has it.
-        rubbed = Course(self.time, self._ratio * h.normal_force, self._ratio * self._normal_slope).integral(0.0, end)
+        recorded = PiecewiseCubic(self.time, lever * h.normal_force, slopes).integral(0.0, end)
+        # In stick the samples leave out the force that keeps the tip in place; the record's impulse includes it.
+        rubbed = PiecewiseCubic(self.time, self._ratio * h.normal_force, self._ratio * self._normal_slope).integral(
+            0.0, end
+        )
         return recorded - float(above[-1]) * (self.record.impulse[1] - rubbed)
 
     @cached_property
     def _ratio(self) -> Array:
-        """Tangential over normal force, the same all through a piece: slip one way or the other, or stick."""
+        """Tangential over normal force, constant in each piece: slip one way or the other, or stick."""
         found = np.zeros(len(self.time))
         for first, last in pieces(self.time):
             top = first + int(np.argmax(self.history.normal_force[first:last]))
@@ -224,7 +228,7 @@ class TimedContact:
 
     @cached_property
     def _normal_slope(self) -> Array:
-        """Of the normal force over time, N/s: on a spring it is the stiffness of the piece times the tip's velocity."""
+        """Slope of the normal force over time, N/s: the piece's stiffness times the tip's velocity."""
         found = np.zeros(len(self.time))
         force, depth = self.history.normal_force, self.history.penetration
         for first, last in pieces(self.time):
@@ -246,7 +250,7 @@ class TimedContact:
         )
 
     def _angular_momentum(self) -> Array:
-        """About the hub's centre, kg m^2/s."""
+        """Angular momentum about the hub's centre, kg m^2/s."""
         half = 0.5 * self.chain.lengths[0]
         x = self.chain.hub_radius * np.sin(self.hub_angle) + half * np.sin(self.angle)
         y = -self.chain.hub_radius * np.cos(self.hub_angle) - half * np.cos(self.angle)

@@ -91,7 +91,7 @@ class MapGrid:
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """What pictures are made of: the tool, its places, the formula's direction (rad), and how the answer moves."""
+    """The results: the tool, its places, the formula's direction (rad), and how the answer moves."""
 
     tool: Tool
     settings: Settings
@@ -180,7 +180,7 @@ def _quantities(
 
 
 def named(tool: Tool, place: Place) -> Measures:
-    """What is reported of a radial strike."""
+    """Return the reported quantities of a radial strike."""
     bar = placed(tool, place.direction).bar
     assert bar is not None
     return {

@@ -1,12 +1,12 @@
-"""Where each reading of the belt stiffness needs the bar, and what a whole pass with a bar there gives.
+"""Positions of the bar that each reading of the belt stiffness needs, and whole passes with a bar there.
 
 The released bristle's cue time places the bar (Zhang 2020, eq. 2.1), be it simulated or from the quasi-static formulas,
-which let the bristle swing as a linear oscillator on its belt,
+in which the bristle swings as a linear oscillator on its belt,
 
     alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta Omega/w sinh w t),    w = Omega sqrt(zeta^2 - 1),
 
-an undamped cosine in the dissertation (sec. 2.2). Neither knows what the bar does: the tap of first touch, and the swing
-that goes on after the last touch. A whole pass does.
+an undamped cosine in the dissertation (sec. 2.2). Neither includes the bar's effects: the impact of
+first touch, and the swing that continues after the last touch. A whole pass does.
 """
 
 from __future__ import annotations
@@ -58,14 +58,14 @@ class BarPlace(NamedTuple):
 
     @classmethod
     def of(cls, bar: Bar) -> BarPlace:
-        """Where a bar stands."""
+        """Return the position of a bar."""
         return cls(bar.horizontal, bar.vertical, math.atan2(bar.horizontal, bar.vertical))
 
 
 class FullPass(NamedTuple):
     """The strike at the end of a whole pass: lag in deg and relative speed in rad/s, None if there is none.
 
-    ``failure`` is what the pass does instead of striking.
+    ``failure`` says how the pass ends if it does not strike.
     """
 
     lag_deg: float | None
@@ -89,7 +89,7 @@ class FullPass(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """A bristle let go at rest, up to its highest speed: arrays of one length, in s, rad and rad/s."""
+    """A bristle released from rest, up to its highest speed: arrays of one length, in s, rad and rad/s."""
 
     time: Array
     retraction: Array
@@ -165,7 +165,7 @@ def stiffness_readings(tool: Tool) -> dict[str, float]:
 
 
 def place_of(tool: Tool, retraction: float, run: Trajectory) -> BarPlace | None:
-    """The bar's place by a simulated release's cue time (Zhang 2020, eq. 2.1); None if no speed is the highest."""
+    """Return the bar's position by a simulated release's cue time (Zhang 2020, eq. 2.1); None if no speed is the highest."""
     time = run.event_time("highest relative speed")
     if time is None or tool.workpart is None:
         return None
@@ -178,7 +178,7 @@ def place_of(tool: Tool, retraction: float, run: Trajectory) -> BarPlace | None:
 
 
 def formula_place(tool: Tool, retraction: float) -> BarPlace | None:
-    """The bar's place by the quasi-static formulas; None without belt stiffness."""
+    """Return the bar's position by the quasi-static formulas; None without belt stiffness."""
     if not tool.belt.stiffness:
         return None
     cue = cueing.cue(tool, retraction)
@@ -202,7 +202,7 @@ def full_pass(tool: Tool, bar: Bar, place: BarPlace, settings: Settings) -> Full
 
 
 def formula_motion(tool: Tool, retraction: float, time: ArrayLike) -> tuple[Array, Array]:
-    """Retraction and relative speed of the released bristle as a linear oscillator, rad and rad/s, at times in s.
+    """Return retraction and relative speed of the released bristle as a linear oscillator, rad and rad/s, at times in s.
 
     Raises:
         ValueError: if the belt has no stiffness.
@@ -219,7 +219,7 @@ def formula_motion(tool: Tool, retraction: float, time: ArrayLike) -> tuple[Arra
 
 
 def formula_release(tool: Tool, retraction: float) -> Release | None:
-    """The formula's motion up to its highest speed; None without belt stiffness."""
+    """Return the formula's motion up to its highest speed; None without belt stiffness."""
     if not tool.belt.stiffness:
         return None
     time = np.linspace(0.0, cueing.cue(tool, retraction).cue_time, POINTS)
@@ -227,7 +227,7 @@ def formula_release(tool: Tool, retraction: float) -> Release | None:
 
 
 def seen_at_strike(tool: Tool, run: Trajectory) -> tuple[Array, Array]:
-    """The simulated wire as released and at its highest speed, if it was released where it then strikes radially.
+    """Return the simulated wire as released and at its highest speed, turned to where it then strikes radially.
 
     Hub and belt have no preferred direction, so the run may be turned about the hub's centre: until the root stands at
     the impact angle gamma before the workpart's normal when the speed is highest.

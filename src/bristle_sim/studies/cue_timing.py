@@ -1,8 +1,8 @@
-"""How well the quasi-static cue formulas place the bar: compared with a simulated release from rest.
+"""Compares the bar position of the quasi-static cue formulas with that of a simulated release from rest.
 
-The formulas let an undamped belt swing the bristle a quarter period while the hub turns. They leave out the rotating
-root's centrifugal stiffening and everything the bar does: the tap of first touch, the swing that goes on after the last
-touch. The first is in the simulation here; the second is what the whole pass shows.
+In the formulas an undamped belt swings the bristle for a quarter period while the hub turns. They leave out the rotating
+root's centrifugal stiffening and the bar's own effects: the impact of first touch, the swing that continues after the last
+touch. The simulated release includes the first, a whole pass the second too.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class CueTiming:
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
-    """A bar of the same radius out of everybody's way, for a question whose answer is the bar's place."""
+    """Return a bar of the same radius out of the bristle's reach, for a question whose answer is the bar's position."""
     away = hub.radius + 2.0 * (bristle.length + bristle.wire_diameter + bar.radius)
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
 
@@ -147,7 +147,7 @@ def cue_timing(
 
 
 FULL_TURNS = 1e3
-"""Hub turns after which a bristle that is still accelerating is given up: only an extremely soft belt takes as long."""
+"""Hub turns after which a bristle that still accelerates is given up: only an extremely soft belt takes as long."""
 
 MOST_DAMPED = 10.0
 """Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
@@ -159,7 +159,7 @@ LEFT_OUT = (
 
 
 def _conditioning(name: str, values: dict[str, float | None], tool: Tool) -> float:
-    """By how much a quantity magnifies a relative error of the motion.
+    """Return the factor by which a quantity magnifies a relative error of the motion.
 
     Highest is the rate where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
     error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
@@ -179,7 +179,7 @@ def _conditioning(name: str, values: dict[str, float | None], tool: Tool) -> flo
 
 
 def _bare(tool: Tool) -> Tool:
-    """The tool without the bar and the workpart that it must have."""
+    """Return the tool without the bar and the workpart that it must have."""
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
     return dataclasses.replace(tool, bar=None, workpart=None)
@@ -202,13 +202,13 @@ def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
 
 
 def _tolerance(settings: Settings) -> float:
-    """Relative difference from the reference that a release may have."""
+    """Return the relative difference from the reference that a release may have."""
     return max(1e-8, 10.0 * settings.accuracy)
 
 
 @dataclass(frozen=True, slots=True)
 class _Sides:
-    """The release of one belt stiffness by simulation, formula and reference: quantities by name."""
+    """One belt stiffness's release by simulation, formula and reference: quantities by name."""
 
     simulated: dict[str, float | None]
     theory: dict[str, float | None]
@@ -234,14 +234,14 @@ def _sides(tool: Tool, retraction: float, run: Trajectory, settings: Settings, *
 
 
 def _row(title: str, name: str, sides: _Sides, printed: dict[str, float]) -> Quantity:
-    """A quantity of one release: every row is judged by the reference where there is one, else by theory."""
+    """Return a quantity of one release, compared with the reference where there is one, else with theory."""
     judged = sides.reference.get(name)
     allowed = None if judged is None else sides.tolerance * _conditioning(name, sides.reference, sides.tool)
     return Quantity(title, UNITS[name], sides.simulated[name], sides.theory[name], judged, printed.get(name), allowed)
 
 
 def _at_print(tool: Tool, retraction: float, *, any_belt: bool = False) -> dict[str, float]:
-    """The printed numbers, for the tool that they were printed for, perhaps with another belt stiffness."""
+    """Return the printed numbers if the tool is the printed one, apart from its belt stiffness if that may differ."""
     default = Tool()
     parts = ((tool.hub, default.hub), (tool.bristle, default.bristle), (tool.workpart, default.workpart))
     same = all(one == other for one, other in parts) and retraction == math.radians(44.5)
@@ -250,7 +250,7 @@ def _at_print(tool: Tool, retraction: float, *, any_belt: bool = False) -> dict[
 
 
 def _measured(tool: Tool, retraction: float, run: Trajectory) -> dict[str, float | None]:
-    """Cue time and speed of a run, and the bar position that follows from them."""
+    """Return cue time and speed of a run, and the bar position that follows from them."""
     time, place = run.event_time("highest relative speed"), place_of(tool, retraction, run)
     if time is None or place is None:
         return dict.fromkeys(UNITS)

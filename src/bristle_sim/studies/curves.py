@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """Where points come from, and how far they may be off the curve, see largest_differences."""
+    """The source of points in words, and how far they may be off the curve, relative."""
 
     words: str
     tolerance: float | None
@@ -45,7 +45,7 @@ SOURCES = {
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """What an axis shows: SI values times ``factor`` in ``unit``; ``1`` for none."""
+    """An axis shows SI values times ``factor`` in ``unit``; ``1`` for none."""
 
     name: str
     unit: str = "1"

@@ -23,21 +23,21 @@ __all__ = ["Impacts", "double_pendulum", "oblique_impact", "single_pendulum"]
 LAWS = ("energetic", "compliant", "engine")
 
 COMPLIANT_TOLERANCE = 3e-3
-"""Share by which a contact resolved in time may differ from its rigid-body limit at the default accuracy; what it
-usually reaches is a thousandth of that, but near the stick threshold the limit itself is approached slowly."""
+"""Relative difference that a contact resolved in time may have from its rigid-body limit at the default accuracy; usually
+it is a thousandth of that, but near the stick threshold the limit itself is approached slowly."""
 
 
 @dataclass(frozen=True, slots=True)
 class Impacts:
-    """The same impact under every law, for pictures.
+    """One impact computed by every contact law.
 
     Attributes:
         chain, surface: what strikes what.
         law: the requested one.
         strikes: by law.
-        refusals: why a law that was not requested has no answer, by law.
+        refusals: why a law that was not requested has no result, by law.
         contact_duration: requested for the contact resolved in time, s, or None.
-        timing: what a film says about the time that its contact takes.
+        timing: the time that the contact takes, in words for a film.
     """
 
     chain: Chain
@@ -52,7 +52,7 @@ class Impacts:
 def oblique_impact(
     hub: Hub, bristle: Bristle, state: Strike, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
-    """One strike of a radial bristle (Zhang 2020, eqs. 2.19-2.65)."""
+    """Simulate one strike of a radial bristle (Zhang 2020, eqs. 2.19-2.65)."""
     gamma = math.radians(state.impact_angle_deg)
     rate = state.speed_ratio * hub.speed
     chain = Chain((bristle.mass,), (bristle.length,), (-gamma,), (rate,), hub.radius, hub.speed, -gamma)
@@ -85,7 +85,7 @@ def oblique_impact(
 
 
 def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
-    """Stronge's single pendulum (Zhang 2020, sec. 2.4.1)."""
+    """Simulate Stronge's single pendulum (Zhang 2020, sec. 2.4.1)."""
     gamma = math.radians(pendulum.impact_angle_deg)
     chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-pendulum.rate,))
     impacts = _all_laws(chain, surface, contact, settings)
@@ -140,7 +140,7 @@ def _single_theory(
 
 
 def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
-    """Stronge's double pendulum with any ratio of masses (Zhang 2020, eqs. 2.66-2.111)."""
+    """Simulate Stronge's double pendulum with any ratio of masses (Zhang 2020, eqs. 2.66-2.111)."""
     angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
     chain = Chain(
         (pendulum.mass_ratio * pendulum.mass, pendulum.mass),
@@ -181,18 +181,18 @@ def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact
 
 
 AT_REST = 1e-13
-"""A rate after an impact below this share of the fastest one before it is at rest."""
+"""A rate after an impact counts as zero below this fraction of the fastest one before it."""
 
 ROUNDING = 1e-15
-"""Of a place in the world, in shares of its distance from the hub's centre: the tip's height over the root is the
-difference of two such places."""
+"""Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference of
+two such positions."""
 
 MOST = 1e-3
-"""Results in which rounding is magnified to more than this do not agree."""
+"""Largest allowance for magnified rounding, relative."""
 
 
 def _lying(angle: float, friction: float) -> float:
-    """By how much friction magnifies the rounding of a rod's angle: by itself, for a rod along the surface."""
+    """Return by how much friction magnifies the rounding of a rod's angle: friction itself, along the surface."""
     return friction / max(abs(math.sin(angle)) + friction * abs(math.cos(angle)), AT_REST)
 
 
@@ -203,10 +203,10 @@ def _settled(value: float | None, least: float) -> float | None:
 def _tolerance(
     contact: Contact, settings: Settings, surface: Surface, jam: float | None, rounding: float
 ) -> float | None:
-    """Relative difference from theory that a law may have; None for one that does not claim to follow it.
+    """Return the relative difference from theory that a law may have; None for one that does not follow it.
 
-    Near the jam, mu = tan gamma, results magnify the rounding of K by the inverse of the distance. ``rounding`` is what
-    the geometry makes of it: a bristle that is short beside its hub or nearly upright, stick under a huge first mass.
+    Near the jam, mu = tan gamma, results magnify the rounding of K by the inverse of the distance. ``rounding`` is
+    its magnification by geometry: a bristle short compared with its hub or nearly upright, stick under a huge first mass.
     """
     if contact.law == "engine" or (contact.law == "compliant" and contact.duration is not None):
         return None
@@ -217,12 +217,12 @@ def _tolerance(
 
 
 def _widened(tolerance: float | None, rounding: float) -> float | None:
-    """A tolerance with rounding that the law is not to blame for."""
+    """Return a tolerance with rounding that the law does not cause."""
     return None if tolerance is None else tolerance + min(rounding, MOST)
 
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    """Strike by the requested law, and by the others where they have an answer."""
+    """Simulate the strike by the requested law, and by the others where they have a result."""
     strikes, refusals = {}, {}
     for law in LAWS:
         if law == contact.law:
@@ -236,23 +236,23 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
 
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], rate_name: str) -> Report:
-    asked = impacts.strikes[impacts.law]
-    outcome = asked.contact.outcome
+    requested = impacts.strikes[impacts.law]
+    outcome = requested.contact.outcome
     return Report(
         outcome="stiction" if outcome == "jam" else outcome,
         quantities=tuple(rows),
-        phases=asked.contact.phases,
-        events=(("strike", asked.contact.time),),
-        steps=asked.steps,
-        wall_s=asked.wall_s,
-        remarks=_laws_side_by_side(impacts, rate, rate_name),
+        phases=requested.contact.phases,
+        events=(("strike", requested.contact.time),),
+        steps=requested.steps,
+        wall_s=requested.wall_s,
+        remarks=_compared_laws(impacts, rate, rate_name),
         extra={"laws": [_law(law, one, rate(one)) for law, one in impacts.strikes.items()]},
         subject=impacts,
     )
 
 
-def _laws_side_by_side(impacts: Impacts, rate: Callable[[ChainStrike], float], rate_name: str) -> tuple[str, ...]:
-    """One line a law: its rate, final impulse, works and energy ratio."""
+def _compared_laws(impacts: Impacts, rate: Callable[[ChainStrike], float], rate_name: str) -> tuple[str, ...]:
+    """Return one line a law: its rate, final impulse, works and energy ratio."""
     head = f"{'law':<9} {rate_name:>24} {'p_fn N s':>12} {'p_ft N s':>12} {'work n J':>12} {'work t J':>12} {'energy ratio':>13}"
     lines = ["", head]
     for law, one in impacts.strikes.items():
@@ -266,7 +266,7 @@ def _laws_side_by_side(impacts: Impacts, rate: Callable[[ChainStrike], float], r
 
 
 def _law(law: str, one: ChainStrike, rate: float) -> dict[str, object]:
-    """The same for the JSON, in SI units."""
+    """Return a law's results for the JSON, in SI units."""
     works = _works(one)
     return {
         "law": law,
@@ -280,7 +280,7 @@ def _law(law: str, one: ChainStrike, rate: float) -> dict[str, object]:
 
 
 def _works(one: ChainStrike) -> tuple[float | None, float | None]:
-    """Whole normal and tangential work of an impact."""
+    """Return the whole normal and tangential work of an impact, J; None where the law has none."""
     first, second = one.contact.compressive_work, one.contact.restitutive_work
     if first is None or second is None:
         return None, None

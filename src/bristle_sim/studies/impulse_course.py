@@ -75,14 +75,14 @@ def tip_response(chain: Chain) -> tuple[Array, Array]:
 
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:
-    """(v_n, v_t) of the tip, hub included, m/s."""
+    """Return (v_n, v_t) of the tip, hub included, m/s."""
     speeds = np.array([chain.hub_radius * chain.hub_speed, *np.multiply(chain.lengths, chain.rates)])
     angles = np.array([chain.hub_angle, *chain.angles])
     return float(speeds @ np.sin(angles)), float(speeds @ np.cos(angles))
 
 
 def energetic_course(chain: Chain, surface: Surface) -> ImpulseCourse:
-    """The energetic law's straight pieces from touch to separation; a single point where the tip does not approach."""
+    """Return the energetic law's straight pieces from touch to separation; a single point where the tip does not approach."""
     inverse_mass, before = contact_inverse_mass(chain), tip_velocity(chain)
     later = surface.friction_in_restitution
     impact = energetic_impact(inverse_mass, before, surface.friction, surface.restitution, later)
@@ -110,9 +110,9 @@ def _tangential_steps(impact: Impact, inverse_mass: Array, frictions: tuple[floa
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """A contact resolved in time, over its normal impulse by the trapezoidal rule.
+    """Return a contact resolved in time over its normal impulse, by the trapezoidal rule.
 
-    With a record of 24 stretches, half a wave of force, the rule leaves (pi/24)^2/12 = 1.4e-3 of the impulse.
+    With a record of 24 intervals in half a wave of force the rule leaves (pi/24)^2/12 = 1.4e-3 of the impulse.
     """
     mean = 0.5 * (history.normal_force[1:] + history.normal_force[:-1])
     impulse = np.concatenate([[0.0], np.cumsum(mean * np.diff(history.time))])

@@ -1,8 +1,8 @@
-"""A tool without a bar compared with the bar-cued one: simulated, by energy and quadrature, and by the reference.
+"""Compares a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
 
 The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
--omega. What counts is how fast its tip is when it is radial again, and how fast the pulley must turn for the speed that the
-bar-cued tool has at its strike.
+-omega. Reported are its tip's speed when it is radial again, and the pulley speed that equals the
+bar-cued tool's speed at its strike.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ HALF_PERIODS = 1.3
 """Length of the first run, in half periods of the bristle on its belt; its large amplitude and damping lengthen them."""
 
 DOUBLINGS = 6
-"""Of that length, before the bristle counts as one that does not come back."""
+"""Doublings of that length, after which the bristle counts as one that does not come back."""
 
 CORRECTIONS = 6
 """Runs that end closer and closer to the radial direction; each squares the error, so that two are usual."""
@@ -45,7 +45,7 @@ CLOSE = 1e-9
 """Relative change of the time to radial at which the corrections end: the next would change 1e-18."""
 
 LEAST_RATE = 1e-6
-"""Of the pulley's: an overdamped bristle creeps towards the radial direction, which rounding alone lets it pass."""
+"""Least fraction of the pulley's rate: an overdamped bristle creeps towards radial, which rounding alone lets it pass."""
 
 TRIES = 20
 """Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it."""
@@ -75,7 +75,7 @@ class Radial:
 
 @dataclass(frozen=True, slots=True)
 class InertiaDriven:
-    """What pictures are made of: the tool, its bristle until it is radial, and the bar-cued pass."""
+    """The tool, its bristle until it is radial, and the bar-cued pass."""
 
     tool: Tool
     radial: Radial | None
@@ -214,7 +214,7 @@ def _centrifugal(tool: Tool) -> float:
 
 
 def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
-    """By energy and quadrature, for an undamped belt; the hub speed from the simulated strike of the bar-cued tool."""
+    """Return theory by energy and quadrature, for an undamped belt; hub speed from the bar-cued tool's strike."""
     if tool.belt_damping:
         return {}
     geometry = (tool.hub.radius, tool.bristle.length)
@@ -229,14 +229,14 @@ def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
 
 
 def _magnified(tool: Tool, radial: Radial | None) -> float:
-    """By how much a slow return magnifies an error of the motion, which is relative to the rate it set out with."""
+    """Return the factor by which a slow return magnifies an error of the motion, which is relative to its first rate."""
     return 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
 
 
 def _tolerance(
     name: str, theory: dict[str, float | None], reference: dict[str, float | None], allowed: float
 ) -> float | None:
-    """Of what the simulation is compared with; the bar-cued strike is itself to ten times the accuracy of the motion."""
+    """Return the tolerance of a quantity; the bar-cued strike is itself good to ten times the accuracy of the motion."""
     if reference.get(name) is None and theory.get(name) is None:
         return None
     return 10.0 * allowed if name == "hub_speed_for_equal_tip_speed" else allowed

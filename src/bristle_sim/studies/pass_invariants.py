@@ -1,4 +1,4 @@
-"""What every pass must keep, whatever its parameters: energy, open gaps, and the impact law at its strike.
+"""Invariants of every pass, whatever its parameters: energy, no overlap, and the impact law at its strike.
 
 All of it is evaluated with NumPy from the trajectory and the tool's parameters, apart from the scene that produced it.
 """
@@ -29,8 +29,8 @@ ROUNDING = 1e-9
 """Least tolerance, relative: differences of energies that are summed up in some hundred intervals of 1e-13 each."""
 
 NEAREST = 1e-5
-"""The same for a contact resolved in time: rounding of its penetration keeps it longer than some 1e-6 of the motion's time
-scale, and from the rigid-body limit by as much."""
+"""Least tolerance with contacts resolved in time: rounding of the penetration lets them be no shorter than some 1e-6 of
+the motion's time scale, and that far from the rigid-body limit."""
 
 SAME_INSTANT = 1e-9
 """Contacts with bar and workpart within this fraction of the run's time act together; the law is for one at a time."""
@@ -39,7 +39,7 @@ STRIKE = ("impulse_momentum_error", "restitution_work_error", "friction_cone_exc
 
 
 def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Quantity, ...]:
-    """Return the errors of what a pass must keep, each 0 in theory, with the tolerance that accuracy or step allows.
+    """Return the errors of a pass's invariants, each 0 in theory, with the tolerance that follows from accuracy or step.
 
     ``energy_balance``: largest imbalance of energy in a flight or an impact, of the largest kinetic energy.
     ``deepest_overlap``: of wire and obstacle, of the bristle's length.
@@ -75,7 +75,7 @@ def _field(tool: Tool) -> float:
 
 
 class _Motion(NamedTuple):
-    """Of the bristle at some instants: arms from the hub's centre to the root and from the root to the mass centre."""
+    """The bristle at some instants: arms from the hub's centre to the root and from the root to the mass centre."""
 
     hub_angle: Array
     angle: Array
@@ -85,7 +85,7 @@ class _Motion(NamedTuple):
 
 
 def _turned(vector: Array | tuple[float, float], angle: Array) -> Array:
-    """A vector that belongs to angle 0, turned by each angle; shape (n, 2)."""
+    """Turn a vector by each angle; shape (n, 2)."""
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack([cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]], axis=-1)
 
@@ -100,7 +100,7 @@ def _cross(first: Array, second: Array) -> Array:
 
 
 def _rotated(vector: Array) -> Array:
-    """A quarter turn on, which times a rate is a velocity."""
+    """Turn vectors by a quarter turn; times a rate that is a velocity."""
     return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
 
 
@@ -172,7 +172,7 @@ def _flights(run: Trajectory) -> list[Array]:
 
 
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
-    """Whether the law of instantaneous impacts holds: not in a sustained contact, one as long as requested, or a jam."""
+    """Whether the law of instantaneous impacts applies: not in a sustained contact, one as long as requested, or a jam."""
     return (
         contact.law != "sustained"
         and contact.outcome != "jam"
@@ -186,7 +186,7 @@ def _at_impact(tool: Tool, run: Trajectory, contact: ContactRecord, rate: float)
 
 
 def _impact_imbalance(tool: Tool, run: Trajectory, contact: ContactRecord) -> float:
-    """What an impact adds to the Jacobi integral besides its impulse's work less omega times its moment, J."""
+    """Return the change of the Jacobi integral in an impact less its impulse's work and omega times its moment, J."""
     before, after = (_at_impact(tool, run, contact, rates[0]) for rates in (contact.rates_before, contact.rates_after))
     change = float((_jacobi(tool, after) - _jacobi(tool, before))[0])
     velocity = np.add(contact.velocity_before, contact.velocity_after) / 2.0
@@ -199,7 +199,7 @@ def _impact_imbalance(tool: Tool, run: Trajectory, contact: ContactRecord) -> fl
 
 
 def _touched(tool: Tool, obstacle: str, motion: _Motion) -> tuple[Array, Array]:
-    """The obstacle's normal, and the contact point seen from the root; shape (n, 2)."""
+    """Return the obstacle's normal, and the contact point from the root; shape (n, 2)."""
     if obstacle == "workpart" or tool.bar is None:
         arm = _turned(tool.bristle.path[-1], motion.angle)
         return np.broadcast_to([0.0, 1.0], arm.shape), arm
@@ -210,20 +210,20 @@ def _touched(tool: Tool, obstacle: str, motion: _Motion) -> tuple[Array, Array]:
 
 
 def _from_bar(tool: Tool, motion: _Motion) -> Array:
-    """The shortest way from the bar's centre to the wire's centre line; shape (n, 2)."""
+    """Return the shortest vector from the bar's centre to the wire's centre line; shape (n, 2)."""
     assert tool.bar is not None
     ways = []
     for start, end in itertools.pairwise([(0.0, 0.0), *tool.bristle.path]):
         first, along = motion.root + _turned(start, motion.angle), _turned(np.subtract(end, start), motion.angle)
         to_bar = np.subtract(tool.bar.centre, first)
-        share = np.clip((to_bar * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-        ways.append(share[:, np.newaxis] * along - to_bar)
+        fraction = np.clip((to_bar * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+        ways.append(fraction[:, np.newaxis] * along - to_bar)
     nearest = np.argmin([(way**2).sum(axis=-1) for way in ways], axis=0)
     return np.asarray(np.stack(ways)[nearest, np.arange(len(nearest))])
 
 
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
-    """How far the wire is inside an obstacle at any sample, over its length; 0 where it never is.
+    """Return the deepest overlap of wire and obstacle at any sample, over the wire's length; 0 if there is none.
 
     A contact resolved in time over a requested duration leaves a crater, which is no error.
     """
@@ -238,7 +238,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
 
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
-    """Violations of the impact law by the first strike; none where the law is not meant to hold."""
+    """Return the first strike's violations of the impact law; none where that law does not apply."""
     strike = run.first_contact("workpart")
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike) or _together(run, strike):
         return {}

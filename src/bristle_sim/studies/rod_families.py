@@ -34,12 +34,12 @@ ENERGETIC, COMPLIANT = 6, 5
 """Simulated impacts on a curve by law: at ends and steps, and between them."""
 
 NEAREST = 0.9
-"""Fraction of the stiction friction up to which impacts are simulated where p_fy grows without bound; curves end at 0.9999 of it."""
+"""Fraction of the stiction friction up to which impacts are simulated where p_fy has no bound; curves end at 0.9999 of it."""
 
 FRICTIONS = (0.0, 0.1, 0.3, 0.6, 1.0)
 ANGLES = tuple(math.radians(angle) for angle in (15.0, 23.4, 35.0, 50.0, 70.0))
 RESTITUTIONS = (0.0, 0.2, 0.42, 0.7, 1.0)
-"""Values that distinguish the curves of a scenario's figure, beside the value of the impact at hand; rad."""
+"""Values that distinguish the curves of a scenario's figure, with the value of the scenario's own impact; rad."""
 
 TOTAL = "total_compressive_work"
 
@@ -114,7 +114,7 @@ class Sweep:
         return [dataclasses.replace(self.base, **{self.family: value}) for value in self.values]
 
     def ends(self, case: Case) -> tuple[float, float, float]:
-        """Where curve and simulated impacts begin, where those impacts end, and where the curve ends."""
+        """Return where curve and simulated impacts begin, where those impacts end, and where the curve ends."""
         if not self.until_stiction:
             return self.low, self.high, self.high
         stiction = math.tan(case.impact_angle)
@@ -194,20 +194,20 @@ def _simulated(quantity: str, contact: ContactRecord) -> float | None:
 
 
 def _places(low: float, high: float) -> dict[str, Array]:
-    """Equally spaced points by law: ends and steps, and the middles of as many parts."""
+    """Return equally spaced points by law: ends and steps, and the middles between them."""
     middles = np.asarray(low + (np.arange(COMPLIANT) + 0.5) * ((high - low) / COMPLIANT), dtype=float)
     return {"energetic": np.linspace(low, high, ENERGETIC), "compliant": middles}
 
 
 def _grid(low: float, high: float, sweep: Sweep) -> Array:
-    """Closer together at the end where a curve grows without bound."""
+    """Return points that are closer together at the end where a curve grows without bound."""
     if sweep.until_stiction:
         return np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
     return np.linspace(low, high, GRID)
 
 
 def _formula(quantity: str, case: Case, along: str) -> Callable[[Array], Array]:
-    """The closed form over one field of the case."""
+    """Return the closed form as a function of one field of the case."""
 
     def value(x: Array) -> Array:
         given = {each.name: getattr(case, each.name) for each in dataclasses.fields(case)} | {along: x}
@@ -270,7 +270,7 @@ def single_pendulum_panels(impacts: Impacts) -> dict[str, Panel]:
 
 
 def _rebound_over_angle(impacts: Impacts, own: Case) -> dict[str, Panel]:
-    """Rebound ratio over the impact angle, for a rod that moves."""
+    """Return the rebound ratio over the impact angle; nothing for a rod at rest."""
     ratio = _rebound_ratio(impacts)
     if ratio is None:
         return {}
@@ -291,10 +291,10 @@ def _over_friction(own: Case) -> Sweep:
 
 
 def _marked(quantity: str, sweep: Sweep, x: float, y: float) -> Panel:
-    """The sweep's panel with the impact at hand as its mark."""
+    """Return the sweep's panel with the scenario's own impact as its mark."""
     return dataclasses.replace(sweep_panel(quantity, sweep), marks=(Mark(x, y),))
 
 
 def with_own(values: Sequence[float], own: float) -> tuple[float, ...]:
-    """Return a family's values, ascending, with the one at hand in place of those within a tenth of it."""
+    """Return a family's values, ascending, with a scenario's own in place of those within a tenth of it."""
     return tuple(sorted([*(value for value in values if abs(value - own) > 0.1 * own), own]))

@@ -1,4 +1,4 @@
-"""One pass up to its strike, by the keys of its parameters: the point that maps and tolerance studies are made of."""
+"""One pass up to its strike, by the keys of its parameters: a point of maps and tolerance studies."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ STRIKE_UNITS = {
 }
 
 MARGIN = math.radians(5.0)
-"""By how much the bristle starts before the bar where the bar would be in its way 90 degrees before the workpart."""
+"""Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad."""
 
 
 class NotCuedError(ValueError):
@@ -69,7 +69,7 @@ def tool_of_keys(**values: float | str | None) -> Tool:
 
 
 def declared_keys() -> dict[str, Range | Choice]:
-    """What each key of a tool may be."""
+    """Return the declaration of each key of a tool."""
     return {
         each.metadata["declaration"].key: each.metadata["declaration"]
         for part in PARTS.values()
@@ -132,7 +132,7 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def cued_contact(run: Trajectory) -> ContactRecord:
-    """The strike of a bristle that the bar has held back and let go.
+    """Return the strike of a bristle that the bar has retracted and released.
 
     Raises:
         NotCuedError: if there is none.

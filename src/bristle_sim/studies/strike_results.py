@@ -1,4 +1,4 @@
-"""What a run gives at its strike: lag and speeds before it, impulses and works in it, rates after it, or why there is none."""
+"""Results of a run at its strike: lag and speeds before it, impulses, works and rates after it; or why there is none."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CONTACT_UNITS = {
     "final_bristle_rate": "rad/s",
     "rebound_ratio": "1",
 }
-"""Units of what happens in a strike."""
+"""Units of a strike's impulses, works and rates."""
 
 
 def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:

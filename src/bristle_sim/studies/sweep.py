@@ -201,7 +201,7 @@ class _ExecutorBackend(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[
 
 
 def _counted(outcomes: Outcomes, grid: xr.Dataset, progress: bool | None) -> Outcomes:
-    """The same outcomes, counted on standard error with the time left."""
+    """Yield the outcomes, counted on standard error with the time left."""
     if not (sys.stderr.isatty() if progress is None else progress):
         return outcomes
     from tqdm import tqdm

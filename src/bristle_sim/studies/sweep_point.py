@@ -109,7 +109,7 @@ def _belongs(value: Any, module: str) -> bool:
 
 
 def _source(function: FunctionType) -> Any:
-    """Its text, or what the interpreter made of it where there is no file."""
+    """Return a function's source text, or its compiled instructions where there is no file."""
     try:
         return inspect.getsource(function)
     except (OSError, TypeError):

@@ -109,7 +109,7 @@ class Sampling:
 
 
 def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
-    """Spread the inputs of a pass and report how its strike spreads, and which input is to blame.
+    """Spread the inputs of a pass and report how its strike spreads, and which input causes it.
 
     Raises:
         ValueError: if somewhere in the intervals the bar cues no strike, or the extra ``sweep`` is not installed.

@@ -40,7 +40,7 @@ LEAST_TOLERANCE = 1e-8
 """Least relative tolerance: the reference runs at a tenth of the scene's accuracy, 1e-10 at best."""
 
 ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
-"""By how much these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
+"""Factors by which these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
 small slope."""
 
 ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contact")
@@ -114,7 +114,7 @@ def _quantities(
 
 
 def _magnified(tool: Tool, name: str, value: float | None) -> float:
-    """By how much a small difference of two angles or of two rates magnifies the relative error of either."""
+    """Return the factor by which a small difference of two angles or rates magnifies the relative error of either."""
     size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
     return max(1.0, size / abs(value) if value else size)
 
@@ -156,7 +156,7 @@ def _largest_retraction(run: Trajectory, until: float) -> float:
 
 
 def _formulas(tool: Tool) -> dict[str, float | None]:
-    """The dissertation's chain of formulas for this tool; nothing where they do not apply."""
+    """Return the dissertation's chain of formulas for this tool; nothing where they do not apply."""
     if tool.bristle.knee_angle_deg:
         return {}
     if tool.bar is None or tool.workpart is None or not tool.belt.stiffness or not tool.hub.speed:

@@ -1,4 +1,4 @@
-"""What a run returns: its motion in time, events and contacts; saved, tabulated, interpolated, summarized and drawn."""
+"""Trajectories, the results of runs: motion, events, contacts; saved, tabulated, interpolated and drawn."""
 
 from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event
 from bristle_sim.trajectory.trajectory import Trajectory

@@ -1,4 +1,4 @@
-"""What a run records besides its samples: events, contacts, the state of contact at its end, and what it cost."""
+"""Records of a run besides its samples: events, contacts, the state of contact at its end, and what it cost."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Event:
 
 @dataclass(frozen=True, slots=True)
 class Cost:
-    """What a run cost: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
+    """The cost of a run: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
 
     ``error_estimate`` is the method's own estimate of the accumulated error relative to the motion's size, or None where
     the method has none.

@@ -34,8 +34,8 @@ ARRAYS = (
 )
 
 
-def write(run: Trajectory, path: Path) -> None:
-    """Write a trajectory to a file of exactly that name, which appears only when complete.
+def write(run: Trajectory, path: str | Path) -> None:
+    """Write everything to one npz file of exactly that name, with no suffix added; it appears only when complete.
 
     Raises:
         OSError: naming the file, if it cannot be written.
@@ -60,7 +60,7 @@ def write(run: Trajectory, path: Path) -> None:
         "contact_at_end": dataclasses.asdict(run.contact_at_end),
         "stop_detail": run.stop_detail,
     }
-    with complete_or_absent(path) as partial, partial.open("wb") as stream:
+    with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
         np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
 
 

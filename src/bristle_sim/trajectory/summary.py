@@ -1,4 +1,4 @@
-"""A trajectory in five lines, and beside a small drawing for notebooks."""
+"""Summaries of a trajectory: five lines, and for notebooks a small drawing with them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["summary_lines", "summary_page"]
+__all__ = ["summary", "summary_page"]
 
 SHOWN = 6
 """Events that are named."""
@@ -21,20 +21,21 @@ WIDTH = 260
 """Width of the drawing, px; its height follows from what it shows."""
 
 
-def summary_lines(run: Trajectory) -> tuple[str, ...]:
-    """Samples, strike, events, why the run stopped, and cost: one line each."""
+def summary(run: Trajectory) -> str:
+    """Describe samples, strike, events, why the run stopped, and cost: one line each."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
     events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in run.events[:SHOWN])
     more = f" and {len(run.events) - SHOWN} more" if len(run.events) > SHOWN else ""
     cost, estimate = run.cost, run.cost.error_estimate
     error = "" if estimate is None else f", error estimate {estimate:.1e}"
-    return (
+    lines = (
         f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms",
         f"strike: {_strike(run)}",
         f"events: {events or 'none'}{more}",
         f"stopped: {run.stop_reason}",
         f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}",
     )
+    return "\n".join(lines)
 
 
 def _strike(run: Trajectory) -> str:
@@ -48,8 +49,8 @@ def _strike(run: Trajectory) -> str:
 
 
 def summary_page(run: Trajectory) -> str:
-    """The five lines beside tip path, wire, hub, bar and workpart, as HTML."""
-    words = html.escape("\n".join(summary_lines(run)))
+    """Return the five lines with a drawing of tip path, wire, hub, bar and workpart, as HTML."""
+    words = html.escape(summary(run))
     return f'<div style="display:flex;gap:1em;align-items:center">{_drawing(run)}<pre>{words}</pre></div>'
 
 

@@ -39,7 +39,11 @@ DIMENSIONS = {
 
 
 def to_dataframe(run: Trajectory) -> pd.DataFrame:
-    """Return one row a sample; samples before and after an impact share their time."""
+    """Return all sampled quantities as a pandas DataFrame, one row a sample; ``attrs["units"]`` has their units.
+
+    Raises:
+        ImportError: if pandas is not installed.
+    """
     try:
         import pandas as pd
     except ImportError as error:
@@ -53,7 +57,15 @@ def to_dataframe(run: Trajectory) -> pd.DataFrame:
 
 
 def to_xarray(run: Trajectory) -> xarray.Dataset:
-    """Return every sampled quantity on a strictly ascending time, and the events by name."""
+    """Return all sampled quantities as an xarray Dataset with units as attributes.
+
+    Its coordinate ``time`` strictly ascends, so that ``interp(time=...)`` works, which is linear between samples where
+    ``at`` is of higher order: of samples that share an instant the later ones follow by the smallest step of a double.
+    ``instant`` is the time as recorded.
+
+    Raises:
+        ImportError: if xarray is not installed.
+    """
     try:
         import xarray
     except ImportError as error:

@@ -1,27 +1,23 @@
-"""What a simulation returns: samples in time, events, contacts, why it stopped and what it cost."""
+"""The trajectory that a simulation returns: samples in time, events, contacts, why it stopped and what it cost."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
+from bristle_sim.trajectory.interpolation import motion_at
+from bristle_sim.trajectory.pictures import animate, plot
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event
 from bristle_sim.trajectory.storage import read, write
-from bristle_sim.trajectory.summary import summary_lines, summary_page
-
-if TYPE_CHECKING:
-    import pandas as pd
-    import xarray
-
-    from bristle_sim.trajectory.interpolation import Motion
-    from bristle_sim.trajectory.pictures import Figure
+from bristle_sim.trajectory.summary import summary, summary_page
+from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 
 __all__ = ["Trajectory"]
 
@@ -112,7 +108,7 @@ class Trajectory:
 
     @property
     def stop_advice(self) -> str:
-        """What would let the run go further, in terms of the obstacle touched last."""
+        """Say what would let the run go further, in terms of the obstacle touched last."""
         return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
@@ -136,26 +132,6 @@ class Trajectory:
             "normal_force (N)": self.normal_force,
         }
 
-    def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
-        """Return the motion at one instant or several, between samples too.
-
-        A polynomial through angles and rates of up to eight samples around the instant, from one contact to the next. Tried
-        at accuracy 1e-6 on 1,000 random instants of each of nine tools, angles are within 4e-7 rad of a run sampled twenty
-        times as closely, and rates within 1e-6 of the largest rate at all but a few instants (1e-5), next to the release.
-        During a contact resolved in time, of which only first and last touch are samples, it is a cubic between the two; the
-        contact's ``history`` has what happens there.
-
-        Args:
-            time: s, of any shape.
-            side: ``before`` or ``after``, which of the two states at the instant of an impact.
-
-        Raises:
-            ValueError: for an instant outside the run, or another side.
-        """
-        from bristle_sim.trajectory.interpolation import motion_at
-
-        return motion_at(self, time, side)
-
     @property
     def tool(self) -> Tool:
         """The tool that was simulated.
@@ -170,57 +146,15 @@ class Trajectory:
         except (KeyError, TypeError) as error:
             raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
 
-    def to_dataframe(self) -> pd.DataFrame:
-        """Return all sampled quantities as a pandas DataFrame, one row a sample; ``attrs["units"]`` has their units.
-
-        Raises:
-            ImportError: if pandas is not installed.
-        """
-        from bristle_sim.trajectory.tables import to_dataframe
-
-        return to_dataframe(self)
-
-    def to_xarray(self) -> xarray.Dataset:
-        """Return all sampled quantities as an xarray Dataset with units as attributes.
-
-        Its coordinate ``time`` strictly ascends, so that ``interp(time=...)`` works, which is linear between samples where
-        ``at`` is of higher order: of samples that share an instant the later ones follow by the smallest step of a double.
-        ``instant`` is the time as recorded.
-
-        Raises:
-            ImportError: if xarray is not installed.
-        """
-        from bristle_sim.trajectory.tables import to_xarray
-
-        return to_xarray(self)
-
-    def plot(self, *, until: float | None = None) -> Figure:
-        """Draw tool, tip path, retraction, speed and energy; ``until`` is the last instant shown, s."""
-        from bristle_sim.trajectory.pictures import plot
-
-        return plot(self, until)
-
-    def animate(self, path: str | Path, **options: Any) -> Path:
-        """Film the run to an mp4 or gif file; options are those of ``bristle_sim.render.pass_video.pass_video``."""
-        from bristle_sim.trajectory.pictures import animate
-
-        return animate(self, path, **options)
-
-    def __repr__(self) -> str:
-        """Five lines: samples, strike, events, why the run stopped, cost."""
-        return "\n".join(summary_lines(self))
-
-    def _repr_html_(self) -> str:
-        """Show the five lines beside a drawing in a notebook."""
-        return summary_page(self)
-
-    def save(self, path: str | Path) -> None:
-        """Write everything to one npz file of exactly that name, with no suffix added; it appears only when complete.
-
-        Raises:
-            OSError: naming the file, if it cannot be written.
-        """
-        write(self, Path(path))
+    # Each in the file of its concern; a function of the run is its method.
+    at = motion_at
+    to_dataframe = to_dataframe
+    to_xarray = to_xarray
+    plot = plot
+    animate = animate
+    __repr__ = summary
+    _repr_html_ = summary_page
+    save = write
 
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
