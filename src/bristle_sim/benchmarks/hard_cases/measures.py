@@ -85,7 +85,7 @@ def agrees_with_reference(
     A run that may lose its grip on the bar is compared up to there.
     """
     given: dict[str, Any] = {**(start or {}), "stop_after": stop_after}
-    run = simulate(tool, Settings(accuracy=max(limit, 1e-11)), **given)
+    run = simulate(tool, Settings(accuracy=max(limit, 1e-11), maximum_steps=1_000_000), **given)
     lost = may_lose_grip and run.stop_reason is StopReason.NO_GRIP
     upto: dict[str, Any] = {"duration": float(run.time[-1])} if lost else {}
     other = simulate_reference(tool, accuracy=max(MORE_ACCURATE * limit, 1e-12), **given, **upto)
