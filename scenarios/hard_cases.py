@@ -1,4 +1,4 @@
-"""Hard cases: extreme masses, belts, speeds and angles, jams, grazing, chatter, long runs, bad input.
+"""Hard cases: extreme masses, belts, speeds and sizes, jams, grazing, chatter, thin bars, long runs, small budgets.
 
 Each case has a promise: to stay accurate, to conserve what must be conserved, or to refuse in one clear line. The table
 shows what was reached. ``--set theme=jam`` tries one theme, ``--set effort=quick`` leaves out what takes long.
@@ -14,7 +14,7 @@ from bristle_sim.scenario_cli import Scenario, build, main
 
 
 def run(values: Mapping[str, Any]) -> Report:
-    """Try the cases asked for."""
+    """Try the requested cases."""
     return hard_cases(build(HardCaseChoice, values))
 
 

@@ -1,4 +1,4 @@
-"""The benchmark runs and tells every way's cost; no figure is asked of it here, machines are noisy."""
+"""The benchmark runs and tells every way's cost; no figure is required here, as machines are noisy."""
 
 from bristle_sim.benchmarks.law_benchmark import costs
 

@@ -1,4 +1,4 @@
-"""What one impact costs: the law on arrays, on floats, and through a scene. ``python -m bristle_sim.benchmarks.law_benchmark``
+"""Measure what one impact costs: the law on arrays, on floats, and through a scene. ``python -m bristle_sim.benchmarks.law_benchmark``
 
 CPU time of one process, the least of several rounds that take turns, so that a noisy machine disturbs all alike.
 """
@@ -24,7 +24,7 @@ SURFACE = Surface(0.3, None, 0.5)
 
 
 def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
-    """CPU seconds of one impact by each way, the least of ``rounds``; arrays hold ``size`` impacts."""
+    """Return CPU seconds of one impact by each way, the least of ``rounds``; arrays hold ``size`` impacts."""
     rng = np.random.default_rng(0)
     roots, velocity = rng.normal(size=(size, 2, 2)), rng.normal(size=(size, 2))
     masses = roots @ roots.transpose(0, 2, 1)
@@ -48,7 +48,7 @@ def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
 
 
 def _through_scene(chain: Chain) -> Callable[[], object]:
-    """Place the bodies, build K from them, solve, set their velocities."""
+    """Return a call that places the bodies, builds K from them, solves, and sets their velocities."""
     scene, start, obstacle, _ = build_strike(chain, SURFACE)
     law, coefficients = EnergeticLaw(), Coefficients.of(obstacle)
     return lambda: law.resolve(scene, start, obstacle, coefficients)

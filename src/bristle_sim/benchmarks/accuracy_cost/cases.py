@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 REFERENCE_ACCURACY = 1e-12
-"""Accuracy of the whole pass's reference, a hundredth or less of what any attempt asks for."""
+"""Accuracy of the whole pass's reference, a hundredth or less of what any attempt requests."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +55,7 @@ class Case:
     notes: tuple[str, ...] = ()
 
     def error(self, values: Sequence[float]) -> float:
-        """Largest difference from the exact answer, each number relative to its scale; NaN counts as infinite."""
+        """Return the largest difference from the exact answer, each number relative to its scale; NaN counts as infinite."""
         differences = [
             abs(value - exact) / scale for value, exact, scale in zip(values, self.exact, self.scale, strict=True)
         ]
@@ -87,7 +87,7 @@ class PassCase(Case):
 
 
 def release_flight(retraction: float = RETRACTION_AT_RELEASE) -> FlightCase:
-    """Undamped release, hub turning, up to the quarter period: radial then, at the speed of the energy integral."""
+    """Return the undamped release, hub turning, up to the quarter period: radial then, at the speed of the energy integral."""
     tool = Tool(bar=None, workpart=None)
     bristle, hub = tool.bristle, tool.hub
     centrifugal = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
@@ -118,7 +118,7 @@ STRIKE_NOTES = (
 
 
 def strike() -> StrikeCase:
-    """The radial bristle's oblique strike (Zhang 2020, eqs. 2.19-2.65)."""
+    """Return the radial bristle's oblique strike (Zhang 2020, eqs. 2.19-2.65)."""
     tool, state, surface = Tool(), Strike(), Surface()
     gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * tool.hub.speed
     bristle, hub = tool.bristle, tool.hub
@@ -145,7 +145,7 @@ def strike() -> StrikeCase:
 
 
 def double_pendulum() -> StrikeCase:
-    """Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
+    """Return Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
     angles, rates = (math.radians(20.0), math.radians(30.0)), (-0.1, -0.2)
     surface = Surface(friction=0.5, restitution=0.5)
     exact = double_pendulum_impact(5.0, 1.0, 1.0, *angles, *rates, surface.friction, surface.restitution)
@@ -163,7 +163,7 @@ def double_pendulum() -> StrikeCase:
 
 
 def whole_pass() -> PassCase:
-    """The pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
+    """Return the pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
     tool = Tool()
     exact = _referred(tool)
     return PassCase(
@@ -187,7 +187,7 @@ def _referred(tool: Tool) -> tuple[float, float, float]:
 
 
 def state_at_strike(run: Trajectory) -> tuple[float, float, float]:
-    """Time, relative angle and relative rate at the first contact with the workpart; NaN if there is none."""
+    """Return time, relative angle and relative rate at the first contact with the workpart; NaN if there is none."""
     contact = run.first_contact("workpart")
     if contact is None:
         return math.nan, math.nan, math.nan

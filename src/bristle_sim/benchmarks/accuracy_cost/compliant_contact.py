@@ -31,7 +31,7 @@ Ends = Callable[[float, Sequence[float]], float]
 
 @dataclass(frozen=True, slots=True)
 class ContactPhase:
-    """A smooth stretch of a contact: friction (stick has none), direction of slip, and the spring's force law."""
+    """A smooth interval of a contact: friction (stick has none), direction of slip, and the spring's force law."""
 
     friction: float
     slip: float
@@ -46,8 +46,8 @@ class TipContact:
     Attributes:
         normal_inverse_mass: K_nn, 1/kg.
         response: rates that a unit (normal, tangential) impulse gives the rods, shape (rods, 2), rad/s per N s.
-        unit_impulse: of the scaled impulses, N s.
-        k_nt, k_tt: of K over K_nn.
+        unit_impulse: unit of the scaled impulses, N s.
+        k_nt, k_tt: entries of K over K_nn.
         v_t: tangential velocity before the contact over the speed of approach.
     """
 
@@ -65,7 +65,7 @@ class TipContact:
         self.v_t = -speeds[1] / speeds[0]
 
     def solve(self, follow: Callable[[TipContact, ContactPhase, list[float]], list[float]]) -> tuple[float, ...]:
-        """Rates of the rods after the contact, rad/s; ``follow`` carries (delta, p_n, p_t) to the end of a phase."""
+        """Return rates of the rods after the contact, rad/s; ``follow`` carries (delta, p_n, p_t) to the end of a phase."""
         state, e = [0.0, 0.0, 0.0], self.surface.restitution
         phase = ContactPhase(self.surface.friction, math.copysign(1.0, self.v_t), 1.0, 0.0, loading=True)
         while True:
@@ -82,36 +82,36 @@ class TipContact:
         return tuple((np.asarray(self.chain.rates) + self.response @ impulse).tolist())
 
     def normal(self, state: Sequence[float]) -> float:
-        """v_n."""
+        """Return v_n."""
         return float(-1.0 + state[1] + self.k_nt * state[2])
 
     def tangential(self, state: Sequence[float]) -> float:
-        """v_t."""
+        """Return v_t."""
         return float(self.v_t + self.k_nt * state[1] + self.k_tt * state[2])
 
     def derivative(self, phase: ContactPhase) -> Callable[[float, Array], tuple[float, float, float]]:
-        """Right-hand side within a phase, in plain floats: the fastest that Python offers a solver."""
-        share = -phase.friction * phase.slip if phase.slip else -self.k_nt / self.k_tt
+        """Return the right-hand side within a phase, in plain floats: the fastest that Python offers a solver."""
+        ratio = -phase.friction * phase.slip if phase.slip else -self.k_nt / self.k_tt
         stiffness, residual, coupling = phase.stiffness, phase.residual, self.k_nt
 
         def slope(_: float, state: Array) -> tuple[float, float, float]:
             depth, normal, tangential = state.tolist()
             force = stiffness * (depth - residual)
-            return 1.0 - normal - coupling * tangential, force, share * force
+            return 1.0 - normal - coupling * tangential, force, ratio * force
 
         return slope
 
     def ends(self, phase: ContactPhase) -> list[tuple[Ends, float]]:
-        """Functions of (time, state) whose zeros end the phase, and the direction in which they cross."""
+        """Return functions of (time, state) whose zeros end the phase, and the direction in which they cross."""
         own: tuple[Ends, float] = (lambda _, y: self.normal(y), 1.0)
         if not phase.loading:
             own = (lambda _, y: y[0] - phase.residual, -1.0)
         return [own, (lambda _, y: phase.slip * self.tangential(y), -1.0)] if phase.slip else [own]
 
     def _settled(self, phase: ContactPhase) -> ContactPhase:
-        """Slip has stopped: stick where friction holds, else slip the way the normal force drives it."""
-        holds = phase.friction * self.k_tt >= abs(self.k_nt)
-        slip = 0.0 if holds else math.copysign(1.0, self.k_nt)
+        """Return the phase after slip has stopped: stick where friction suffices, else slip as the normal force drives it."""
+        sticks = phase.friction * self.k_tt >= abs(self.k_nt)
+        slip = 0.0 if sticks else math.copysign(1.0, self.k_nt)
         return ContactPhase(phase.friction, slip, phase.stiffness, phase.residual, phase.loading)
 
 

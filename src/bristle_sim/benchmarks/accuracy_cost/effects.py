@@ -1,7 +1,7 @@
 """What each effect costs: per engine step, per pass and per strike, and what importing each part takes.
 
 The bare scene is a bristle hinged to a turning hub. Each effect is added to it alone, and all together; costs are given
-as multiples of the bare scene's. What a scene holds is listed beside its cost: an effect that is not called for adds no
+as multiples of the bare scene's. What a scene holds is listed with its cost: an absent effect adds no
 body, no constraint, no shape and no callback.
 """
 
@@ -93,12 +93,12 @@ class Effect:
     steps: int | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """The row as plain values."""
+        """Return the row as plain values."""
         return {name: getattr(self, name) for name in self.__slots__}
 
 
 def effects(case: StrikeCase, effort: Effort) -> list[Effect]:
-    """All rows: steps, passes, strikes, imports; ``case`` is the strike that the contact laws are timed on."""
+    """Return all rows: steps, passes, strikes, imports; ``case`` is the strike that the contact laws are timed on."""
     full = effort.effort == "full"
     passes, modules = (PASSES, MODULES) if full else (dict(list(PASSES.items())[:3]), MODULES[:3])
     return [*_steps(effort), *_passes(passes, effort), *_strikes(case, effort), *_imports(modules, effort)]
@@ -108,28 +108,28 @@ def _rows(
     what: str,
     actions: dict[str, Callable[[], Any]],
     holds: Iterable[str],
-    share: int,
+    number: int,
     steps: list[int | None],
     effort: Effort,
 ) -> list[Effect]:
-    """Times of actions that each do ``share`` things."""
-    times = [least / share for least, _ in cpu_times(list(actions.values()), effort)]
+    """Return the costs of actions that each do a number of things."""
+    times = [least / number for least, _ in cpu_times(list(actions.values()), effort)]
     return [
-        Effect(what, name, time, time / times[0], held, count)
-        for name, time, held, count in zip(actions, times, holds, steps, strict=True)
+        Effect(what, name, time, time / times[0], contents, count)
+        for name, time, contents, count in zip(actions, times, holds, steps, strict=True)
     ]
 
 
 def _steps(effort: Effort) -> list[Effect]:
-    """Engine steps of each scene in flight, with a callback before each, and with the tip held on the workpart."""
+    """Time engine steps of each scene in flight, with a callback before each, and with the tip in contact."""
     scenes = {name: build_tool(tool)[0] for name, tool in ADDED.items()}
     actions: dict[str, Callable[[], Any]] = {
         name: functools.partial(scene.step, STEP, STEPS) for name, scene in scenes.items()
     }
-    bare, held = build_tool(BARE)[0], _held()
+    bare, touching = build_tool(BARE)[0], _touching()
     actions["a load's callback"] = functools.partial(bare.step, STEP, STEPS, lambda _: None)
-    actions["engine's contact holds the tip"] = functools.partial(held.step, STEP, STEPS)
-    built = [_contents(scene) for scene in (*scenes.values(), bare, held)]
+    actions["engine's contact with the tip"] = functools.partial(touching.step, STEP, STEPS)
+    built = [_contents(scene) for scene in (*scenes.values(), bare, touching)]
     return _rows("engine step", actions, built, STEPS, [None] * len(actions), effort)
 
 
@@ -138,8 +138,8 @@ def _contents(scene: Scene) -> str:
     return f"{len(space.bodies)} bodies, {len(space.constraints)} constraints, {len(space.shapes)} shapes"
 
 
-def _held() -> Scene:
-    """A radial bristle at the angle at which its tip touches the workpart, and the engine's contact switched on."""
+def _touching() -> Scene:
+    """Return a radial bristle at the angle at which its tip touches the workpart, and the engine's contact switched on."""
     tool = replace(BARE, workpart=Workpart())
     angle = -math.acos(tool.workpart_depth / (tool.hub.radius + tool.bristle.length))
     scene, _ = build_tool(tool, hub_start=angle)
@@ -150,7 +150,7 @@ def _held() -> Scene:
 
 
 def _passes(passes: dict[str, tuple[Tool, Settings]], effort: Effort) -> list[Effect]:
-    """Passes over three quarters of a hub turn, or up to where the scene stops by itself."""
+    """Time passes over three quarters of a hub turn, or up to where the scene stops by itself."""
     actions = {
         name: functools.partial(simulate, tool, settings, start_relative_angle=START)
         for name, (tool, settings) in passes.items()
@@ -162,7 +162,7 @@ def _passes(passes: dict[str, tuple[Tool, Settings]], effort: Effort) -> list[Ef
 
 
 def _strikes(case: StrikeCase, effort: Effort) -> list[Effect]:
-    """One strike under each contact law."""
+    """Time one strike under each contact law."""
     actions = {
         law: functools.partial(strike, case.chain, case.surface, Contact(law), Settings(accuracy=1e-3))
         for law in ("energetic", "engine", "compliant")
@@ -180,7 +180,7 @@ print(json.dumps([time.process_time() - begin, [name for name in {heavy!r} if na
 
 
 def _imports(modules: Iterable[str], effort: Effort) -> list[Effect]:
-    """CPU time of an import in a fresh interpreter, the least of some, and which heavy libraries it loads."""
+    """Time imports in fresh interpreters, the least of some, and name the heavy libraries that each loads."""
     rows: list[Effect] = []
     for module in modules:
         found = [_imported(module) for _ in range(min(3, effort.rounds))]

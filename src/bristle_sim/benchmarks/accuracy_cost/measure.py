@@ -45,17 +45,17 @@ class Effort:
 
     @property
     def rounds(self) -> int:
-        """Times each attempt is timed."""
+        """Return how often each attempt is timed."""
         return 7 if self.effort == "full" else 2
 
     @property
     def block_s(self) -> float:
-        """CPU time that one timing of an attempt should take at least, by repetition; s."""
+        """Return the CPU time in s that one timing of an attempt should take at least, by repetition."""
         return 4e-3 if self.effort == "full" else 0.0
 
     @property
     def settings(self) -> int | None:
-        """Settings of each method that are tried; None for all."""
+        """Return how many settings of each method are tried; None for all."""
         return None if self.effort == "full" else 2
 
 
@@ -105,12 +105,12 @@ def _plain(value: Any) -> Any:
 
 
 def package_of(method: str) -> str:
-    """The package a method belongs to."""
+    """Return the package that a method belongs to."""
     return method.split(maxsplit=1)[0]
 
 
 def thinned(attempts: Sequence[Attempt], settings: int | None) -> list[Attempt]:
-    """At most so many settings of each method, evenly spread, the coarsest among them."""
+    """Return at most a number of settings of each method, evenly spread, the coarsest among them."""
     if settings is None:
         return list(attempts)
     kept = []
@@ -122,7 +122,7 @@ def thinned(attempts: Sequence[Attempt], settings: int | None) -> list[Attempt]:
 
 
 def measure(case: Case, attempts: Iterable[Attempt], effort: Effort) -> list[Point]:
-    """Errors first, then times, of every attempt."""
+    """Find errors first, then times, of every attempt."""
     errors: list[tuple[Attempt, float, int, str]] = []
     for attempt in attempts:
         try:
@@ -141,7 +141,7 @@ def measure(case: Case, attempts: Iterable[Attempt], effort: Effort) -> list[Poi
 
 
 def cpu_times(actions: Sequence[Callable[[], Any]], effort: Effort) -> list[tuple[float, float]]:
-    """(least, median) CPU time in s of each action, timed in turn over the rounds, with caches warm."""
+    """Return (least, median) CPU time in s of each action, timed in turn over the rounds, with caches warm."""
     counts = [_repetitions(action, effort.block_s) for action in actions]
     rounds: list[list[float]] = [[] for _ in actions]
     for _ in range(effort.rounds):
@@ -153,7 +153,7 @@ def cpu_times(actions: Sequence[Callable[[], Any]], effort: Effort) -> list[tupl
 
 
 def _repetitions(action: Callable[[], Any], block_s: float) -> int:
-    """Of an action to fill a block; its first call is slow and tells nothing."""
+    """Return the repetitions of an action that fill a block; its first call is slow and tells nothing."""
     first = _timed(action, 1)
     usual = first if first > block_s else _timed(action, 2) / 2.0
     return max(1, math.ceil(block_s / max(usual, 1e-7)))
@@ -167,7 +167,7 @@ def _timed(action: Callable[[], Any], count: int) -> float:
 
 
 def cheapest(points: Iterable[Point], target: float) -> Point | None:
-    """The cheapest point within a target error whose method's next finer setting is within it too.
+    """Return the cheapest point within a target error whose method's next finer setting is within it too.
 
     That a setting is right by luck, where its error changes sign, does not count. Points of one method go from coarse to
     fine.

@@ -26,7 +26,7 @@ from bristle_sim.scene.tool import tool_units
 __all__ = ["exudyn_flight_attempts", "pybullet_flight_attempts"]
 
 HUB_INERTIA = 1e12
-"""In scene units: nothing changes the hub's speed."""
+"""Inertia of the hub in scene units: nothing changes its speed."""
 
 STEP_COUNTS = {
     "RK44": (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512),
@@ -39,7 +39,7 @@ PYBULLET_STEPS = (4, 8, 16, 32, 64, 128, 256, 512, 1024, 2048, 4096, 8192)
 
 
 def exudyn_flight_attempts(case: FlightCase) -> list[Attempt]:
-    """Explicit Runge-Kutta and generalized-alpha over step counts, DOPRI5 over tolerances."""
+    """Return attempts by explicit Runge-Kutta and generalized-alpha over step counts, DOPRI5 over tolerances."""
     flight = _ExudynFlight(case)
     fixed = [
         Attempt(f"exudyn {NAMES[solver]}", f"steps={count}", functools.partial(flight.stepped, solver, count))
@@ -106,14 +106,14 @@ class _ExudynFlight:
         return settings
 
     def stepped(self, solver: str, count: int) -> Run:
-        """So many steps of equal length."""
+        """Fly in a number of steps of equal length."""
         integration = self.settings.timeIntegration
         integration.automaticStepSize = False
         integration.numberOfSteps = count
         return self._solve(solver)
 
     def adapted(self, tolerance: float) -> Run:
-        """Steps that keep the solver's own estimate within a tolerance."""
+        """Fly in steps that keep the solver's own estimate within a tolerance."""
         integration = self.settings.timeIntegration
         integration.automaticStepSize = True
         integration.numberOfSteps = 1
@@ -129,7 +129,7 @@ class _ExudynFlight:
 
 
 def pybullet_flight_attempts(case: FlightCase) -> list[Attempt]:
-    """Its only integrator over step counts."""
+    """Return attempts by its only integrator over step counts."""
     flight = _BulletFlight(case)
     return [
         Attempt("pybullet euler", f"steps={count}", functools.partial(flight.fly, count)) for count in PYBULLET_STEPS
@@ -183,7 +183,7 @@ class _BulletFlight:
             )
 
     def fly(self, count: int) -> Run:
-        """So many steps, the belt's torque set before each."""
+        """Fly in a number of steps, the belt's torque set before each."""
         library, body, client, torque = self.library, self.body, self.client, self.library.TORQUE_CONTROL
         library.setPhysicsEngineParameter(
             fixedTimeStep=self.end / count, numSolverIterations=1, numSubSteps=0, physicsClientId=client

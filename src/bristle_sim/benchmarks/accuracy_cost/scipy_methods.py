@@ -25,7 +25,7 @@ COMPILED = ("dopri5", "dop853")
 
 
 def flight_attempts(case: FlightCase) -> list[Attempt]:
-    """``solve_ivp`` with its methods, and the older interfaces, whose loop over steps is compiled."""
+    """Return attempts by ``solve_ivp`` with its methods, and the older interfaces, whose loop over steps is compiled."""
     slope = _flight(case)
     attempts = []
     for method in ("RK45", "DOP853", "LSODA", "Radau"):
@@ -48,16 +48,16 @@ START = (-1.0, 0.0)
 
 
 def _flight(case: FlightCase) -> Slope:
-    """I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha in units of retraction and highest rate."""
+    """Return the right-hand side of I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha in units of retraction and highest rate."""
     tool, (retraction, highest) = case.tool, case.scale
     stiffening = centrifugal_stiffness(tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed)
-    pace = highest / retraction
-    belt = tool.belt.stiffness / tool.bristle.inertia_about_root / pace
+    scale = highest / retraction
+    belt = tool.belt.stiffness / tool.bristle.inertia_about_root / scale
     extra = float(stiffening) / tool.bristle.inertia_about_root / highest
 
     def slope(_: float, state: Any) -> tuple[float, float]:
         angle, rate = state.tolist()
-        return pace * rate, -belt * angle - extra * math.sin(retraction * angle)
+        return scale * rate, -belt * angle - extra * math.sin(retraction * angle)
 
     return slope
 
@@ -73,7 +73,7 @@ def _solved(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Ru
 
 
 def _least(tolerance: float) -> float:
-    """solve_ivp warns below a hundred roundings."""
+    """Return the tolerance, or the least of which solve_ivp does not warn: a hundred roundings."""
     return max(tolerance, 2.5e-14)
 
 
@@ -105,7 +105,7 @@ def _lsoda(case: FlightCase, slope: Slope, tolerance: float) -> Run:
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """The bilinear compliant contact in contact space, phase by phase, each ended by an event."""
+    """The bilinear compliant contact in contact sscale, phase by phase, each ended by an event."""
     return [
         _attempt(f"scipy {method.lower()}", each, _struck, case, method)
         for method in ("RK45", "DOP853", "LSODA", "Radau")
@@ -135,7 +135,7 @@ def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
 
 
 def _terminal(function: Callable[..., float], direction: float) -> Any:
-    """The function as solve_ivp wants an event that ends the integration."""
+    """Return the function as solve_ivp wants an event that ends the integration."""
 
     def event(time: float, state: Any) -> float:
         return function(time, state)
@@ -145,7 +145,7 @@ def _terminal(function: Callable[..., float], direction: float) -> Any:
 
 
 def pass_attempts(case: PassCase) -> list[Attempt]:
-    """The independent reference, which searches all events on the integrator's dense output."""
+    """Return attempts by the independent reference, which searches all events on the integrator's dense output."""
     return [
         Attempt("scipy dop853", f"accuracy=1e-{power:02d}", functools.partial(_passed, case, 10.0**-power))
         for power in range(2, 11)

@@ -46,23 +46,18 @@ def chatter() -> list[HardCase]:
         promise = f"at most {most_taps(e)} taps, successive hops as {e:g} to {UNEVEN:g} a radian, no energy gained; then in contact"
         on_bar = partial(_taps, "bar", tapping(e), e, {})
         rows.append(HardCase("chatter", f"bar, restitution {e:g}", promise, on_bar, e in (0.5, 0.9)))
-        for friction in (0.0, 0.1, 0.3):
+        # A restitution of 0.99 takes longer than a run to come to rest.
+        for friction in (0.0, 0.1, 0.3) if e < 0.99 else ():
             # Closed form of a single pendulum (Stronge): the ratio of the rates after and before.
             slide = friction / math.tan(SURFACE)
             ratio = e * math.sqrt((1.0 - slide) / (1.0 + slide))
             fall = partial(_taps, "workpart", falling(e, friction), ratio, above(0.01))
             name = f"falls 0.01 rad, restitution {e:g}, friction {friction:g}"
             rows.append(HardCase("chatter", name, promise, fall, e in (0.5, 0.9)))
-        for step in (0.01, 5e-3, 1e-3) if e in (0.5, 0.9) else ():
-            name = f"falls, restitution {e:g}, step {step:g} rad"
-            promise = (
-                "in contact at the accurate run's instant to 2 e/(1 - e) (taps + 2/(1 - e)) steps; no energy gained"
-            )
-            rows.append(HardCase("chatter", name, promise, partial(_taps_in_steps, e, step), step >= 5e-3))
     promise = f"taps at odd multiples of the fall's time (elliptic integrals), energy kept, both to {ACCURACY:g}"
     rows.append(HardCase("chatter", "falls 0.3 rad, restitution 1", promise, _taps_for_ever))
     for step in (1e-5, 1e-6):
-        promise = f"at most {most_taps(Workpart().restitution)} taps, then in contact, and the pass goes on to its end"
+        promise = f"at most {most_taps(Workpart().restitution)} taps, then in contact, and the pass runs to its end"
         measure = partial(_pass_in_steps, step)
         rows.append(HardCase("chatter", f"whole pass in steps of {step:g} s", promise, measure, step > 1e-6))
     return rows
@@ -146,22 +141,6 @@ def _taps_for_ever() -> Finding:
         within(worst(late), ACCURACY, "instants off by", run.cost.steps),
         within(float(np.ptp(run.total_energy)) / fall, ACCURACY, "energy by"),
     )
-
-
-def _taps_in_steps(restitution: float, step: float) -> Finding:
-    """Compare the instant of sustained contact with the accurate run's.
-
-    Each tap comes faster by a h: its hops last 2 h e/(1 - e) longer in all. Twice the least speed is not followed.
-    """
-    tool = falling(restitution)
-    unit = tool_units(tool).time
-    run = simulate(tool, Settings(step=step * unit, maximum_steps=300_000), **above(0.01))
-    taps, contact = taps_of(run, "workpart")
-    _, expected = taps_of(simulate(tool, **above(0.01)), "workpart")
-    late = math.nan if contact is None or expected is None else (contact.time - expected.time) / unit / step
-    limit = 2.0 * restitution / (1.0 - restitution) * (len(taps) + 2.0 / (1.0 - restitution))
-    rest = _come_to_rest(taps, contact, restitution)
-    return all_of(rest, within(late / limit, 1.0, "late by, of the limit,", run.cost.steps))
 
 
 def _pass_in_steps(step: float) -> Finding:

@@ -132,7 +132,7 @@ def _obeys_law(contact: ContactRecord, restitution: float, limit: float) -> Find
 
 
 def _pass_obeys(tool: Tool, restitution: float, limit: float, end: str | None = None) -> Finding:
-    """Hold every impact of a pass to the law; the pass strikes the workpart, or ends for the given reason."""
+    """Compare every impact of a pass with the law; the pass strikes the workpart, or ends for the given reason."""
     run = simulate(tool, Settings(accuracy=ACCURACY, maximum_steps=200_000))
     hits = impacts_of(run)
     off = [_obeys_law(each, restitution, limit) for each in hits]

@@ -28,8 +28,7 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impulse_course import contact_inverse_mass
-from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import single_pendulum_impact
+from bristle_sim.trajectory import ContactRecord
 
 __all__ = ["jam", "rod_near_jam"]
 
@@ -123,39 +122,29 @@ def rod_near_jam(angle: float, velocity: tuple[float, float], distance: float, r
 
 
 def _one_rod(pushed: bool, distance: float) -> Finding:
-    """Compare the strikes of rods at several angles; pulled ones also with the theory's own functions."""
+    """Compare the strikes of rods at several angles with the closed form; at the jam rounding decides."""
     off, words, wrong = [], set(), []
     for angle in ANGLES:
-        for side in (-distance, distance):
-            for outcome, impulse, velocity, places in _strikes(pushed, angle, math.tan(angle) * (1.0 + side)):
-                words.add(outcome)
-                if not distance:
-                    wrong += [] if 0.0 <= impulse < math.inf else [f"impulse {impulse:g}"]
-                    continue
-                expected, exact = rod_near_jam(angle if pushed else -angle, velocity, side, RESTITUTION)
-                roundings = ROUNDINGS + places / (math.sin(angle) * math.cos(angle))
-                magnified = 1.0 if expected == "stiction" else 1.0 + 1.0 / distance
-                off.append((impulse / (MASS * exact) - 1.0) / (roundings * EPSILON * magnified))
-                wrong += [] if outcome == expected else [f"{outcome} instead of {expected}"]
+        for side in {-distance, distance}:
+            hit = _strike(pushed, angle, math.tan(angle) * (1.0 + side))
+            words.add(hit.outcome)
+            if not distance:
+                wrong += [] if 0.0 <= hit.impulse[0] < math.inf else [f"impulse {hit.impulse[0]:g}"]
+                continue
+            outcome, exact = rod_near_jam(angle if pushed else -angle, hit.velocity_before, side, RESTITUTION)
+            roundings = ROUNDINGS + PLACES / (math.sin(angle) * math.cos(angle))
+            magnified = 1.0 if outcome == "stiction" else 1.0 + 1.0 / distance
+            off.append((hit.impulse[0] / (MASS * exact) - 1.0) / (roundings * EPSILON * magnified))
+            wrong += [] if hit.outcome == outcome else [f"{hit.outcome} instead of {outcome}"]
     told = f"{', '.join(sorted(words))}{'; ' + wrong[0] if wrong else ''}"
     named = not wrong and words <= {"rebound", "stiction", "jam"}
     return all_of(Finding(told, named), within(worst(off), 1.0, "off by, of the limit,"))
 
 
-def _strikes(pushed: bool, angle: float, friction: float) -> list[tuple[str, float, tuple[float, float], int]]:
-    """Return outcome, impulse, velocity before and roundings of places, by the scene and where it applies by theory."""
-    if pushed:
-        hit = struck(Chain((MASS,), (LENGTH,), (angle,), (0.0,), LENGTH, RATE, -1.0), friction, RESTITUTION).contact
-        return [(hit.outcome, hit.impulse[0], hit.velocity_before, PLACES)]
-    hit = struck(_pulled(angle), friction, RESTITUTION).contact
-    pendulum = single_pendulum_impact(MASS, LENGTH, angle, -RATE, friction, RESTITUTION)
-    bristle = monofilament_impact(MASS, LENGTH, 0.0, RATE, 1.0, angle, friction, RESTITUTION)
-    velocity = -LENGTH * RATE * math.sin(angle), LENGTH * RATE * math.cos(angle)
-    return [
-        (hit.outcome, hit.impulse[0], velocity, 0),
-        (pendulum.outcome, pendulum.normal_final_impulse, velocity, 0),
-        (bristle.outcome_name, float(bristle.normal_final_impulse), velocity, 0),
-    ]
+def _strike(pushed: bool, angle: float, friction: float) -> ContactRecord:
+    """Return the strike of a rod on a hinge, or of one that a descending hub pushes ahead of its root."""
+    pushing = Chain((MASS,), (LENGTH,), (angle,), (0.0,), LENGTH, RATE, -1.0)
+    return struck(pushing if pushed else _pulled(angle), friction, RESTITUTION).contact
 
 
 def _pulled(angle: float) -> Chain:

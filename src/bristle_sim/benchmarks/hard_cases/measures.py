@@ -10,7 +10,6 @@ import numpy as np
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, all_of, within, worst
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
-from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.repetitions import CLOSE
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -84,8 +83,11 @@ def agrees_with_reference(
 
     A run that may lose its grip on the bar is compared up to there.
     """
+    # Imported here, so that themes without a reference do not load its integrator.
+    from bristle_sim.reference import simulate_reference
+
     given: dict[str, Any] = {**(start or {}), "stop_after": stop_after}
-    run = simulate(tool, Settings(accuracy=max(limit, 1e-11)), **given)
+    run = simulate(tool, Settings(accuracy=max(limit, 1e-11), maximum_steps=1_000_000), **given)
     lost = may_lose_grip and run.stop_reason is StopReason.NO_GRIP
     upto: dict[str, Any] = {"duration": float(run.time[-1])} if lost else {}
     other = simulate_reference(tool, accuracy=max(MORE_ACCURATE * limit, 1e-12), **given, **upto)

@@ -126,7 +126,7 @@ def _meets_at_step(part: float) -> Finding:
 
 
 def _meets_when_thrown(rate: float, accuracy: float) -> Finding:
-    """The root is a hub's radius beside the centre; the bar stands 0.9 rad behind the bristle, at 0.8 of its length."""
+    """Throw a bristle whose root is a hub's radius off the centre; the bar stands 0.9 rad behind the bristle, at 0.8 of its length."""
     behind, along, met = 0.9, 0.8 * LENGTH, []
     settings = Settings(accuracy=accuracy, samples_per_period=1, maximum_steps=50_000)
     start: Start = {"start_relative_rate": -rate}

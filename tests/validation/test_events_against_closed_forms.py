@@ -1,0 +1,127 @@
+"""Extremes, limits and touches within one interval are found where closed forms put them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bristle_sim.benchmarks.hard_cases.tunnelling import THINNEST, TIP, first_bar_touch, first_strike, with_bar_at
+from bristle_sim.parameters import Belt, Hub, Tool
+from bristle_sim.scene.events import turns
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.obstacles import LEAST_REACH, BarObstacle
+from bristle_sim.scene.tool import simulate, tool_units
+from bristle_sim.settings import Settings
+
+FREE = replace(Tool(), bar=None, workpart=None)
+COARSE = Settings(accuracy=0.1, samples_per_period=1)
+
+
+class TestClosedForms:
+    @pytest.mark.parametrize("seed", range(12))
+    def test_bars_at_random(self, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        radius = 10.0 ** rng.uniform(math.log10(THINNEST), -3.0)
+        tool = with_bar_at(rng.uniform(0.55, 0.99) * TIP, radius, 10.0 ** rng.uniform(0, 5), rng.uniform(0.7, 1.4))
+        accuracy = 10.0 ** rng.uniform(-10, -1)
+        run = simulate(tool, Settings(accuracy=accuracy, samples_per_period=1), stop_after="bar touch")
+        # The radial bristle's path is known exactly; the instant is good to the requested accuracy.
+        assert run.event_time("bar touch") == pytest.approx(first_bar_touch(tool), rel=accuracy)
+
+    @pytest.mark.parametrize("share", [1e-3, 0.2, 1.0])
+    def test_fixed_steps_meet_the_workpart(self, share: float) -> None:
+        tool = replace(Tool(), bar=None)
+        run = simulate(tool, Settings(step=share * tool_units(tool).time, samples_per_period=1), stop_after="strike")
+        # The first order of the step: drifting along the tangent, the tip rises by (w h)^2/2 a step, w h/2 a radian.
+        assert run.event_time("strike") == pytest.approx(first_strike(tool), abs=share * tool_units(tool).time)
+
+    def test_thinnest_bar(self) -> None:
+        assert BarObstacle((-1.0, -1.0), LEAST_REACH, 0.0, 0.0, 0.0).radius == LEAST_REACH
+        assert BarObstacle((-1.0, -1.0), 0.5 * LEAST_REACH, 0.5 * LEAST_REACH, 0.0, 0.0).name == "bar"
+        for radius in (0.0, 0.99 * LEAST_REACH, math.nan):
+            with pytest.raises(ValueError, match="bar_radius"):
+                BarObstacle((-1.0, -1.0), radius, 0.0, 0.0, 0.0)
+
+
+class TestNothingElseIsMissed:
+    """Extremes and the retraction limit within one interval, on a hub at rest, where alpha = A sin(w t + phase)."""
+
+    RATE = math.sqrt(FREE.belt.stiffness / FREE.bristle.inertia_about_root)
+    STILL = replace(FREE, hub=Hub(speed=0.0))
+
+    @pytest.mark.parametrize("settings", [COARSE, Settings()])
+    @pytest.mark.parametrize("amplitude", [1.6, 2.0, 10.0])
+    def test_limit_within_an_interval(self, amplitude: float, settings: Settings) -> None:
+        """Thrown from the radial direction, past 90 degrees and back before the interval would end."""
+        run = simulate(self.STILL, settings, start_relative_rate=-amplitude * self.RATE)
+        assert run.stop_reason == "retraction limit"
+        expected = math.asin(math.pi / 2.0 / amplitude) / self.RATE
+        # Near its largest the angle hardly changes: the instant is magnified by 1/cos of the phase, 5 for 1.6.
+        assert run.time[-1] == pytest.approx(expected, rel=5.0 * settings.accuracy)
+
+    @pytest.mark.parametrize("amplitude", [1.55, 1.5])
+    def test_limit_not_reached(self, amplitude: float) -> None:
+        run = simulate(self.STILL, Settings(samples_per_period=1), start_relative_rate=-amplitude * self.RATE)
+        assert run.stop_reason == "end of the planned time"
+
+    @pytest.mark.parametrize("outwards", [1.0, 1e5])
+    def test_start_at_the_limit(self, outwards: float) -> None:
+        """Released there, it swings back; thrown outwards, it ends at once."""
+        angle = -math.pi / 2.0
+        assert simulate(self.STILL, start_relative_angle=angle).stop_reason == "end of the planned time"
+        run = simulate(self.STILL, start_relative_angle=angle, start_relative_rate=-outwards)
+        assert run.stop_reason == "retraction limit"
+        # Rates below 1e-10 of the scene's units have no sign, and the angle at which they do is as small.
+        assert run.time[-1] * self.RATE < 1e-4
+
+    @pytest.mark.parametrize("phase", np.linspace(-3.0, 3.0, 12).tolist())
+    def test_extremes_in_the_first_interval(self, phase: float) -> None:
+        """Rate A w cos: largest retraction where the phase is -pi/2, highest speed where it is 0, modulo 2 pi."""
+        start = {"start_relative_angle": math.sin(phase), "start_relative_rate": self.RATE * math.cos(phase)}
+        run = simulate(self.STILL, Settings(samples_per_period=1), **start)
+        for name, at in (("largest retraction", -math.pi / 2.0), ("highest relative speed", 0.0)):
+            found = [event.time * self.RATE for event in run.events if event.name == name]
+            first = (at - phase) % (2.0 * math.pi)
+            assert len(found) == len(np.arange(first, 6.0 * math.pi, 2.0 * math.pi))
+            # The requested accuracy, over the largest phase of three periods.
+            np.testing.assert_allclose(found, first + 2.0 * math.pi * np.arange(len(found)), atol=6.0 * math.pi * 1e-6)
+
+    @pytest.mark.parametrize("angle", [-0.5, 0.5])
+    def test_fixed_steps_continue_where_the_search_began(self, angle: float) -> None:
+        """Events are searched for by moving the bodies about; the energy in the hub's frame tells if they come back."""
+        tool = replace(FREE, hub=Hub(speed=2618.0))
+        step = 1e-3
+        settings = Settings(step=step * tool_units(tool).time, hub_turn=4.0)
+        run = simulate(tool, settings, start_hub_angle=0.0, start_relative_angle=angle)
+        field = tool.bristle.mass * tool.hub.radius * 0.5 * tool.bristle.length * tool.hub.speed**2
+        energy = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
+        energy += 0.5 * tool.belt.stiffness * run.relative_angle**2 + field * (1.0 - np.cos(run.relative_angle))
+        assert len(run.events) >= 1
+        # First order: positions and velocities are half a step apart.
+        assert np.abs(energy / energy[0] - 1.0).max() <= step
+
+    def test_turns_of_a_cubic(self) -> None:
+        """alpha = t (t - 1) (t - 2), whose slope vanishes at 1 -/+ 1/sqrt 3, on a hub that turns."""
+        mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 3.0, 0.5)
+
+        def at(time: float) -> State:
+            swing, rate = time * (time - 1.0) * (time - 2.0), 3.0 * time**2 - 6.0 * time + 2.0
+            return State(time, (mechanism.hub_angle(time) + swing,), (3.0 + rate,))
+
+        # Twice the rounding of the angles, 1e-15, over the slope's own slope, 3.5.
+        found = sorted(state.time for state in turns(mechanism, at(0.0), at(2.0)))
+        assert found == pytest.approx([1.0 - 3.0**-0.5, 1.0 + 3.0**-0.5], abs=1e-14)
+        assert [state.time for state in turns(mechanism, at(0.0), at(1.0))] == pytest.approx([1.0 - 3.0**-0.5])
+        assert turns(mechanism, at(0.5), at(1.5)) == []
+        assert turns(mechanism, at(1.0), at(1.0)) == []
+
+
+def test_no_belt_no_speed_no_harm() -> None:
+    """A bristle that nothing moves beside a bar meets nothing and takes next to no steps."""
+    still = replace(with_bar_at(0.9 * TIP, 1e-3), hub=Hub(speed=0.0), belt=Belt(stiffness=0.0))
+    run = simulate(still, COARSE)
+    assert run.contacts == ()
+    assert run.cost.steps < 2000
