@@ -25,8 +25,8 @@ __all__ = ["PeriodicTurn", "TurnNotCompleted", "periodic_turn"]
 
 TURN = 2.0 * math.pi
 
-MOST_TURNS = 12
-"""Turns after which a motion counts as one that does not repeat; a damped flight forgets e^-2 pi zeta of itself a swing."""
+MOST_TURNS = 24
+"""Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period."""
 
 REPEATED = 1e-9
 """Least change of angle and of rate over the belt's natural rate, rad, from turn to turn that counts as none; requested
