@@ -45,16 +45,25 @@ class TestTurn:
         assert turn.changes[0] > 0.1  # it starts at rest relative to the hub, and swings from then on
         assert turn.changes[1] < 1e-6  # a hundred times the accuracy
 
-    def test_a_bristle_that_touches_nothing_decays_by_its_damping_or_never_repeats(self):
-        """Started at rest and radial it stays so; a bar that throws it back without loss keeps it swinging."""
+    def test_a_bristle_that_touches_nothing_stays_radial(self):
+        """Started at rest relative to the hub and radial, it turns with the hub."""
         free = Tool(bar=None, workpart=Workpart(penetration=-0.01))
         # Rounding of an angle of a turn, over some hundred intervals.
         assert periodic_turn(free, FINE).changes == pytest.approx((0.0,), abs=1e-10)
-        thrown = Tool(bar=Bar(restitution=1.0), workpart=Workpart(penetration=-0.01))
-        undamped = periodic_turn(thrown, Settings(accuracy=1e-6))
-        assert not undamped.repeats
-        assert undamped.turns == 6
-        assert undamped.end - undamped.begin == pytest.approx(6.0 * 2.0 * math.pi / SPEED, rel=1e-12)
+
+    def test_a_bristle_that_bounces_off_everything_repeats_as_its_damping_lets_it(self, monkeypatch):
+        """A turn leaves exp(-c T/(2 I)) of a free swing, 0.276 at a damping ratio of 0.05; the bar gives some back."""
+        thrown = Tool(bar=Bar(restitution=1.0), belt=Belt(damping_ratio=0.05), workpart=Workpart(penetration=-0.01))
+        damped = periodic_turn(thrown, Settings(accuracy=1e-6))
+        assert damped.repeats
+        left = math.exp(-thrown.belt_damping * 2.0 * math.pi / SPEED / (2.0 * INERTIA))
+        assert left == pytest.approx(0.276, abs=1e-3)
+        ratio = (damped.changes[-1] / damped.changes[2]) ** (1.0 / (len(damped.changes) - 3))
+        assert 0.5 * left < ratio < 2.0 * left
+        monkeypatch.setattr("bristle_sim.studies.periodic_turn.MOST_TURNS", 4)
+        unsettled = periodic_turn(thrown, Settings(accuracy=1e-6))
+        assert not unsettled.repeats
+        assert unsettled.end - unsettled.begin == pytest.approx(2.0 * 2.0 * math.pi / SPEED, rel=1e-12)
 
     def test_a_jam_and_a_hub_at_rest(self):
         jammed = Tool(bar=Bar(horizontal=0.055407))

@@ -25,12 +25,14 @@ __all__ = ["PeriodicTurn", "TurnNotCompleted", "periodic_turn"]
 
 TURN = 2.0 * math.pi
 
-MOST_TURNS = 12
-"""Turns after which a motion counts as one that does not repeat; a damped flight forgets e^-2 pi zeta of itself a swing."""
+MOST_TURNS = 24
+"""Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period."""
 
 REPEATED = 1e-9
-"""Least change of angle and of rate over the belt's natural rate, rad, from turn to turn that counts as none; requested
-accuracies above 1e-11 are multiplied by 100: a turn adds up the errors of some ten flights and contacts."""
+"""Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn."""
+
+MAGNIFIED = 100.0
+"""The same over the requested accuracy, where that is more: a turn adds up errors of some ten flights and contacts."""
 
 
 class TurnNotCompleted(ValueError):
@@ -71,16 +73,17 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
+    least = max(REPEATED, MAGNIFIED * settings.accuracy)
     run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=TURN)), settings)
     rate = _natural_rate(tool)
     states = [np.zeros(2), _state(run, rate)]
     ends = [0.0, float(run.time[-1])]
-    while _change(states) > max(REPEATED, 100.0 * settings.accuracy) and len(states) <= MOST_TURNS:
+    while _change(states) > least and len(states) <= MOST_TURNS:
         longer = dataclasses.replace(settings, hub_turn=len(states) * TURN)
         run = _completed(resume(run, longer), settings)
         states.append(_state(run, rate))
         ends.append(float(run.time[-1]))
-    repeats = _change(states) <= max(REPEATED, 100.0 * settings.accuracy)
+    repeats = _change(states) <= least
     turns = 1 if repeats else MOST_TURNS // 2
     changes = tuple(_change(states[: turn + 1]) for turn in range(1, len(states)))
     return PeriodicTurn(run, ends[-1 - turns], ends[-1], turns, changes, repeats)

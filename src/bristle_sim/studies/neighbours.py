@@ -1,0 +1,173 @@
+"""Neighbours in one plane: from what spacing do two wires touch each other?
+
+On a hub of constant speed each bristle that touches no other one does what the one before it did, a pitch beta of the hub's
+turn later. So two wires touch where the capsules (the centre line with half the wire's diameter about it) of A(t) and of its
+follower A(t - beta/omega) do, A being the motion of a lone bristle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import brentq, minimize_scalar
+
+from bristle_sim.trajectory import Trajectory
+
+__all__ = ["LonePass", "least_pitch", "nearest_approach", "polyline_distance"]
+
+Array = NDArray[np.float64]
+
+PITCH_STEP = math.radians(0.25)
+"""Between the pitches that are tried one after the other, rad; local minima of the distance between them are refined."""
+
+PITCH_TOLERANCE = 1e-9
+"""Of the least pitch, rad: 6e-8 deg."""
+
+INSTANTS = 1500
+"""Even instants of a pass at which the distance is looked at, besides the samples; 0.2 deg of the hub's turn in a pass."""
+
+DEEPEST = 2
+"""Local minima of the distance over time that are refined, beginning with the least."""
+
+
+class LonePass:
+    """A bristle that touches no other one, at any instant of its pass.
+
+    Between the samples the centre line is a cubic that meets recorded positions and velocities. Before the first sample the
+    bristle turns with the hub.
+    """
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        self.trajectory = trajectory
+        time = trajectory.time
+        cuts = np.flatnonzero(np.diff(time) <= 0.0) + 1
+        parts = [part for part in np.split(np.arange(time.size), cuts) if part.size > 1]
+        self._starts = np.array([time[part[0]] for part in parts])
+        self._lines = [
+            CubicHermiteSpline(time[part], trajectory.centre_line[part], trajectory.centre_line_velocity[part])
+            for part in parts
+        ]
+
+    def centre_line(self, time: Array) -> Array:
+        """Return root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
+        begin = float(self.trajectory.time[0])
+        inside = np.maximum(time, begin)
+        number = np.searchsorted(self._starts, inside, side="right") - 1
+        line = np.empty((len(time), *self.trajectory.centre_line.shape[1:]))
+        for each in np.unique(number):
+            line[number == each] = self._lines[each](inside[number == each])
+        turned = self.trajectory.hub_speed * (time - inside)
+        cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
+        x, y = line[..., 0], line[..., 1]
+        return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+
+
+def polyline_distance(first: Array, second: Array) -> Array:
+    """Return the least distance of two polylines, 0 where they cross; shapes (n, corners, 2) to (n,)."""
+    found = np.full(len(first), np.inf)
+    for i in range(first.shape[1] - 1):
+        for j in range(second.shape[1] - 1):
+            found = np.minimum(found, _segment_distance(first[:, i : i + 2], second[:, j : j + 2]))
+    return found
+
+
+def _segment_distance(first: Array, second: Array) -> Array:
+    """Return the least distance of two segments: of an end from the other one, unless they cross; shape (n,)."""
+    ends = [
+        _point_distance(point, segment)
+        for points, segment in ((first, second), (second, first))
+        for point in (points[:, 0], points[:, 1])
+    ]
+    sides = [
+        _cross(segment[:, 1] - segment[:, 0], points[:, 0] - segment[:, 0])
+        * _cross(segment[:, 1] - segment[:, 0], points[:, 1] - segment[:, 0])
+        for points, segment in ((first, second), (second, first))
+    ]
+    return np.where((sides[0] < 0.0) & (sides[1] < 0.0), 0.0, np.min(ends, axis=0))
+
+
+def _point_distance(point: Array, segment: Array) -> Array:
+    along, to_point = segment[:, 1] - segment[:, 0], point - segment[:, 0]
+    fraction = np.clip((along * to_point).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(to_point - fraction[:, np.newaxis] * along, axis=-1))
+
+
+def _cross(first: Array, second: Array) -> Array:
+    return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+def nearest_approach(lone: LonePass, pitch: float, until: float) -> tuple[float, float]:
+    """Return the least distance of the centre lines of a bristle and its follower up to an instant, and when; m and s."""
+    run = lone.trajectory
+    delay = pitch / run.hub_speed
+    begin = float(run.time[0])
+
+    def distance(time: Array) -> Array:
+        return polyline_distance(lone.centre_line(time), lone.centre_line(time - delay))
+
+    samples = np.concatenate([run.time, run.time + delay])
+    even = np.linspace(begin, until, INSTANTS)
+    instants = np.unique(np.concatenate([even, samples[(samples > begin) & (samples < until)]]))
+    values = distance(instants)
+    best = int(values.argmin())
+    least, when = float(values[best]), float(instants[best])
+    inner = np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:])) + 1
+    for at in inner[np.argsort(values[inner])][:DEEPEST]:
+        found = _minimum(lambda time: float(distance(np.array([time]))[0]), instants[at - 1], instants[at + 1])
+        if found[0] < least:
+            least, when = found
+    return least, when
+
+
+def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Return the least value of a function of one minimum between bounds, and where it is."""
+    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)})
+    return float(found.fun), float(found.x)
+
+
+def least_pitch(
+    trajectory: Trajectory, wire_diameter: float, *, until: float | None = None, largest: float = math.pi / 2.0
+) -> float:
+    """Return the pitch above which no wire touches its neighbour, by the motion of a lone bristle, rad.
+
+    Args:
+        trajectory: of a lone bristle, from a start at which it turns with the hub.
+        wire_diameter: at which distance of their centre lines two wires touch, m.
+        until: instant of the pass of the bristle in front up to which touches count, s; by default the end of the run.
+        largest: pitch from which the search goes down, rad.
+
+    Raises:
+        ValueError: if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.
+    """
+    if not trajectory.hub_speed:
+        raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
+    if not wire_diameter > 0.0:
+        raise ValueError(
+            f"wire_diameter = {wire_diameter:g}: must be above 0, or wires have no surface to touch (in m)"
+        )
+    lone = LonePass(trajectory)
+    end = float(trajectory.time[-1]) if until is None else until
+
+    def gap(pitch: float) -> float:
+        return nearest_approach(lone, pitch, end)[0] - wire_diameter
+
+    pitch, open_gap, wider = largest, gap(largest), math.inf
+    if open_gap <= 0.0:
+        raise ValueError(
+            f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
+        )
+    # Ends at the latest where the next wire would stand in this one.
+    while True:
+        narrower = max(pitch - PITCH_STEP, 0.0)
+        closed = gap(narrower)
+        if closed > 0.0 and wider > open_gap < closed:
+            depth, deepest = _minimum(gap, narrower, pitch + PITCH_STEP)
+            if depth <= 0.0:
+                return float(brentq(gap, deepest, pitch + PITCH_STEP, xtol=PITCH_TOLERANCE))
+        if closed <= 0.0:
+            return float(brentq(gap, narrower, pitch, xtol=PITCH_TOLERANCE))
+        pitch, wider, open_gap = narrower, open_gap, closed
