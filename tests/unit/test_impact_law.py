@@ -642,7 +642,10 @@ def test_march_in_small_impulses(kind):
             {"inverse_mass": [[-1.0, 0.0], [0.0, 1.0]]},
             r"^inverse_mass = \(-1, 0, 0, 1\): must be positive semidefinite \(1/kg\)",
         ),
-        ({"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]}, r"^inverse_mass = \(nan, 0, 0, 1\): must have finite entries"),
+        (
+            {"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]},
+            r"^inverse_mass = \(nan, 0, 0, 1\): must have finite entries",
+        ),
         ({"inverse_mass": [1.0, 2.0]}, r"^inverse_mass, velocity of shapes \(2,\), \(2,\)"),
         ({"velocity": [-1.0, 0.0, 0.0]}, r"^inverse_mass, velocity of shapes \(2, 2\), \(3,\)"),
         ({"velocity": [-math.inf, 0.0]}, r"^velocity = \(-inf, 0\): must have finite components \(m/s\)"),

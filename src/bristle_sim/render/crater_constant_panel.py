@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from bristle_sim.render.style import BLACK, GREY, ORANGE, SERIES
-from bristle_sim.studies.crater_constant import IMPACT_ANGLES_DEG, constants_over
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
+from bristle_sim.studies.crater_sums import IMPACT_ANGLES_DEG, constants_over
 from bristle_sim.theory.crater import friction_for_crater_depth
 
 __all__ = ["draw_constants"]
