@@ -109,7 +109,7 @@ def beam_frequencies(
 def _swing(characteristic: Callable[[float], float], ratio: float) -> float:
     """Return the root of the first mode, between 0 and the cantilever's 1.8751; for a small ratio (3 ratio)^(1/4)."""
     if ratio < RIGID:
-        return (3.0 * ratio) ** 0.25
+        return math.sqrt(math.sqrt(3.0 * ratio))
     low = min(1.0, 0.5 * (3.0 * ratio) ** 0.25)
     return float(brentq(characteristic, low, 1.9, xtol=1e-15 * low, rtol=1e-14))
 
