@@ -11,7 +11,7 @@ from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import PiecewiseCubic
 from bristle_sim.studies.force_comparison import SEGMENTS, force_comparison, segment_table
-from bristle_sim.studies.force_trials import fit_trials, noisy_points, trial_row
+from bristle_sim.studies.force_fits import fit_trials, noisy_points, trial_row
 from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
 from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve
 

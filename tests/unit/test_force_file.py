@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bristle_sim.force_file.layout import unit_of, without_unit
 from bristle_sim.force_file.read import read_force_csv
-from bristle_sim.force_file.units import unit_of, without_unit
 
 TIME = np.array([-2e-5, -1e-5, 0.0, 1e-5, 2e-5, 3e-5])
 FORCE = np.array([0.0, 0.25, 12.5, 40.0, 12.5, -0.5])

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle, Tool
+from bristle_sim.theory.ranges import RANGES
 from bristle_sim.theory.wire import (
     beam_frequencies,
     chain_frequencies,
@@ -49,6 +50,20 @@ def test_a_stiff_wire_swings_as_a_rigid_rod() -> None:
     rigid = math.sqrt(BELT / (mass * length**2 / 3.0)) / math.tau
     assert beam_frequencies(mass, length, diameter, 1e15, BELT, 1)[0] == pytest.approx(rigid, rel=1e-4)
     assert chain_frequencies(*WIRE, BELT, 1)[0] == pytest.approx(rigid, rel=1e-13)
+
+
+@pytest.mark.parametrize("stiffness", [1e-10, 1e-13, 1e-25, 1e-60])
+def test_a_soft_root_swings_a_rigid_rod(stiffness: float) -> None:
+    """sqrt(k/I)/(2 pi) up to parts of order k L/(E I_a), here at most 1.1e-9, and rounding of the beam equation, 1e-9."""
+    rigid = math.sqrt(stiffness / (WIRE[0] * WIRE[1] ** 2 / 3.0)) / math.tau
+    assert beam_frequencies(*WIRE, stiffness, 1)[0] == pytest.approx(rigid, rel=3e-9, abs=0.0)
+
+
+@pytest.mark.parametrize("function", [beam_frequencies, chain_frequencies])
+def test_the_ends_of_all_ranges_give_finite_numbers(function: Callable) -> None:
+    names = ("mass", "length", "diameter", "modulus", "root_stiffness")
+    for values in itertools.product(*((RANGES[name].lowest, RANGES[name].highest) for name in names)):
+        assert np.all(np.isfinite(function(*values, 3)))
 
 
 def test_two_links_by_hand() -> None:

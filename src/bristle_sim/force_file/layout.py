@@ -12,9 +12,33 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from bristle_sim.force_file.units import unit_of, without_unit
+__all__ = [
+    "FORCE",
+    "TIME",
+    "VOLTAGE",
+    "Column",
+    "Layout",
+    "columns_of",
+    "find_layout",
+    "is_data",
+    "is_number",
+    "unit_of",
+    "without_unit",
+]
 
-__all__ = ["Column", "Layout", "columns_of", "find_layout", "is_data", "is_number"]
+TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605}
+VOLTAGE = {"V": 1.0, "mV": 1e-3}
+"""Units in SI."""
+
+WORDS = {
+    "sec": "s", "second": "s", "sekunde": "s", "sekunden": "s", "msec": "ms", "millisecond": "ms", "usec": "us", "microsecond": "us",
+    "newton": "N", "millinewton": "mN", "kilonewton": "kN", "volt": "V", "millivolt": "mV",
+}  # fmt: skip
+"""Spelled out, in the singular and lower case."""
+
+BRACKETED = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+LAST = re.compile(r"(?:^|[\s_/,])([^\s_/,\[\]()]+)\s*$")
 
 SAMPLED_LINES = 200
 """Lines at the beginning, and as many spread over the file, from which its layout is read."""
@@ -153,3 +177,32 @@ def is_number(cell: str, decimal: str) -> bool:
     except ValueError:
         return cell.lstrip("+-") == "∞"
     return "_" not in cell
+
+
+def unit_of(heading: str) -> str:
+    """Return the unit of the tables above; as written if it is unknown but in brackets, empty if there is none."""
+    bracketed = BRACKETED.search(heading)
+    if bracketed is not None:
+        return _known(bracketed[1]) or bracketed[1]
+    last = LAST.search(heading)
+    return "" if last is None else _known(last[1])
+
+
+def without_unit(heading: str) -> str:
+    """Return the heading before its unit."""
+    bracketed = BRACKETED.search(heading)
+    if bracketed is not None:
+        return heading[: bracketed.start()].strip()
+    last = LAST.search(heading)
+    if last is None or not _known(last[1]):
+        return heading.strip()
+    return re.sub(r"[\s_/,]+(in)?$", "", heading[: last.start()]).strip()
+
+
+def _known(word: str) -> str:
+    # The micro sign and the Greek letter are two characters.
+    plain = word.replace("µ", "u").replace("μ", "u")
+    if plain in TIME or plain in FORCE or plain in VOLTAGE:
+        return plain
+    word = plain.lower()
+    return WORDS.get(word) or WORDS.get(word.removesuffix("s"), "")

@@ -13,8 +13,17 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.force_file.layout import Column, Layout, columns_of, find_layout, is_data, is_number
-from bristle_sim.force_file.units import FORCE, TIME, VOLTAGE
+from bristle_sim.force_file.layout import (
+    FORCE,
+    TIME,
+    VOLTAGE,
+    Column,
+    Layout,
+    columns_of,
+    find_layout,
+    is_data,
+    is_number,
+)
 
 __all__ = ["read_force_csv"]
 

@@ -15,9 +15,14 @@ from numpy.typing import NDArray
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.render.panels import note, panel_title
 from bristle_sim.render.style import axes_at, blank_figure, signed, styled
-from bristle_sim.studies.crater_constant import IMPACT_ANGLES_DEG, constants_over
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
-from bristle_sim.studies.crater_sums import merchant_depth_course, merchant_depth_extrapolated, merchant_depth_sum
+from bristle_sim.studies.crater_sums import (
+    IMPACT_ANGLES_DEG,
+    constants_over,
+    merchant_depth_course,
+    merchant_depth_extrapolated,
+    merchant_depth_sum,
+)
 from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
 

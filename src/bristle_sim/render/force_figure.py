@@ -13,7 +13,7 @@ from bristle_sim.render.panels import note, panel_title
 from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segment_table
-from bristle_sim.studies.force_trials import FitTrial
+from bristle_sim.studies.force_fits import FitTrial
 from bristle_sim.theory.force_history import BRISTLE, TABLE_3_1, segment_impulses
 
 __all__ = ["draw_forces", "draw_segments", "force_figure"]

@@ -18,14 +18,16 @@ from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.crater_constant import constant_in_words, constant_row, constants_over
 from bristle_sim.studies.crater_sums import (
+    constant_in_words,
+    constant_row,
+    constants_over,
     energy_depth_course,
     merchant_depth_course,
     merchant_depth_extrapolated,
     merchant_depth_sum,
 )
-from bristle_sim.studies.timed_contact import timed_contact
+from bristle_sim.studies.timed_contact import BALANCE, reported, timed_contact, work_row
 from bristle_sim.theory.crater import energy_crater_depth, energy_crater_depth_ratio, merchant_crater_depth_limit
 from bristle_sim.theory.crater_cutting import (
     ContactCrater,
@@ -49,14 +51,10 @@ MEASURED = 1.3e-4
 PRINTED = {"merchant_crater_depth": 1.4e-4, "merchant_crater_depth_limit": 1.4e-4, "energy_crater_depth": 7.58e-5}
 """m; Zhang 2020, fig. 4.13, where 300 plies are called converged, and fig. 4.19."""
 
-BALANCE = 1e-4
-"""Cubics through some thirty samples of a half wave leave (pi/30)^4/180 = 7e-7 of a work, more where the hub turns by
-degrees meanwhile or the last piece is short."""
-
 
 @dataclass(frozen=True, slots=True)
 class CraterStudy:
-    """What pictures are made of.
+    """Results of the study, from which its figures are drawn.
 
     Attributes:
         crater: its parameters.
@@ -100,18 +98,7 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
     )
-    contact = study.contact
-    if contact is None:
-        return report
-    outcome = contact.record.outcome
-    return dataclasses.replace(
-        report,
-        outcome="stiction" if outcome == "jam" else outcome,
-        phases=contact.record.phases,
-        events=(("strike", 0.0), ("deepest", contact.compression_time)),
-        wall_s=contact.wall_s,
-        steps=contact.steps,
-    )
+    return report if study.contact is None else reported(report, study.contact)
 
 
 def _with_angles(crater: Crater) -> CraterStudy:
@@ -210,7 +197,7 @@ def _work_rows(contact: TimedContact) -> tuple[Quantity, ...]:
     turning, given = -contact.work_in_hub_frame, contact.energy_given_up_in_hub_frame
     allowed = BALANCE * abs(contact.work / given) if given else BALANCE
     return (
-        Quantity("contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE),
+        work_row(contact),
         Quantity("contact_work_in_hub_frame", "J", turning, given, tolerance=allowed),
     )
 

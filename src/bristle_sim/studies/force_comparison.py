@@ -7,7 +7,6 @@ points of the curve, exact and noisy.
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from dataclasses import dataclass
 from itertools import pairwise
@@ -21,16 +20,19 @@ from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.force_trials import (
+from bristle_sim.studies.force_fits import (
     FitTrial,
+    MeasuredForce,
     fit_as_dict,
     fit_trials,
+    measured_force,
+    measured_in_words,
+    measured_rows,
     trial_as_dict,
     trial_in_words,
     trial_row,
 )
-from bristle_sim.studies.measured_force import MeasuredForce, measured_force, measured_in_words, measured_rows
-from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
+from bristle_sim.studies.timed_contact import reported, resultant_impulse, timed_contact, work_row
 from bristle_sim.theory.force_history import (
     BALL,
     BRISTLE,
@@ -49,14 +51,10 @@ SEGMENTS = 10
 """Equal parts of the compression (Zhang 2020, table 3.1)."""
 
 SOURCES = ("printed", "scaled", "curve", "simulated")
-"""Of a segment's impulse: table 3.1, the ball's fraction of the printed impulse (3.15), the curve, the contact."""
+"""Origins of a segment's impulse: table 3.1, the ball's fraction of the printed impulse (3.15), the curve, the contact."""
 
 OPERATING_SPEED = float(tip_speed(Bristle().length, Hub().radius, Hub().speed, Strike().speed_ratio))
-"""Of the tip, m/s: 845.6 rad/s as an absolute rate (Zhang 2020, eq. 4.3)."""
-
-BALANCE = 1e-4
-"""Of the work of the force beside the energy given up: cubics through some thirty samples of a half wave leave
-(pi/30)^4/180 = 7e-7 of a work, more where the hub turns by degrees meanwhile or the last piece is short."""
+"""Speed of the tip, m/s, at 845.6 rad/s as an absolute rate (Zhang 2020, eq. 4.3)."""
 
 PRINTED = {"peak_force": 57.0, "compression_time": 5e-5, "compressive_impulse": PRINTED_BRISTLE_IMPULSE}
 """Zhang 2020, eqs. 3.21, 3.20 and 3.9."""
@@ -64,7 +62,7 @@ PRINTED = {"peak_force": 57.0, "compression_time": 5e-5, "compressive_impulse": 
 
 @dataclass(frozen=True, slots=True)
 class ForceComparison:
-    """What pictures are made of.
+    """Results of the comparison, from which its figures are drawn.
 
     Attributes:
         curve: (3.19), or the one fitted to measured points.
@@ -112,19 +110,8 @@ def force_comparison(
         },
         subject=subject,
     )
-    return found if subject.contact is None else _with_course(found, subject.contact)
-
-
-def _with_course(report: Report, contact: TimedContact) -> Report:
-    outcome = contact.record.outcome
-    return dataclasses.replace(
-        report,
-        outcome="stiction" if outcome == "jam" else outcome,
-        phases=contact.record.phases,
-        events=(("strike", 0.0), ("deepest", contact.compression_time), ("end", float(contact.time[-1]))),
-        wall_s=contact.wall_s,
-        steps=contact.steps,
-    )
+    contact = subject.contact
+    return found if contact is None else reported(found, contact, end=float(contact.time[-1]))
 
 
 def _contact(
@@ -171,9 +158,7 @@ def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float
 def _check_rows(subject: ForceComparison) -> tuple[Quantity, ...]:
     """Check the force by its work over the path, the fit of a file by its points, and the fit by known points."""
     contact, measured = subject.contact, subject.measured
-    works = () if contact is None else (
-        Quantity("contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE),
-    )  # fmt: skip
+    works = () if contact is None else (work_row(contact),)
     files = () if measured is None else measured_rows(measured)
     return (*works, *files, *(trial_row(each, subject.curve) for each in subject.trials))
 

@@ -16,8 +16,7 @@ energy right in kind, but divides it by the force of another event.
 A contact resolved in time gives both: its compression ends where the tip is deepest; up to there the force along the path,
 N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip is W. The two depths agree only if the contact is
 as stiff as the chip is: the energy does not depend on how long the contact lasts, but a force is inversely proportional to
-it. The impact of a bristle on a hub that keeps its speed gives the energy m v^2/6 whatever gamma and mu (Zhang 2020, eqs. 2.40,
-2.58 added), and the impulse m v/3 along the path.
+it. A bristle on a hub that keeps its speed gives up m v^2/6 whatever gamma and mu (Zhang 2020, eqs. 2.40, 2.58 added).
 
 Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back, compression only, and a
 face longer than the cut is deep.
@@ -34,7 +33,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.theory.checks import require, single
-from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, TipFace
+from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE, TipFace
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
 from bristle_sim.theory.ranges import checked_arguments
 
@@ -63,7 +62,7 @@ LEAST_ANGLE = 1e-60
 """In rad: a path that descends by less has no depth that is a float."""
 
 COLUMNS = ("time", "normal_force", "tangential_force", "penetration", "normal_velocity", "tangential_velocity")
-"""Of a contact resolved in time."""
+"""What is known of a contact resolved in time, sample by sample."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,12 +105,11 @@ class ContactCrater:
 
 
 @checked_arguments
-def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace | None = None) -> Number:
+def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace = PRINTED_FACE) -> Number:
     """Return the volume V(S) that the face sweeps below the surface, integral of b(S' sin(gamma)) S' tan(gamma) dS', m^3.
 
     Up to the full depth the substitution S' = S u^2 makes the integrand smooth; from there on the width is constant.
     """
-    face = TipFace() if face is None else face
     gamma = np.asarray(impact_angle)
     _check_angle(gamma)
     full = face.full_depth / np.sin(gamma)
@@ -127,7 +125,7 @@ def depth_from_energy(
     energy: ArrayLike,
     specific_energy: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
-    face: TipFace | None = None,
+    face: TipFace = PRINTED_FACE,
 ) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
@@ -140,7 +138,6 @@ def depth_from_energy(
     Raises:
         ValueError: if energy is negative, u not positive or gamma not within 0 < gamma < pi/2.
     """
-    face = TipFace() if face is None else face
     _check_angle(impact_angle)
     volume, slope = np.divide(energy, specific_energy), np.tan(impact_angle)
 
@@ -157,15 +154,12 @@ def depth_from_force(
     cutting_force: ArrayLike,
     specific_energy: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
-    face: TipFace | None = None,
+    face: TipFace = PRINTED_FACE,
 ) -> Number:
     """Return the crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m.
 
-    There are no plies and no b(t).
-
-    Args and errors as for depth_from_energy; cutting_force is that along the path, N.
+    There are no plies and no b(t). Arguments and errors are those of depth_from_energy; the force is that along the path, N.
     """
-    face = TipFace() if face is None else face
     _check_angle(impact_angle)
     area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / specific_energy
     # Beyond the full depth the width is constant, and b(depth) depth = area is linear.
@@ -187,7 +181,7 @@ def cutting_stroke(
     effective_mass: float,
     specific_energy: float,
     impact_angle: float = IMPACT_ANGLE,
-    face: TipFace | None = None,
+    face: TipFace = PRINTED_FACE,
 ) -> CuttingStroke:
     """Stop a tip by cutting alone, (effective_mass) dv/dt = -u b d_u.
 
@@ -201,10 +195,9 @@ def cutting_stroke(
     Raises:
         ValueError: if speed, mass or u is not positive or gamma not within 0 < gamma < pi/2.
     """
-    face = TipFace() if face is None else face
-    for name, value in (("speed", speed), ("effective_mass", effective_mass), ("specific_energy", specific_energy)):
+    given = {"speed": speed, "effective_mass": effective_mass, "specific_energy": specific_energy}
+    for name, value in (given | {"impact_angle": impact_angle}).items():
         single(name, value)
-    single("impact_angle", impact_angle)
     depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle, face))
     path = depth / math.sin(impact_angle)
     # v = speed sqrt(1 - V/V_end) vanishes like a root at the end: S = path (1 - w^2) takes it away.
@@ -222,7 +215,7 @@ def _check_angle(impact_angle: ArrayLike) -> None:
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
-    """Find the root by Newton's method for a rising function from a start close below its root; where the start is 0 so is the root."""
+    """Find the root of a rising function by Newton's method from a start close below it, or at it if that is 0."""
     root = np.asarray(start, dtype=float)
     for _ in range(NEWTON_STEPS):
         value, slope = excess(root)
@@ -245,7 +238,7 @@ def crater_depth_from_contact(
     impact_angle: float = IMPACT_ANGLE,
     shear_yield_stress: float = API_5L,
     friction: float | None = None,
-    face: TipFace | None = None,
+    face: TipFace = PRINTED_FACE,
     surface: Surface = "parallel",
 ) -> ContactCrater:
     """Return the craters that follow from a contact resolved in time, up to its deepest penetration.
@@ -266,10 +259,10 @@ def crater_depth_from_contact(
         ValueError: for arrays of unequal length, values that are not finite, times that do not increase, or a contact
             without a pressing force.
     """
-    for name, value in {"impact_angle": impact_angle, "shear_yield_stress": shear_yield_stress}.items():
-        single(name, value)
-    if friction is not None:
-        single("friction", friction)
+    scalars = {"impact_angle": impact_angle, "shear_yield_stress": shear_yield_stress, "friction": friction}
+    for name, value in scalars.items():
+        if value is not None:
+            single(name, value)
     _check_angle(impact_angle)
     given = (time, normal_force, tangential_force, penetration, normal_velocity, tangential_velocity)
     t, normal, tangential, inside, v_n, v_t = _compression(given)

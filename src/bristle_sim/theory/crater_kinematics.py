@@ -21,6 +21,7 @@ from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = [
     "PRINTED_ENERGY",
+    "PRINTED_FACE",
     "PRINTED_KINEMATICS",
     "PRINTED_WIDTH",
     "CraterKinematics",
@@ -201,6 +202,9 @@ class CuttingWidth:
 
 PRINTED_KINEMATICS = CraterKinematics()
 """Motion with the printed constants (Zhang 2020, eqs. 4.4-4.10)."""
+
+PRINTED_FACE = TipFace()
+"""Cutting face with the printed constants (Zhang 2020, eqs. 4.9-4.13)."""
 
 PRINTED_WIDTH = CuttingWidth()
 """Width with the printed constants (Zhang 2020, eq. 4.16)."""

@@ -125,7 +125,7 @@ class ForceCurve:
         """Return the same shape with another compressive impulse (N s) and compression time (s).
 
         Equal shares of the compression time carry equal shares of the impulse (3.14), so with k the ratio of the
-        compression times F_new(t) = (impulse / (k p_c)) F(t/k): lengths stretch by k, rates shrink by it.
+        compression times F_new(t) = (impulse / (k p_c)) F(t/k): times grow by k, rates shrink by it.
 
         Raises:
             ValueError: if an argument is not positive and finite.
@@ -133,15 +133,15 @@ class ForceCurve:
         positive("impulse", impulse, "N s")
         positive("compression_time", compression_time, "s")
         peak = self.peak_time()
-        stretch = compression_time / peak
-        scale = impulse / (stretch * float(self.impulse(peak)))
+        factor = compression_time / peak
+        scale = impulse / (factor * float(self.impulse(peak)))
         return dataclasses.replace(
             self,
-            decay=tuple(each / stretch for each in self.decay),
+            decay=tuple(each / factor for each in self.decay),
             offset=self.offset * scale,
             swing=self.swing * scale,
-            lead=self.lead * stretch,
-            period=self.period * stretch,
+            lead=self.lead * factor,
+            period=self.period * factor,
         )
 
     def _derivative(self, time: ArrayLike, order: int) -> Number:

@@ -157,7 +157,7 @@ def stick_threshold(inverse_mass: ArrayLike) -> Number:
         raise ValueError(f"inverse_mass of shape {matrix.shape}: must be (..., 2, 2)")
     coupling, tangential = np.abs(matrix[..., 0, 1]), matrix[..., 1, 1]
     holds = np.isfinite(matrix).all(axis=(-2, -1)) & (tangential > sys.float_info.min * coupling) & (tangential > 0.0)
-    require("inverse_mass", tangential, holds, "must have finite entries, the tangential one above 0 (1/kg)")
+    require("inverse_mass", tangential, holds, "must be finite, its tangential entry above 0 (1/kg)")
     return coupling / tangential
 
 
@@ -249,34 +249,23 @@ def _check(values: list[Number], k_tn: Number) -> None:
     matrix = (k_nn, k_nt, k_tn, k_tt)
     finite = isfinite(k_nn) & isfinite(k_nt) & isfinite(k_tt) & isfinite(k_tn)
     # The product of roots neither overflows nor vanishes, as the root of the product may.
-    positive = (k_nn >= 0.0) & (k_tt >= 0.0)
     mean = square_root(magnitude(k_nn)) * square_root(magnitude(k_tt))
     symmetric = magnitude(k_nt - k_tn) <= 1e-9 * mean
+    semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (magnitude(k_nt) <= mean * (1.0 + 5e-10))
+    least = "finite and >= 0 (dimensionless)"
     rules = [
-        ("inverse_mass", "have finite entries (1/kg)", finite, matrix),
-        ("inverse_mass", "be symmetric (1/kg)", symmetric, matrix),
-        (
-            "inverse_mass",
-            "be positive semidefinite (1/kg)",
-            positive & (magnitude(k_nt) <= mean * (1.0 + 5e-10)),
-            matrix,
-        ),
-        ("velocity", "have finite components (m/s)", isfinite(normal) & isfinite(tangential), (normal, tangential)),
-        ("friction", "be finite and >= 0 (dimensionless)", (mu_1 >= 0.0) & (mu_1 <= MOST_FRICTION), (mu_1,)),
-        (
-            "restitution_friction",
-            "be finite and >= 0 (dimensionless)",
-            (mu_2 >= 0.0) & (mu_2 <= MOST_FRICTION),
-            (mu_2,),
-        ),
-        ("restitution", "be 0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0), (e,)),
+        ("inverse_mass", "finite (1/kg)", finite, matrix),
+        ("inverse_mass", "symmetric (1/kg)", symmetric, matrix),
+        ("inverse_mass", "positive semidefinite (1/kg)", semidefinite, matrix),
+        ("velocity", "finite (m/s)", isfinite(normal) & isfinite(tangential), (normal, tangential)),
+        ("friction", least, (mu_1 >= 0.0) & (mu_1 <= MOST_FRICTION), (mu_1,)),
+        ("restitution_friction", least, (mu_2 >= 0.0) & (mu_2 <= MOST_FRICTION), (mu_2,)),
+        ("restitution", "0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0), (e,)),
     ]
-    rules += [
-        ("stick_compliance", "be finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)) for each in given
-    ]
+    rules += [("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)) for each in given]
     for name, rule, holds, told in rules:
         if not _all(holds):
-            raise ValueError(f"{name} = {_first(told, holds)}: must {rule}")
+            raise ValueError(f"{name} = {_first(told, holds)}: must be {rule}")
 
 
 def _all(holds: Number) -> bool:

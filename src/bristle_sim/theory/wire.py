@@ -34,6 +34,10 @@ MOST_MODES = 50
 MOST_LINKS = 1000
 """The chain's eigenvalues are those of dense matrices of this size."""
 
+RIGID = 1e-10
+"""Ratio of the root's spring to the wire's bending, k_T L/(E I_a), below which the first mode is a rigid rod's to this relative
+error; of a smaller one the beam equation, a difference of order lambda^3, keeps no more digits."""
+
 
 @checked_arguments
 def second_moment_of_area(diameter: float) -> float:
@@ -104,8 +108,8 @@ def beam_frequencies(
 
 def _swing(characteristic: Callable[[float], float], ratio: float) -> float:
     """Return the root of the first mode, between 0 and the cantilever's 1.8751; for a small ratio (3 ratio)^(1/4)."""
-    if not ratio:
-        return 0.0
+    if ratio < RIGID:
+        return math.sqrt(math.sqrt(3.0 * ratio))
     low = min(1.0, 0.5 * (3.0 * ratio) ** 0.25)
     return float(brentq(characteristic, low, 1.9, xtol=1e-15 * low, rtol=1e-14))
 

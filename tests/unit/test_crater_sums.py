@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.crater_parameters import Crater
-from bristle_sim.studies.crater_constant import (
+from bristle_sim.studies.crater_sums import (
     FRICTIONS,
     IMPACT_ANGLES_DEG,
     constant_in_words,
