@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import bent_bristles
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and run it with the three shapes."""
+    from bristle_sim.studies.bent_bristles import bent_bristles
+
     tool = Tool(
         hub=build(Hub, values),
         belt=build(Belt, values),
@@ -54,6 +55,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     series=series,
+    without=WIRE_KEYS,
     defaults={
         "hub_speed": (272.27, "Zhang 2020, fig. 1.4: 2600 rpm"),
         "belt_damping_ratio": (0.05, "assumed: a wire that has swung out before the next strike"),

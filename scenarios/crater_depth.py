@@ -11,14 +11,15 @@ from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.crater_parameters import Crater
-from bristle_sim.parameters import Bristle, Hub
+from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.crater_study import crater_study
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Cut once, by every estimate."""
+    from bristle_sim.studies.crater_study import crater_study
+
     return crater_study(build(Hub, values), build(Bristle, values), build(Crater, values), build(Settings, values))
 
 
@@ -44,7 +45,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     series=series,
-    without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
+    without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
 )
 
 if __name__ == "__main__":

@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import whole_pass
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and simulate one pass."""
+    from bristle_sim.studies.whole_pass import whole_pass
+
     tool = Tool(
         hub=build(Hub, values),
         belt=build(Belt, values),
@@ -58,6 +59,7 @@ SCENARIO = Scenario(
     plot=plot,
     video=video,
     series=series,
+    without=WIRE_KEYS,
 )
 
 if __name__ == "__main__":

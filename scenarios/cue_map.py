@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_map import MapGrid, cue_map
@@ -34,8 +34,10 @@ def plot(report: Report, path: Path) -> None:
     """Draw maps of lag, tip speed, normal work and crater depth over the bar's position."""
     from bristle_sim.render.map_figure import map_figure
     from bristle_sim.render.style import save_figure
+    from bristle_sim.studies.cue_map import position_map
 
-    save_figure(map_figure(report.subject), path)
+    found = report.subject
+    save_figure(map_figure(found, position_map(found.tool, found.settings, found.grid)), path)
 
 
 SCENARIO = Scenario(
@@ -44,7 +46,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Tool, Settings, Comparison, MapGrid),
     run=run,
     plot=plot,
-    without=("knee_position", "knee_angle_deg"),
+    without=("knee_position", "knee_angle_deg", *WIRE_KEYS),
     defaults={
         "reference": ("yes", "chosen: the roots are found a second time in the independent solution"),
         "accuracy": (1e-9, "chosen: the roots are found to 1e-6"),

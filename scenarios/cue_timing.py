@@ -12,14 +12,15 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_timing import cue_timing, unplaced
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and release its bristle."""
+    from bristle_sim.studies.cue_timing import cue_timing, unplaced
+
     hub, bristle, bar = build(Hub, values), build(Bristle, values), build(Bar, values)
     tool = Tool(
         hub=hub,
@@ -60,6 +61,7 @@ SCENARIO = Scenario(
     without=(
         "knee_position",
         "knee_angle_deg",
+        *WIRE_KEYS,
         "hub_turn",
         "friction",
         "restitution_friction",

@@ -13,11 +13,12 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, DoublePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import double_pendulum
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike once, by the law asked for."""
+    from bristle_sim.studies.impacts import double_pendulum
+
     return double_pendulum(
         build(DoublePendulum, values), build(Surface, values), build(Contact, values), build(Settings, values)
     )
@@ -27,7 +28,7 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, final rates over the mass ratio, energy over the engine's iterations."""
     from bristle_sim.render.impact_figures import double_pendulum_figure
     from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.impact_families import double_pendulum_panels
+    from bristle_sim.studies.double_pendulum_families import double_pendulum_panels
     from bristle_sim.studies.law_convergence import engine_energy
 
     impacts = report.subject

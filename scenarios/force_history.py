@@ -13,14 +13,15 @@ from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.crater_parameters import ForceHistory, Measurement
-from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.force_comparison import force_comparison
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike with the curve's impulse in the curve's time."""
+    from bristle_sim.studies.force_comparison import force_comparison
+
     return force_comparison(
         build(Hub, values),
         build(Bristle, values),
@@ -53,7 +54,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     series=series,
-    without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
+    without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
 )
 
 if __name__ == "__main__":

@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import inertia_driven
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the bar-cued tool from the keys and run it with and without its bar."""
+    from bristle_sim.studies.inertia_driven import inertia_driven
+
     tool = Tool(
         hub=build(Hub, values),
         belt=build(Belt, values),
@@ -42,7 +43,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=run,
     plot=plot,
-    without=("knee_position", "knee_angle_deg", "hub_turn", "step"),
+    without=("knee_position", "knee_angle_deg", *WIRE_KEYS, "hub_turn", "step"),
     defaults={
         "reference": ("yes", "chosen: a flight takes the independent solution little time"),
         "accuracy": (1e-9, "chosen: the flight is held to 1e-8 of the reference"),

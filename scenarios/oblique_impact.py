@@ -10,14 +10,15 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
+from bristle_sim.parameters import WIRE_KEYS, Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import oblique_impact
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike once, by the law asked for."""
+    from bristle_sim.studies.impacts import oblique_impact
+
     return oblique_impact(
         build(Hub, values),
         build(Bristle, values),
@@ -32,7 +33,7 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
     from bristle_sim.render.impact_figures import oblique_figure
     from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.impact_families import oblique_panels
+    from bristle_sim.studies.rod_families import oblique_panels
 
     save_figure(oblique_figure(report.subject, oblique_panels(report.subject)), path)
 
@@ -58,7 +59,7 @@ SCENARIO = Scenario(
     plot=plot,
     video=video,
     series=series,
-    without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
+    without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
 )
 
 if __name__ == "__main__":

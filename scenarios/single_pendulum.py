@@ -13,11 +13,12 @@ from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impacts import single_pendulum
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Strike once, by the law asked for."""
+    from bristle_sim.studies.impacts import single_pendulum
+
     return single_pendulum(
         build(SinglePendulum, values), build(Surface, values), build(Contact, values), build(Settings, values)
     )
@@ -27,7 +28,7 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
     from bristle_sim.render.impact_figures import single_pendulum_figure
     from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.impact_families import single_pendulum_panels
+    from bristle_sim.studies.rod_families import single_pendulum_panels
 
     save_figure(single_pendulum_figure(report.subject, single_pendulum_panels(report.subject)), path)
 

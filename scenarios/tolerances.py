@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 from bristle_sim.studies.tolerances import Sampling, Spreads, tolerances
@@ -44,7 +44,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Tool, Settings, Spreads, Sampling),
     run=run,
     plot=plot,
-    without=("knee_position", "knee_angle_deg"),
+    without=("knee_position", "knee_angle_deg", *WIRE_KEYS),
 )
 
 if __name__ == "__main__":

@@ -2,36 +2,36 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.quantity import ANY, Range, quantity, shown, validate
+from bristle_sim.quantity import ANY, Range, count, quantity, shown, validate
 
-__all__ = ["Crater", "ForceHistory", "InputFile", "Measurement"]
-
-SPEED_RATIO_SOURCE = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
+__all__ = ["Crater", "ForceHistory", "Measurement", "Text"]
 
 
 @dataclass(frozen=True, slots=True)
-class InputFile:
-    """A file to read; None where there is none."""
+class Text:
+    """A declared text, such as the name of a file or a column; None where there is none."""
 
     key: str
     source: str
-    unit: str = "file"
-    allowed: str = "a readable file"
+    unit: str
+    allowed: str
+    holds: Callable[[str], bool]
     optional: bool = True
     meaning: str = ""
     needs: str = ""
 
     def parse(self, text: str) -> str:
-        """Turn typed text into the name of a file that is there; raises ValueError in one line."""
+        """Take typed text; raises ValueError in one line."""
         return self.check(text)
 
     def check(self, value: Any) -> str:
-        """Return the name, or raise ValueError with key, value and what it must be."""
-        if not isinstance(value, str) or not _is_file(value):
+        """Return the text, or raise ValueError with key, value and what it must be."""
+        if not isinstance(value, str) or not self.holds(value):
             raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
         return str(value)
 
@@ -43,42 +43,34 @@ def _is_file(name: str) -> bool:
         return False
 
 
-@dataclass(frozen=True, slots=True)
-class ColumnName:
-    """A column of a file; None where the file itself says which."""
-
-    key: str
-    source: str
-    unit: str = "column"
-    allowed: str = "the heading of a column, or its number from 1 on"
-    optional: bool = True
-    meaning: str = ""
-    needs: str = ""
-
-    def parse(self, text: str) -> str:
-        """Take typed text as it is; raises ValueError in one line if there is none."""
-        return self.check(text)
-
-    def check(self, value: Any) -> str:
-        """Return the name, or raise ValueError with key, value and what it must be."""
-        if not isinstance(value, str) or not value.strip():
-            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
-        return value
+def _is_name(name: str) -> bool:
+    return bool(name.strip())
 
 
-_FORCE_CSV = InputFile(
+_HEADING = "the heading of a column, or its number from 1 on"
+
+_FORCE_CSV = Text(
     "force_csv",
     "none: the measured points are not in print",
+    "file",
+    "a readable file",
+    _is_file,
     meaning="measured force history: columns of time and force as an oscilloscope exports them",
 )
-_TIME_COLUMN = ColumnName(
+_TIME_COLUMN = Text(
     "time_column",
     "the one that the file marks as time, else the first",
+    "column",
+    _HEADING,
+    _is_name,
     meaning="column of the time in the file",
 )
-_FORCE_COLUMN = ColumnName(
+_FORCE_COLUMN = Text(
     "force_column",
     "the one that the file marks as force, or the only other one",
+    "column",
+    _HEADING,
+    _is_name,
     meaning="column of the force in the file",
 )
 _FORCE_PER_VOLT = Range(
@@ -118,8 +110,8 @@ class Measurement:
 class ForceHistory:
     """The contact compared with a force curve, and the points on which the fit is tried.
 
-    ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse asks for, as long
-    as its force rises.
+    ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse needs, as long as
+    its force rises.
     """
 
     speed_ratio: float | None = quantity(
@@ -149,15 +141,13 @@ class ForceHistory:
         source="the curve's: Zhang 2020, eq. 3.20, 5e-5",
         meaning="time from first touch to the highest force; none: the curve's",
     )
-    points: float = quantity(
-        101.0,
+    points: int = count(
+        101,
         "points",
-        "1",
-        at_least=10.0,
-        at_most=1e5,
+        at_least=10,
+        at_most=100_000,
         source="chosen: on which the fit is tried",
         meaning="number of points of the curve on which the fit is tried",
-        usual=ANY,
     )
     noise: float = quantity(
         1.0,
@@ -172,7 +162,6 @@ class ForceHistory:
 
     def __post_init__(self) -> None:
         validate(self)
-        _whole("points", self.points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,7 +174,7 @@ class Crater:
         "1",
         at_least=0.0,
         at_most=1e6,
-        source=SPEED_RATIO_SOURCE,
+        source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
         meaning="bristle's rate over the hub's speed when it strikes, R",
     )
     impact_angle_deg: float = quantity(
@@ -215,15 +204,13 @@ class Crater:
         source="Zhang 2020, eq. 4.53: steel API 5L",
         meaning="shear yield stress of the workpart's steel",
     )
-    plies: float = quantity(
-        300.0,
+    plies: int = count(
+        300,
         "plies",
-        "1",
-        at_least=1.0,
-        at_most=1e5,
+        at_least=1,
+        at_most=100_000,
         source="Zhang 2020, below fig. 4.13: n, of equal time",
         meaning="number of layers into which the cut is divided",
-        usual=ANY,
     )
     compression_time: float = quantity(
         5e-5,
@@ -237,9 +224,3 @@ class Crater:
 
     def __post_init__(self) -> None:
         validate(self)
-        _whole("plies", self.plies)
-
-
-def _whole(key: str, value: float) -> None:
-    if value != int(value):
-        raise ValueError(f"{key} = {value!r}: must be a whole number (dimensionless)")

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import itertools
 import os
+import re
 import shutil
 import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 __all__ = ["complete_or_absent", "is_special"]
 
 _COUNT = itertools.count()
+
+_STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
+"""Names of the streams that the process has open: the first three by name, all by number."""
 
 
 @contextmanager
@@ -21,7 +26,8 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
     """Yield the name of a partial file to write; it becomes the target on success and vanishes on failure.
 
     A symbolic link stays one, and the file it names is written. What is no regular file, such as a pipe or a device,
-    receives the bytes when the partial file is complete. An OSError names the target.
+    receives the bytes when the partial file is complete; so does an open stream such as ``/dev/stdout``, whatever it is
+    redirected to. An OSError names the target.
     """
     special = is_special(target)
     final = target if special else Path(os.path.realpath(target))
@@ -30,7 +36,7 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
     try:
         yield partial
         if special:
-            with partial.open("rb") as written, final.open("wb") as stream:
+            with partial.open("rb") as written, _opened(final) as stream:
                 shutil.copyfileobj(written, stream)
         else:
             partial.replace(final)
@@ -43,5 +49,24 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
 
 
 def is_special(path: Path) -> bool:
-    """Whether a path names something that is neither a regular file nor a folder: a device, a pipe, a socket."""
-    return path.exists() and not path.is_file() and not path.is_dir()
+    """Tell whether a path names an open stream, or what is neither a regular file nor a folder: a device, a pipe, a socket."""
+    return _descriptor(path) is not None or (path.exists() and not path.is_file() and not path.is_dir())
+
+
+def _descriptor(path: Path) -> int | None:
+    """Return the number of the open stream that a path names; None for any other path."""
+    found = _STREAM.fullmatch(str(path))
+    if found is None:
+        return None
+    return int(found[2]) if found[2] else ("stdin", "stdout", "stderr").index(found[1])
+
+
+def _opened(path: Path) -> BinaryIO:
+    """Open what is special for writing; an open stream is written on, since opening its name anew would empty its file."""
+    number = _descriptor(path)
+    if number is None:
+        return path.open("wb")
+    try:
+        return os.fdopen(os.dup(number), "wb")
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, str(path)) from None

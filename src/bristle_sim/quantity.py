@@ -16,10 +16,10 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-__all__ = ["ANY", "Choice", "Range", "check", "choice", "declaration", "quantity", "shown", "validate"]
+__all__ = ["ANY", "Choice", "Range", "check", "choice", "count", "declaration", "quantity", "shown", "validate"]
 
 ANY = (0.0, math.inf)
-"""Sizes that are usual for a number whose default says nothing of what others are likely, such as an accuracy."""
+"""Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
 
 FAR = 100.0
 """A value this many times its default, or less than the default by this factor, is unusual."""
@@ -27,7 +27,7 @@ FAR = 100.0
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """A real number with a unit and the range it must be in.
+    """A real number, or a whole one, with a unit and the range it must be in.
 
     Attributes:
         key: its name on the command line and in messages.
@@ -38,6 +38,7 @@ class Range:
         meaning: what it is, in a few words.
         usual: smallest and largest size that draws no warning; None for those within a factor of 100 of the default.
         needs: a condition on another key without which this one has no effect, such as ``contact = compliant``.
+        whole: whether it must be a whole number, which is then kept as an int.
     """
 
     key: str
@@ -50,10 +51,13 @@ class Range:
     meaning: str = ""
     usual: tuple[float, float] | None = None
     needs: str = ""
+    whole: bool = False
 
     @property
     def allowed(self) -> str:
-        """The range in words, for messages and listings."""
+        """Say the range in words, for messages and listings."""
+        if self.whole:
+            return f"whole number from {self.lowest:.0f} to {self.highest:.0f}"
         sign = "<=" if self.lowest_allowed else "<"
         return f"{self.lowest:g} {sign} {self.key} <= {self.highest:g}"
 
@@ -72,10 +76,10 @@ class Range:
             number *= factor
         if not self._admits(number):
             raise self.refusal(text)
-        return number + 0.0
+        return self._plain(number)
 
     def unusual(self, value: float, default: float | None) -> bool:
-        """Whether a value is so far from the default, or from what is usual, that its unit may be mistaken."""
+        """Tell whether a value is so far from the default, or from what is usual, that its unit may be mistaken."""
         usual = self.usual
         if usual is None:
             if not default:
@@ -95,16 +99,20 @@ class Range:
             number = -math.inf if value < 0 else math.inf
         if not self._admits(number):
             raise self.refusal(number)
-        return number + 0.0  # no negative zero
+        return self._plain(number)
 
     def _admits(self, number: float) -> bool:
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        return math.isfinite(number) and above and number <= self.highest
+        return math.isfinite(number) and above and number <= self.highest and (not self.whole or number.is_integer())
+
+    def _plain(self, number: float) -> float:
+        return int(number) if self.whole else number + 0.0  # no negative zero
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
-        """What to raise for a value that is refused."""
+        """Return what to raise for a value that is refused."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
-        return ValueError(f"{self.key} = {shown(value)}: must be a finite number with {self.allowed} ({unit}{why})")
+        rule = self.allowed if self.whole else f"finite number with {self.allowed}"
+        return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{why})")
 
 
 _UNIT = r"[A-Za-z%\u00b0\u00b5\u03bc]+(?:(?:\^|\*\*)-?\d|[\u00b2\u00b3])?"
@@ -118,7 +126,7 @@ scripts, which nobody types on purpose here."""
 
 
 def conversion(unit: str, to: str) -> float | None:
-    """Factor that converts a number from one unit to another; None where there is none.
+    """Return the factor that converts a number from one unit to another; None where there is none.
 
     An angle is a dimension of its own here: 250 Hz are not 250 rad/s, nor N m the same as N m/rad.
     """
@@ -141,7 +149,7 @@ def _registry() -> Any:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """One word out of a few."""
+    """A declared word out of a few."""
 
     key: str
     options: tuple[str, ...]
@@ -153,7 +161,7 @@ class Choice:
 
     @property
     def allowed(self) -> str:
-        """The words, for messages and listings."""
+        """List the words, for messages and listings."""
         return " | ".join(self.options)
 
     def parse(self, text: str) -> str:
@@ -172,7 +180,7 @@ LONGEST_SHOWN = 100
 
 
 def shown(value: Any) -> str:
-    """Any value whatsoever in one short line, for messages."""
+    """Write any value in one short line, for messages."""
     try:
         text = reprlib.repr(value)
     except ValueError:  # a whole number of thousands of digits, which Python does not write out
@@ -206,13 +214,29 @@ def quantity(
     return field(default=default, metadata={"declaration": declared})
 
 
+def count(
+    default: int,
+    key: str,
+    *,
+    at_least: int,
+    at_most: int,
+    source: str,
+    meaning: str = "",
+    usual: tuple[float, float] | None = ANY,
+    needs: str = "",
+) -> Any:
+    """Declare a dataclass field that holds a whole number between two bounds, which it may have."""
+    declared = Range(key, "1", at_least, at_most, True, source, False, meaning, usual, needs, whole=True)
+    return field(default=default, metadata={"declaration": declared})
+
+
 def choice(default: str, key: str, options: tuple[str, ...], *, source: str, meaning: str = "") -> Any:
     """Declare a dataclass field that holds one word out of a few."""
     return field(default=default, metadata={"declaration": Choice(key, options, source, meaning=meaning)})
 
 
 def declaration(owner: Any, name: str) -> Range | Choice:
-    """The declaration of one field of a parameter class or object."""
+    """Return the declaration of one field of a parameter class or object."""
     for each in dataclasses.fields(owner):
         if each.name == name:
             found = each.metadata["declaration"]
@@ -228,7 +252,7 @@ def check(owner: Any, name: str, value: Any) -> Any:
 
 
 def validate(instance: Any) -> None:
-    """Check every declared field of a frozen dataclass instance and store it as a plain float or word."""
+    """Check every declared field of a frozen dataclass instance and store it as a plain number or word."""
     for each in dataclasses.fields(instance):
         if "declaration" in each.metadata:
             checked = check(instance, each.name, getattr(instance, each.name))

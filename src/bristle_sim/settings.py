@@ -21,8 +21,8 @@ class Settings:
     """How accurately to compute, and at what price to give up.
 
     Attributes:
-        accuracy: relative accuracy asked for.
-        step: fixed engine step in s; None extrapolates engine steps to the accuracy asked for.
+        accuracy: relative accuracy requested.
+        step: fixed engine step in s; None extrapolates engine steps to the requested accuracy.
         maximum_steps: engine steps after which a run stops and says so; a step that takes the engine's solver hundreds of
             iterations counts once more for each hundred.
         hub_turn: turn of the hub after which a pass ends, rad.
@@ -67,8 +67,6 @@ class Settings:
         for name in ("maximum_steps", "samples_per_period"):
             value = getattr(self, name)
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-                raise ValueError(f"{name} = {shown(value)}: a whole number of at least 1 is allowed")
+                raise ValueError(f"{name} = {shown(value)}: must be a whole number of at least 1")
         if self.samples_per_period > MOST_SAMPLES:
-            raise ValueError(
-                f"samples_per_period = {shown(self.samples_per_period)}: at most {MOST_SAMPLES:g} is allowed"
-            )
+            raise ValueError(f"samples_per_period = {shown(self.samples_per_period)}: must be at most {MOST_SAMPLES:g}")

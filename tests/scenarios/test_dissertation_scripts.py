@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.dissertation.figures import NUMBERS
-from bristle_sim.render import audit_table, contact_sheet
+from bristle_sim.render import audit_table, dissertation_figures
 from bristle_sim.scenario_cli import Scenario, main
 from bristle_sim.theory.force_history import BALL
 
@@ -168,7 +168,7 @@ def test_crater_depth_without_a_chip():
         ("plies=0", ("plies = '0'", "1 <= plies <= 100000")),
         ("shear_yield_stress=-1", ("shear_yield_stress = '-1'", "in Pa")),
         ("impact_angle_deg=90", ("impact_angle_deg = '90'", "in deg")),
-        ("hub_radius=4e-5", ("compression_time = 5e-05: a shorter one is allowed", "in s")),
+        ("hub_radius=4e-5", ("compression_time = 5e-05: must be shorter", "in s")),
     ],
 )
 def test_crater_parameters_out_of_range(setting: str, words: tuple[str, ...]):
@@ -215,7 +215,7 @@ def test_the_audit_page_is_what_its_command_makes(tmp_path: Path):
     assert all(line.count(" | ") in (4, 5) for line in made.splitlines() if line.startswith("|"))
 
 
-@pytest.mark.parametrize("writer", [audit_table.main, contact_sheet.main])
+@pytest.mark.parametrize("writer", [audit_table.main, dissertation_figures.main])
 @pytest.mark.parametrize("target", ["page.txt", "no/such/folder/page.md", "no/such/folder/sheet.png"])
 def test_pages_are_written_where_they_can_be(writer: Callable[[list[str]], int], target: str, tmp_path: Path):
     refused(ended(lambda: writer([str(tmp_path / target)])), target, "must be a file name")

@@ -175,6 +175,19 @@ PROMISES = {
         integrates=True,
         strikes=False,
     ),
+    "whole_tool": Promise(
+        (
+            "impact_rate",
+            "mean_normal_force",
+            "mean_tangential_force",
+            "mean_torque",
+            "drive_power",
+            "force_envelope_low",
+            "force_envelope_high",
+        ),
+        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "load_cell_bandwidth"),
+        strikes=False,
+    ),
     "tolerances": Promise(
         keys=(*TOOL, *BELT, *BAR, "penetration", *RUBBING, "samples", *(f"spread_{key}" for key in TOOL + BELT + BAR)),
         lists={"rows": {"output", "mean", "std", "low", "high", "indices"}},
@@ -253,6 +266,18 @@ def untimed(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: untimed(each) for key, each in value.items() if not key.startswith(TIMINGS)}
     return [untimed(each) for each in value] if isinstance(value, list) else value
+
+
+LATE = set(SCRIPTS) - {"accuracy_cost", "cue_map", "tolerances", "dissertation_audit", "dissertation_figures"}
+"""Scripts whose parameters come without an engine; those of the others belong to a study."""
+
+
+def test_scripts_load_engine_and_solvers_only_to_run() -> None:
+    """Help and bad input answer at once, and Ctrl-C while libraries load finds ``main`` in charge, not a traceback."""
+    code = "import runpy, sys\nfor path in sys.argv[1:]: runpy.run_path(path)\nprint(*{'pymunk', 'scipy'} & {*sys.modules})"
+    paths = [str(SCRIPTS[name]) for name in sorted(LATE)]
+    done = subprocess.run([sys.executable, "-c", code, *paths], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
 
 
 def test_every_script_is_promised_something():

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 import time
 
 import numpy as np
@@ -11,12 +12,13 @@ from scipy.integrate import solve_ivp
 from bristle_sim.benchmarks.accuracy_cost import (
     cases,
     effects,
+    machine,
     measure,
     mujoco_methods,
-    mujoco_strike,
     other_peers,
-    our_methods,
+    own_methods,
     scipy_methods,
+    study,
 )
 from bristle_sim.benchmarks.accuracy_cost.compliant_contact import TipContact
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point, Run
@@ -41,7 +43,7 @@ def attempt_named(attempts, method, setting):
 class TestCases:
     @pytest.mark.parametrize("method", ["scipy dop853", "scipy lsoda", "scipy ode dopri5"])
     def test_closed_form_of_the_flight_is_what_integrators_find(self, method):
-        # Asked for 1e-12; LSODA is known to miss its tolerance by a factor of ten.
+        # Requested 1e-12; LSODA is known to miss its tolerance by a factor of ten.
         assert errors(FLIGHT, scipy_methods.flight_attempts(FLIGHT), method)[-1] < 1e-11
 
     def test_error_is_the_largest_difference_over_its_scale(self):
@@ -145,7 +147,7 @@ class TestMeasuring:
 
 class TestOurMethods:
     def test_orders_of_the_steppers(self):
-        attempts = our_methods.flight_attempts(FLIGHT)
+        attempts = own_methods.flight_attempts(FLIGHT)
         for method, order in (("bristle_sim plain steps", 1), ("bristle_sim symmetric steps", 2)):
             coarse, fine = (
                 FLIGHT.error(attempt_named(attempts, method, f"steps={count}").run().values) for count in (512, 1024)
@@ -154,13 +156,13 @@ class TestOurMethods:
             assert math.log2(coarse / fine) == pytest.approx(order, abs=0.03)
 
     @pytest.mark.parametrize("accuracy", ["0.001", "1e-06", "1e-09"])
-    def test_the_accuracy_asked_for_is_reached(self, accuracy):
-        run = attempt_named(our_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}").run()
+    def test_the_requested_accuracy_is_reached(self, accuracy):
+        run = attempt_named(own_methods.flight_attempts(FLIGHT), "bristle_sim simulate", f"accuracy={accuracy}").run()
         assert FLIGHT.error(run.values) < float(accuracy)
 
     @pytest.mark.parametrize("case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name)
     def test_the_energetic_law_is_exact(self, case):
-        run = attempt_named(our_methods.strike_attempts(case), "bristle_sim energetic", "closed phases").run()
+        run = attempt_named(own_methods.strike_attempts(case), "bristle_sim energetic", "closed phases").run()
         assert case.error(run.values) < 1e-13
 
 
@@ -200,7 +202,7 @@ class TestPeers:
 
     @pytest.mark.parametrize("restitution", [0.2, 0.42, 0.9])
     def test_damped_spring_returns_what_it_is_tuned_to(self, restitution):
-        stiffness, damping = mujoco_strike.spring_of(restitution, 0.5)
+        stiffness, damping = mujoco_methods.spring_of(restitution, 0.5)
 
         def force(_, state):
             return -damping * state[1] - stiffness * state[0]
@@ -220,7 +222,7 @@ class TestPeers:
     @pytest.mark.parametrize("restitution", [0.0, 0.13, 1.1])
     def test_a_spring_that_cannot_be(self, restitution):
         with pytest.raises(ValueError, match=r"restitution = .*e\^-2 and at most 1"):
-            mujoco_strike.spring_of(restitution, 1.0)
+            mujoco_methods.spring_of(restitution, 1.0)
 
     def test_mujoco_pass_reaches_the_strike(self):
         pytest.importorskip("mujoco")
@@ -257,6 +259,29 @@ class TestPeers:
         assert capfd.readouterr().out == ""
 
 
+class TestMissingPeers:
+    @pytest.mark.parametrize("name", ["mujoco", "exudyn", "pybullet"])
+    def test_a_peer_that_cannot_be_imported_is_named_and_left_out(self, name, tmp_path, monkeypatch):
+        """Installed, but built for another machine: its import fails, and the study goes on without it."""
+        (tmp_path / f"{name}.py").write_text('raise ImportError("lib.so: wrong\\nELF class")', encoding="utf-8")
+        monkeypatch.syspath_prepend(str(tmp_path))
+        monkeypatch.delitem(sys.modules, name, raising=False)
+        missing = {}
+        assert study._offered(name, study.FLIGHT[name], FLIGHT, missing) == []
+        assert missing == {name: "installed, but ImportError: lib.so: wrong ELF class"}
+
+    def test_our_own_failure_is_no_missing_peer(self):
+        def fail(_):
+            raise ImportError("pymunk")
+
+        with pytest.raises(ImportError, match="pymunk"):
+            study._offered("bristle_sim", fail, FLIGHT, {})
+
+    def test_a_version_that_is_not_told(self, monkeypatch):
+        monkeypatch.setattr(machine, "PACKAGES", ("json", "numpy"))
+        assert machine.surroundings()["versions"]["json"] == "unknown"
+
+
 class TestEffects:
     def test_what_is_not_called_for_is_not_there(self):
         rows = effects._steps(Effort("quick"))
@@ -286,10 +311,24 @@ class TestStudy:
         assert all({"case", "method", "setting", "error", "cpu_s", "steps"} <= set(row) for row in curves)
         assert not [row for row in curves if row["failure"]]
 
-    def test_errors_asked_for_are_met(self, report):
-        asked = [row for row in report.quantities if row.name.endswith("error_over_accuracy")]
-        assert len(asked) == 4
-        assert all(row.ok for row in asked)
+    def test_requested_errors_are_met(self, report):
+        errors_found = [row for row in report.quantities if row.name.endswith("error_over_accuracy")]
+        assert len(errors_found) == 4
+        assert all(row.ok for row in errors_found)
+
+    def test_times_are_in_seconds(self, report):
+        """As every number of the JSON document is in SI units; and equal to the point's own."""
+        rows = {row.name: row for row in report.quantities if "_cpu_" in row.name}
+        (law,) = (
+            row
+            for row in report.extra["curves"]
+            if row["method"] == "bristle_sim energetic" and row["case"] == "strike"
+        )
+        assert {row.unit for row in rows.values()} == {"s"}
+        assert rows["strike_cpu_energetic"].simulated == law["cpu_s"]
+
+    def test_tables_fit_a_terminal(self, report):
+        assert max(map(len, report.remarks)) <= 100
 
     def test_circumstances_are_told(self, report):
         machine = report.extra["machine"]

@@ -48,6 +48,16 @@ def test_nothing_between_two_phases() -> None:
     assert np.isfinite(every).all()
 
 
+def test_rounding_between_two_sides_of_an_instant_is_no_speed() -> None:
+    """An instant found twice, 1e-9 of the contact apart, with positions rounded: no sample between has a speed of 0.1."""
+    coarse = slipping(np.array([0.0, 0.2, 0.4, 0.4 + 6e-10, 0.6]))
+    coarse[3, 3] = coarse[2, 3] + 1e-10
+    every = with_samples_between(coarse, MASS)
+    assert len(every) == 2 * 3 + 1 + 3 + 1
+    # The wave's highest speed is 1.
+    assert np.abs(every[:, 4]).max() <= 1.0
+
+
 def test_a_contact_that_has_no_force() -> None:
     """At the knife edge of a jam nothing changes from one sample to the next."""
     still = np.array([[0.0, 0.0, 0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, 0.0, 1.0]])

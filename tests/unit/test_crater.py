@@ -10,22 +10,24 @@ from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
 from bristle_sim.parameters import Tool
-from bristle_sim.theory.crater import friction_for_crater_depth, merchant_crater_depth, merchant_crater_depth_limit
-from bristle_sim.theory.crater_energy import (
-    PRINTED_ENERGY,
-    energy_coefficients,
+from bristle_sim.theory.crater import (
     energy_crater_depth,
     energy_crater_depth_ratio,
-    kinetic_energy,
-    path_force,
+    friction_for_crater_depth,
+    merchant_crater_depth,
+    merchant_crater_depth_limit,
     work_along_path,
 )
 from bristle_sim.theory.crater_kinematics import (
+    PRINTED_ENERGY,
     PRINTED_KINEMATICS,
     PRINTED_WIDTH,
     CraterKinematics,
     CuttingWidth,
     TipFace,
+    energy_coefficients,
+    kinetic_energy,
+    path_force,
 )
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 from bristle_sim.theory.merchant import (
@@ -376,3 +378,46 @@ def test_printed_force_and_printed_motion_are_of_two_events():
     # The motion asks for its largest force at first touch, the force history has its largest at the end.
     assert path_force(0.0) == pytest.approx(8.387e-5 / 3 * 92400 * 30, rel=1e-13)
     assert path_force(END) < 0.05 * BRISTLE(END)
+
+
+ANGLE = 0.4
+
+
+class TestWorkAndEnergy:
+    def test_one_ply_by_hand(self) -> None:
+        """cos gamma (E(0) - E(t_c))/R(t_c) with E = 3 e^-2x + 2 e^-x + 1, x = decay t_c = 1: both sums are one quotient."""
+        lost = 3.0 * (1.0 - math.exp(-2.0)) + 2.0 * (1.0 - math.exp(-1.0))
+        expected = math.cos(ANGLE) * lost / BRISTLE(5e-5)
+        for depth in (energy_crater_depth, energy_crater_depth_ratio):
+            found = depth(1, ANGLE, coefficients=(3.0, 2.0, 1.0), decay=2e4, compression_time=5e-5)
+            assert found == pytest.approx(expected, rel=1e-14)
+
+    def test_plies_are_those_of_print(self) -> None:
+        """n = 300 (Zhang 2020, below eq. 4.56)."""
+        assert energy_crater_depth_ratio() == energy_crater_depth_ratio(300)
+        assert energy_crater_depth() == energy_crater_depth(300)
+
+
+class TestFrictionForDepth:
+    @pytest.mark.parametrize("gamma", [0.1, 0.4, 0.7])
+    def test_least_friction_is_tan_gamma(self, gamma: float) -> None:
+        """Friction of tan gamma is given back (as the root of a difference: half of the digits), less is refused."""
+        depth = merchant_crater_depth(math.tan(gamma), gamma)
+        assert friction_for_crater_depth(depth, gamma) == pytest.approx(math.tan(gamma), rel=1e-7)
+        with pytest.raises(ValueError, match=r"^depth = .*friction >= tan\(impact_angle\).*\(in m\)$"):
+            friction_for_crater_depth(depth * (1.0 - 1e-6), gamma)
+
+    def test_no_friction_gives_the_depth_of_infinite_friction(self) -> None:
+        """At gamma = 0 one ply gives [1 - sin(arccot mu)]/2 of (R(t_c) - R(0))/(b(t_c) tau_s): half of it at infinity."""
+        whole = 1.0 / 1.2e8 * float((BRISTLE(5e-5) - BRISTLE(0.0)) / PRINTED_WIDTH(5e-5))
+        with pytest.raises(ValueError, match=r"^depth = "):
+            friction_for_crater_depth(0.5 * whole, 0.0, plies=1)
+        # 1 - 2 share = sin(arccot mu) = 1/sqrt(1 + mu^2): by hand 0.6 for mu = 4/3.
+        assert friction_for_crater_depth(0.2 * whole, 0.0, plies=1) == pytest.approx(4.0 / 3.0, rel=1e-13)
+
+
+def test_refusals_name_key_value_range_and_unit() -> None:
+    with pytest.raises(ValueError, match=r"^shear_yield_stress = 0\.0: .* 1e-30 <= shear_yield_stress .*\(in Pa\)$"):
+        merchant_crater_depth(shear_yield_stress=0.0)
+    with pytest.raises(ValueError, match=r"^impact_angle = nan: .*\(in rad\)$"):
+        merchant_crater_depth(0.5, math.nan, angles=PRINTED_ANGLES)

@@ -75,6 +75,26 @@ def test_a_device_stays_one():
     assert is_special(Path(os.devnull))
 
 
+@pytest.mark.skipif(not Path("/dev/fd").exists(), reason="needs names of open streams")
+def test_an_open_stream_goes_on_where_it_is(tmp_path: Path):
+    """Its name resolves to the file that it is redirected to, which must be neither replaced nor emptied."""
+    target = tmp_path / "redirected"
+    with target.open("w") as stream:
+        stream.write("before ")
+        stream.flush()
+        name = Path(f"/dev/fd/{stream.fileno()}")
+        assert is_special(name)
+        write(name, "whole ")
+        stream.write("after")
+    assert target.read_text() == "before whole after"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_stream_that_is_not_open_is_named():
+    with pytest.raises(OSError, match="/dev/fd/987654"):
+        write(Path("/dev/fd/987654"), "anything")
+
+
 def test_regular_files_and_folders_are_not_special(tmp_path: Path):
     (tmp_path / "file").write_text("")
     assert not any(map(is_special, (tmp_path, tmp_path / "file", tmp_path / "nowhere")))

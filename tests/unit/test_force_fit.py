@@ -250,3 +250,63 @@ def test_records_without_a_whole_contact_are_refused(time, force, message):
     with pytest.raises(ValueError, match=message) as refusal:
         fit_force_history(time, force)
     assert "SVD" not in str(refusal.value)
+
+
+class TestEdges:
+    """Points on a curve with known parameters give these back; 1e-8 for points that carry rounding of 1e-16."""
+
+    def test_a_force_that_grows(self) -> None:
+        """A negative decay is a parameter as any other, also where the duration is given."""
+        curve = ForceCurve.of_impact(0.7, -150.0, 100.0, 5e-3)
+        time = np.linspace(0.0, 5e-3, 21)
+        fit = from_first_touch(time, curve(time), duration=5e-3, peak_force=100.0)
+        np.testing.assert_allclose(fit.values, [0.7, -150.0], rtol=1e-8)
+        assert fit.curve.decay == tuple(fit.values[1:])
+
+    def test_noise_is_that_of_the_degrees_of_freedom(self) -> None:
+        """Residuals of n points and p parameters: s^2 (n - p) is their sum of squares."""
+        time = np.linspace(0.0, 1.0, 6)
+        force = ForceCurve.of_impact(1.0, 1.0, 10.0, 1.0)(time) + np.array([0.0, 1.0, -1.0, 1.0, -1.0, 0.0])
+        fit = from_first_touch(time, force, peak_force=10.0)
+        assert fit.noise**2 * 3 == pytest.approx(np.sum(fit.residuals**2), rel=1e-12)
+
+    def test_a_single_point_that_says_much(self) -> None:
+        """Four of five points are next to the first touch, where the bracket of (3.3) is below a fifth of the fifth's."""
+        curve = ForceCurve.of_impact(1.0, 1.5, 2.0, 1.0)
+        time = np.array([0.0, 0.01, 0.02, 0.03, 0.5])
+        fit = from_first_touch(time, curve(time), duration=1.0, peak_force=2.0)
+        np.testing.assert_allclose(fit.values, [1.0, 1.5], rtol=1e-8)
+
+    def test_four_points_are_enough_for_three_unknowns_and_not_for_four(self) -> None:
+        curve = ForceCurve.of_impact(1.0, 1.5, 2.0, 1.0)
+        time = np.array([0.1, 0.4, 0.6, 0.9])
+        np.testing.assert_allclose(
+            from_first_touch(time, curve(time), peak_force=2.0).values, [1.0, 1.5, 1.0], rtol=1e-8
+        )
+        with pytest.raises(ValueError, match=r"^force: 4 points; there must be more than the 4 unknowns"):
+            from_first_touch(time, curve(time), terms=2, duration=1.0)
+
+    def test_an_amplitude_of_any_size(self) -> None:
+        """F* only scales the amplitude: with F* = 1e13 times as large it is 1e-13 times as large, and as certain."""
+        curve = ForceCurve.of_impact(1.4, 100.0, 300.0, 5e-3)
+        time = np.linspace(0.0, 5e-3, 51)
+        fits = [from_first_touch(time, curve(time), peak_force=scale, noise=1.0) for scale in (300.0, 3e15)]
+        np.testing.assert_allclose(fits[1].values, fits[0].values * [1e-13, 1.0, 1.0], rtol=1e-8)
+        np.testing.assert_allclose(fits[1].standard_errors, fits[0].standard_errors * [1e-13, 1.0, 1.0], rtol=1e-6)
+
+    @pytest.mark.parametrize(
+        ("time", "settings", "said"),
+        [
+            ([0.0, math.nan, 0.5, 0.7, 0.9], {}, ("time = nan", "finite", "(in s)")),
+            ([0.0, 0.2, 0.5, 0.7, 0.9], {"terms": 0}, ("terms = 0", "1 <= terms")),
+            ([0.0, 0.4, 0.3, 0.7, 0.9], {}, ("time", "increasing", "(in s)")),
+            ([0.0, 0.2, 0.5, 0.7, 0.9], {"duration": 0.8}, ("duration = 0.8", "0.9", "(in s)")),
+            ([0.0, 0.2, 0.5, 0.7, 0.9], {"duration": -1.0}, ("duration = -1", "1e-30 <= duration", "(in s)")),
+            ([0.0, 0.2, 0.5, 0.7, 0.9], {"peak_force": -1.0}, ("peak_force = -1", "1e-30 <= peak_force", "(in N)")),
+            ([0.0, 0.2, 0.5, 0.7, 0.9], {"noise": -1.0}, ("noise = -1", "1e-30 <= noise", "(in N)")),
+        ],
+    )
+    def test_refusals_name_key_value_range_and_unit(self, time: list[float], settings: dict, said: tuple) -> None:
+        with pytest.raises(ValueError, match=f"^{said[0]}") as refusal:
+            from_first_touch(time, [0.0, 1.0, 2.0, 1.0, 0.5], **settings)
+        assert all(word in str(refusal.value) for word in said)

@@ -25,22 +25,21 @@ from bristle_sim.parameters import (
     Tool,
 )
 from bristle_sim.render.chain_drawing import ChainDrawing
-from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, stretches
-from bristle_sim.render.convergence_figure import compliant_convergence_figure
+from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, intervals
 from bristle_sim.render.cue_figure import cue_figure
 from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_figure, single_pendulum_figure
 from bristle_sim.render.impact_video import ImpactScene, impact_video
-from bristle_sim.render.prefixes import scale_for
-from bristle_sim.render.style import save_figure
+from bristle_sim.render.style import save_figure, scale_for
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import CueTiming, cue_timing
-from bristle_sim.studies.impact_families import double_pendulum_panels, oblique_panels, single_pendulum_panels
+from bristle_sim.studies.double_pendulum_families import double_pendulum_panels
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import energetic_course
-from bristle_sim.studies.law_convergence import Convergence, engine_energy
+from bristle_sim.studies.law_convergence import engine_energy
+from bristle_sim.studies.rod_families import oblique_panels, single_pendulum_panels
 from bristle_sim.studies.timed_contact import with_visible_contact
 
 STICTION = "stiction, $\\mu$ = tan $\\gamma$"
@@ -273,16 +272,6 @@ def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_pat
     save_figure(figure, tmp_path / "stuck.png")
 
 
-def test_convergence_figure_shows_its_cases() -> None:
-    steps = np.array([100.0, 1000.0])
-    case = Convergence(3.0, steps, 1.0 / steps, steps[1:], np.array([1e-6]))
-    (axes,) = compliant_convergence_figure([case]).axes
-    assert data(axes, "plain 3")[1].tolist() == [1e-2, 1e-3]
-    assert data(axes, "extrapolated 3")[1].tolist() == [1e-6]
-    x, y = data(axes, "order one")
-    assert math.log(y[1] / y[0]) / math.log(x[1] / x[0]) == pytest.approx(-1.0)
-
-
 @pytest.fixture(scope="module")
 def release() -> CueTiming:
     subject = cue_timing(Tool(), math.radians(44.5), Settings(), with_reference=False).subject
@@ -355,7 +344,7 @@ def test_cue_figure_without_a_formula_or_a_cue(release: CueTiming) -> None:
 def test_motion_passes_the_record(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
     history = pendulum.strikes["compliant"].contact.history
     assert history is not None
-    for part in stretches(history):
+    for part in intervals(history):
         inside = slice(part.start + 1, part.stop - 1)
         time = history.time[inside] - history.time[0]
         for name in ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force"):
@@ -432,7 +421,7 @@ def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
     struck = strike_chain(chain, Surface(), Contact(), Settings())
     np.testing.assert_allclose(struck.centre_line, [(0.0, 0.0), (0.0, -2.0), (-1.0, -2.0)], atol=1e-15)
     axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
-    ChainDrawing(axes, struck, 0.0, 1.0)
+    ChainDrawing(axes, struck.centre_line, 0.0, 1.0)
     np.testing.assert_allclose(line(axes, "rods").get_xydata(), [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
 
 

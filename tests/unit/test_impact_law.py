@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -632,32 +633,35 @@ def test_march_in_small_impulses(kind):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"inverse_mass": [[1.0, 0.5], [0.4, 1.0]]}, r"^inverse_mass = \(1, 0.5, 0.4, 1\): a symmetric matrix"),
+        ({"inverse_mass": [[1.0, 0.5], [0.4, 1.0]]}, r"^inverse_mass = \(1, 0.5, 0.4, 1\): must be symmetric"),
         (
             {"inverse_mass": [[1.0, 2.0], [2.0, 1.0]]},
-            r"^inverse_mass = \(1, 2, 2, 1\): a positive semidefinite matrix \(1/kg\)",
+            r"^inverse_mass = \(1, 2, 2, 1\): must be positive semidefinite \(1/kg\)",
         ),
         (
             {"inverse_mass": [[-1.0, 0.0], [0.0, 1.0]]},
-            r"^inverse_mass = \(-1, 0, 0, 1\): a positive semidefinite matrix \(1/kg\)",
+            r"^inverse_mass = \(-1, 0, 0, 1\): must be positive semidefinite \(1/kg\)",
         ),
-        ({"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]}, r"^inverse_mass = \(nan, 0, 0, 1\): finite entries"),
+        (
+            {"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]},
+            r"^inverse_mass = \(nan, 0, 0, 1\): must have finite entries",
+        ),
         ({"inverse_mass": [1.0, 2.0]}, r"^inverse_mass, velocity of shapes \(2,\), \(2,\)"),
         ({"velocity": [-1.0, 0.0, 0.0]}, r"^inverse_mass, velocity of shapes \(2, 2\), \(3,\)"),
-        ({"velocity": [-math.inf, 0.0]}, r"^velocity = \(-inf, 0\): finite components \(m/s\)"),
-        ({"friction": -0.1}, r"^friction = -0.1: finite and >= 0"),
-        ({"friction": math.inf}, r"^friction = inf: finite and >= 0"),
-        ({"friction": [0.1, math.nan]}, r"^friction = nan: finite and >= 0"),
-        ({"restitution_friction": -0.1}, r"^restitution_friction = -0.1: finite and >= 0"),
-        ({"restitution": 1.1}, r"^restitution = 1.1: 0 <= restitution <= 1"),
-        ({"restitution": [0.5, -0.1]}, r"^restitution = -0.1: 0 <= restitution <= 1"),
-        ({"friction": True}, r"^friction = True: real numbers"),
-        ({"friction": [0.3, False]}, r"^friction = \[0.3, False\]: real numbers"),
-        ({"restitution": "0.5"}, r"^restitution = '0.5': real numbers"),
-        ({"velocity": ("-1", "0")}, r"^velocity = \('-1', '0'\): real numbers"),
-        ({"inverse_mass": np.eye(2, dtype=bool)}, r"^inverse_mass = .*: real numbers"),
-        ({"inverse_mass": [[1e200, 3e200], [3e200, 1e200]]}, r"^inverse_mass = .*: a positive semidefinite matrix"),
-        ({"inverse_mass": [[1e-200, 3e-200], [3e-200, 1e-200]]}, r"^inverse_mass = .*: a positive semidefinite matrix"),
+        ({"velocity": [-math.inf, 0.0]}, r"^velocity = \(-inf, 0\): must have finite components \(m/s\)"),
+        ({"friction": -0.1}, r"^friction = -0.1: must be finite and >= 0"),
+        ({"friction": math.inf}, r"^friction = inf: must be finite and >= 0"),
+        ({"friction": [0.1, math.nan]}, r"^friction = nan: must be finite and >= 0"),
+        ({"restitution_friction": -0.1}, r"^restitution_friction = -0.1: must be finite and >= 0"),
+        ({"restitution": 1.1}, r"^restitution = 1.1: must be 0 <= restitution <= 1"),
+        ({"restitution": [0.5, -0.1]}, r"^restitution = -0.1: must be 0 <= restitution <= 1"),
+        ({"friction": True}, r"^friction = True: must be real numbers"),
+        ({"friction": [0.3, False]}, r"^friction = \[0.3, False\]: must be real numbers"),
+        ({"restitution": "0.5"}, r"^restitution = '0.5': must be real numbers"),
+        ({"velocity": ("-1", "0")}, r"^velocity = \('-1', '0'\): must be real numbers"),
+        ({"inverse_mass": np.eye(2, dtype=bool)}, r"^inverse_mass = .*: must be real numbers"),
+        ({"inverse_mass": [[1e200, 3e200], [3e200, 1e200]]}, r"^inverse_mass = .*: must be positive semidefinite"),
+        ({"inverse_mass": [[1e-200, 3e-200], [3e-200, 1e-200]]}, r"^inverse_mass = .*: must be positive semidefinite"),
         ({"velocity": (-1e200, 1e200)}, r"^velocity = \(-1e\+200, 1e\+200\) with inverse_mass .* v\^2/K are finite"),
         ({"velocity": [(-1.0, 1.0), (-1e160, 0.0)]}, r"^velocity = \(-1e\+160, 0\) with inverse_mass"),
         ({"inverse_mass": [[1e-320, 0.0], [0.0, 1e-320]]}, r"^velocity = .* with inverse_mass of diagonal"),
@@ -668,3 +672,152 @@ def test_bad_input_is_named_in_one_line(law, change, message):
     with pytest.raises(ValueError, match=message) as refusal:
         law(**arguments | change)
     assert "\n" not in str(refusal.value)
+
+
+def one_freedom(angle: float) -> tuple[np.ndarray, np.ndarray]:
+    """Direction (n, t) of the tip of a bristle at an angle to the normal, and K of unit mass along it alone."""
+    along = np.array([-math.sin(angle), math.cos(angle)])
+    return along, np.outer(along, along)
+
+
+class TestEdges:
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [np.asarray, lambda value: np.stack([value, value])])
+    def test_whole_numbers_are_numbers(self, law: Callable, lengthen: Callable) -> None:
+        """K = ((2, 1), (1, 2)), v = (-1, 1), mu = 0, e = 1 typed as integers: v_n is reversed by 2 |v_n|/K_nn."""
+        matrix, velocity = lengthen(np.array([[2, 1], [1, 2]])), lengthen(np.array([-1, 1]))
+        for arguments in ((matrix, velocity, 0, 1), (matrix.astype(float), velocity, 0.0, 1)):
+            result = law(*arguments)
+            np.testing.assert_allclose(result.impulse_normal, 1.0, rtol=1e-15)
+            np.testing.assert_allclose(result.velocity_tangential, 2.0, rtol=1e-15)
+
+    def test_a_touch_whose_work_is_below_the_smallest_float(self) -> None:
+        """K = 1, v_n = -1e-170: W_c = 5e-341 is no float, but p_f lies between p_c = 1e-170 and 2 p_c, and the outcome is named by v_n."""
+        result = energetic_impact(np.eye(2), [-1e-170, 0.0], 0.3, 0.5)
+        assert 1e-170 <= result.impulse_normal <= 2e-170
+        assert result.outcome_name == ("rebound" if result.velocity_normal > 0.0 else "no rebound")
+
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [float, lambda value: np.array([value])])
+    def test_one_freedom_a_rounding_off_its_line(self, law: Callable, lengthen: Callable) -> None:
+        """mu = 0.7 > tan 0.5: once slip has stopped nothing moves the point, whose v_n is then 1e-9 tan 0.5 or so.
+
+        That is rest, and the impulse is that of compression, 2/(sin 0.5 + 0.7 cos 0.5), up to parts in 1e9.
+        """
+        along, matrix = one_freedom(0.5)
+        result = law(matrix, 2.0 * along + np.array([0.0, 1e-9]), lengthen(0.7), 0.5)
+        assert OUTCOMES[int(np.asarray(result.outcome).item())] == "stiction"
+        expected = 2.0 / (math.sin(0.5) + 0.7 * math.cos(0.5))
+        assert np.asarray(result.impulse_normal).item() == pytest.approx(expected, rel=1e-8)
+
+    def test_one_freedom_well_off_its_line_can_still_part(self) -> None:
+        """Where v_n = w > 0 is left and stick adds nothing, the work rule asks for p = e*^2 (-W_c)/w more (Stronge).
+
+        v_n at the stop is the slip offered, 1e-3 2, times tan 0.5, since v_t/v_n moves along one line.
+        """
+        along, matrix = one_freedom(0.5)
+        result = energetic_impact(matrix, 2.0 * along + np.array([0.0, 2e-3]), 0.7, 0.5)
+        assert result.velocity_normal == pytest.approx(2e-3 * math.tan(0.5), rel=1e-9)
+        assert result.outcome_name == "rebound"
+        needed = -0.25 * result.compressive_work_normal - result.phase_work_normal[2]
+        assert result.phase_impulse[3] == pytest.approx(needed / result.velocity_normal, rel=1e-9)
+
+    def test_poissons_impulse_spent_in_slip_at_rest_parts_nothing(self) -> None:
+        """One degree of freedom that slips on at rest (mu 0, then 5): v_n stays 0, which is no rebound."""
+        along, matrix = one_freedom(0.5)
+        result = poisson_impact(matrix, 2.0 * along + np.array([0.0, -5.0]), 0.0, 0.5, 5.0)
+        assert result.velocity_normal == 0.0
+        assert result.outcome_name == "stiction"
+
+    @pytest.mark.parametrize("law", LAWS)
+    def test_phases_that_do_not_occur_have_no_slip(self, law: Callable) -> None:
+        """A point that departs has none of the four; without restitution (e = 0) the last two are missing."""
+        departing = law(np.eye(2), [1.0, 1.0], 0.3, 0.5)
+        assert departing.outcome_name == "no contact"
+        assert not departing.phase_slip.any()
+        assert not law(np.eye(2), [-1.0, 9.0], 0.3, 0.0).phase_slip[2:].any()
+
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [float, lambda value: np.array([value, 0.5 * value])])
+    def test_a_point_that_nothing_moves_along_the_normal_jams(self, law: Callable, lengthen: Callable) -> None:
+        """K_nn = 0 is positive semidefinite: no impulse stops the approach."""
+        outcome = law(np.diag([0.0, 1.0]), [-1.0, 0.5], lengthen(0.3), 0.5).outcome
+        assert np.all(np.asarray(outcome) == OUTCOMES.index("jam"))
+
+    @pytest.mark.parametrize("law", LAWS)
+    @pytest.mark.parametrize("lengthen", [float, lambda value: np.array([value])])
+    @pytest.mark.parametrize("coupling", [1e-310, -1e-310])
+    def test_a_coupling_too_small_to_be_divided_by_is_none(
+        self, law: Callable, lengthen: Callable, coupling: float
+    ) -> None:
+        """1/1e-310 is no float. Uncoupled, v = (-1, 5), mu = 0.3, e = 0.5: p_f = 1.5, and v_t falls by 0.45."""
+        result = law([[1.0, coupling], [coupling, 1.0]], [-1.0, 5.0], lengthen(0.3), 0.5)
+        assert np.asarray(result.impulse_normal).item() == pytest.approx(1.5, rel=1e-15)
+        assert np.asarray(result.velocity_tangential).item() == pytest.approx(4.55, rel=1e-15)
+
+
+class TestByHand:
+    @pytest.mark.parametrize("slip", [10.0, 0.35])
+    def test_work_of_friction_in_restitution(self, slip: float) -> None:
+        """K = 1 (uncoupled), v_n = -1, mu = 0.3, e* = 0.5: p_c = 1, p_r = 0.5, and v_t falls by 0.3 per unit impulse.
+
+        Friction takes the energy of the tangential motion, v_t^2/2 before restitution less v_t^2/2 after it. Slip of 0.35
+        has 0.05 left after compression, less than the 0.15 that restitution could take: all of it goes.
+        """
+        result = energetic_impact(np.eye(2), [-1.0, slip], 0.3, 0.5)
+        before, after = slip - 0.3, max(slip - 0.45, 0.0)
+        # A few roundings of numbers of order slip^2.
+        small = 1e-15 * slip**2
+        assert result.compressive_work_tangential == pytest.approx(0.5 * (before**2 - slip**2), rel=1e-14, abs=small)
+        assert result.restitutive_work_tangential == pytest.approx(0.5 * (after**2 - before**2), rel=1e-13, abs=small)
+
+    def test_work_of_friction_after_slip_that_reverses_in_restitution(self) -> None:
+        """K = ((1, 0.8), (0.8, 1)), v = (-1, -1.2), mu = 0.1, e* = 1: by hand.
+
+        Backward slip: v_n' = 0.8 (1.25 + 0.1), v_t' = 0.9, so compression ends at p = 1/1.08 with v_t = -1.2 + 0.9/1.08,
+        W_c = -0.5/1.08. Slip stops after (1.2 - 0.9/1.08)/0.9 more, where v_n = 1.08 times that; forward slip then has
+        v_n' = 0.92, v_t' = 0.7, and takes v_n^2 - w^2 = 2 0.92 (W_c left). Friction's work is -0.1 times the slip path.
+        """
+        result = energetic_impact([[1.0, 0.8], [0.8, 1.0]], [-1.0, -1.2], 0.1, 1.0)
+        left_slip = 1.2 - 0.9 / 1.08
+        backwards = left_slip / 0.9
+        at_stop = 1.08 * backwards
+        work_left = 0.5 / 1.08 - 0.5 * at_stop * backwards
+        forwards = (math.sqrt(at_stop**2 + 2.0 * 0.92 * work_left) - at_stop) / 0.92
+        friction = -0.1 * 0.5 * (left_slip * backwards + 0.7 * forwards**2)
+        assert result.phases == ("compression slip", "restitution slip", "restitution reverse slip")
+        # A few roundings, of differences that keep one digit less.
+        assert result.restitutive_work_tangential == pytest.approx(friction, rel=1e-13)
+
+    @pytest.mark.parametrize("matrix", [((-1.0, 0.0), (0.0, 0.0)), ((0.0, 0.0), (0.0, -1.0))])
+    def test_negative_mass_beside_none_is_refused(self, matrix: tuple[tuple[float, float], ...]) -> None:
+        """K = diag(-1, 0) has a determinant of 0 as a hinged rod's K has, but no body gains speed against its impulse."""
+        with pytest.raises(ValueError, match="positive semidefinite"):
+            energetic_impact(matrix, [-1.0, 0.0], 0.3, 0.5)
+
+    @pytest.mark.parametrize("scale", [1.0, 3.0])
+    def test_poisson_in_stiction(self, scale: float) -> None:
+        """One degree of freedom, mu > tan gamma: stick leaves no compliance, so p_r = e p_c parts the point from nothing.
+
+        Its speed is 0 after the impact, and the outcome is the energetic law's: stiction.
+        """
+        angle = math.radians(30.0)
+        lever = np.array([-math.sin(angle), math.cos(angle)])
+        matrix = scale * np.outer(lever, lever)
+        for law in (poisson_impact, energetic_impact):
+            result = law(matrix, 2.0 * lever, 0.7, 0.5)
+            assert result.outcome_name == "stiction"
+            assert result.velocity_normal == 0.0
+
+    def test_a_rebound_at_unit_compliance_is_one(self) -> None:
+        """K = 1, e = 1, v_n = -1: the point leaves at exactly 1, which is no stiction."""
+        for law in (poisson_impact, energetic_impact):
+            result = law(np.eye(2), [-1.0, 0.0], 0.3, 1.0)
+            assert (result.velocity_normal, result.outcome_name) == (1.0, "rebound")
+
+    @pytest.mark.parametrize("side", [1.0, -1.0])
+    def test_friction_that_just_suffices_sticks(self, side: float) -> None:
+        """mu = |K_nt|/K_tt exactly, no slip before: Zhang 2020, eq. 2.90, counts equality as stick."""
+        result = energetic_impact([[1.0, 0.5 * side], [0.5 * side, 1.0]], [-1.0, 0.0], 0.5, 0.5)
+        assert result.phases == ("compression stick", "restitution stick")
+        assert result.impulse_tangential == pytest.approx(-0.5 * side * result.impulse_normal, rel=1e-15)

@@ -282,3 +282,29 @@ def test_rebound_ratio_of_a_bristle_at_rest_is_refused():
     assert result.normal_compressive_impulse > 0.0
     with pytest.raises(ValueError, match="rebound ratio"):
         _ = result.rebound_ratio
+
+
+class TestEdges:
+    def test_friction_of_restitution_is_that_of_compression_by_default(self) -> None:
+        """Case 2 (2.59): p_fy = p_cy (1 + e* sqrt(s_1/s_2)), phi'_f = -(r_h/L) w - e* (v_C/L) sqrt(s_2/s_1), by hand."""
+        gamma, mu, e = 0.6, 0.3, 0.5
+        first, second = math.sin(gamma) + mu * math.cos(gamma), math.sin(gamma) - mu * math.cos(gamma)
+        impulse = mono.normal_final_impulse(3.0, 2.0, gamma, mu, e)
+        assert impulse == pytest.approx(2.0 / first * (1.0 + e * math.sqrt(first / second)), rel=1e-14)
+        rate = mono.final_rate(2.0, 0.5, 0.25, 4.0, gamma, mu, e)
+        assert rate == pytest.approx(-2.0 - e * 4.0 * math.sqrt(second / first), rel=1e-14)
+
+    def test_a_tip_at_rest_does_not_touch(self) -> None:
+        """R = -r_h/L: v_C = (R L + r_h) w = 0, which is no approach."""
+        result = mono.monofilament_impact(1.0, 0.5, 0.25, 4.0, -0.5, 0.6, 0.3, 0.5)
+        assert result.outcome_name == "no contact"
+        assert result.final_bristle_rate == result.initial_bristle_rate == -2.0
+
+    @pytest.mark.parametrize("value", [-0.25, [0.5, -0.25]])
+    def test_refusal_shows_the_first_bad_value(self, value: object) -> None:
+        with pytest.raises(ValueError, match=r"^friction = -0.25: .*0 <= friction <= 1e\+09.*\(dimensionless\)$"):
+            mono.normal_compressive_impulse(1.0, 1.0, 0.5, value)
+
+    def test_no_number_is_out_of_range(self) -> None:
+        with pytest.raises(ValueError, match=r"^mass = "):
+            mono.normal_compressive_impulse(None, 1.0, 0.5, 0.3)

@@ -37,7 +37,7 @@ PARTS = [
     part
     for module in (parameters, crater_parameters)
     for _, part in inspect.getmembers(module, inspect.isclass)
-    if part.__module__ == module.__name__ and any("declaration" in each.metadata for each in fields(part))
+    if part.__module__.startswith(module.__name__) and any("declaration" in each.metadata for each in fields(part))
 ]
 
 

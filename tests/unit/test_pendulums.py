@@ -319,3 +319,71 @@ def test_bad_input_is_named_in_one_line(name, value):
 def test_single_pendulum_needs_an_inclination(angle):
     with pytest.raises(ValueError, match=r"^impact_angle = .*rad"):
         single_pendulum_impact(1.0, 1.0, angle, -1.0, 0.3, 0.5)
+
+
+def holds_exactly(gamma: float) -> bool:
+    """Whether tan gamma cos gamma is sin gamma in floats too."""
+    return math.sin(gamma) - math.sin(gamma) / math.cos(gamma) * math.cos(gamma) == 0.0
+
+
+class TestEdges:
+    def test_an_elastic_rod_without_friction_is_thrown_back(self) -> None:
+        """e* = 1, mu = 0: the rate is reversed, and the impulse twice that of compression, m L w/(3 sin gamma)."""
+        result = single_pendulum_impact(3.0, 0.5, 0.6, -2.0, 0.0, 1.0)
+        assert (result.outcome, result.rebound_ratio, result.final_rate) == ("rebound", -1.0, 2.0)
+        assert result.normal_compressive_impulse == pytest.approx(1.0 / math.sin(0.6), rel=1e-14)
+        assert result.normal_final_impulse == pytest.approx(2.0 / math.sin(0.6), rel=1e-14)
+
+    @pytest.mark.parametrize(
+        ("friction", "restitution", "outcome"),
+        [(0.1, 0.0, "no rebound"), (9.0, 0.0, "no rebound"), (9.0, 0.5, "stiction")],
+    )
+    def test_why_a_rod_stays(self, friction: float, restitution: float, outcome: str) -> None:
+        """Without restitution nothing drives the rod back; with it, friction above tan gamma holds it."""
+        result = single_pendulum_impact(3.0, 0.5, 0.6, -2.0, friction, restitution)
+        assert (result.outcome, result.final_rate, result.rebound_ratio) == (outcome, 0.0, 0.0)
+
+    def test_friction_of_tan_gamma_itself_holds_the_rod(self) -> None:
+        """No rebound for mu >= tan gamma: cos gamma = 0.8 and sin gamma = 0.6 = 0.75 cos gamma, where floats agree."""
+        exact = [gamma for gamma in np.linspace(0.2, 1.2, 41).tolist() if holds_exactly(gamma)]
+        assert exact, "some angle whose sine is the float product of tangent and cosine"
+        for gamma in exact:
+            result = single_pendulum_impact(1.0, 1.0, gamma, -1.0, math.sin(gamma) / math.cos(gamma), 0.5)
+            assert result.outcome == "stiction"
+
+    def test_a_rod_that_swings_away_keeps_its_rate(self) -> None:
+        result = single_pendulum_impact(3.0, 0.5, 0.6, 2.0, 0.3, 0.5)
+        assert (result.outcome, result.final_rate, result.rebound_ratio) == ("no contact", 2.0, 1.0)
+
+    @pytest.mark.parametrize("apart", [0.0, 1e-10, -1e-10, 5e-9])
+    def test_rods_parallel_up_to_rounding_are_held_by_friction(self, apart: float) -> None:
+        """Their tip moves along one line, so above tan theta no impulse parts it: energy lost is all but a drift."""
+        result = double_pendulum_impact(1.0, 2.0, 1.0, 0.4, 0.4 + apart, -1.0, -2.0, 1.5 * math.tan(0.4), 0.5)
+        assert result.outcome == "stiction"
+        # All the tip's approach is stopped by m_eff v/(sin + mu cos); restitution adds nothing to that.
+        assert result.normal_final_impulse == pytest.approx(result.normal_compressive_impulse, rel=1e-6)
+
+    def test_friction_of_the_threshold_itself_sticks(self) -> None:
+        """Zhang 2020, eq. 2.90: mu >= mu_bar sticks."""
+        threshold = float(stick_friction(1.0, 0.35, 0.52))
+        result = double_pendulum_impact(5.0, 1.0, 1.0, 0.35, 0.52, -0.1, -0.2, threshold, 0.5)
+        assert result.phases[-1] == "restitution stick"
+
+    @pytest.mark.parametrize("side", [1.0, -1.0])
+    def test_slip_of_a_billionth_is_slip(self, side: float) -> None:
+        """Two rods at 0.35 and 0.52 whose tip slips by 1e-9 of their speed: p_s = |v_t|/|v_t'|, v_t' by the mass matrix."""
+        angles, friction = side * np.array([0.35, 0.52]), 0.1
+        rates = side * np.array([1.0, -(math.cos(0.35) + 1e-9) / math.cos(0.52)])
+        result = double_pendulum_impact(1.0, 1.0, 1.0, *angles.tolist(), *rates.tolist(), friction, 0.5)
+        along, away, c = -np.cos(angles), np.sin(angles), 0.5 * math.cos(0.17)
+        change = along @ np.linalg.inv([[4.0 / 3.0, c], [c, 1.0 / 3.0]]) @ (away - side * friction * along)
+        assert float(along @ rates) * change < 0.0, "the slip does stop"
+        assert result.phases[0] == "compression slip"
+        # A difference of numbers of order 1 is 1e-9: seven digits are left.
+        assert result.slip_stop_impulse == pytest.approx(1e-9 / abs(change), rel=1e-6, abs=0.0)
+
+    def test_no_slip_has_stopped_at_once(self) -> None:
+        """Rods at 0.5 and -0.5 with opposite rates come straight down: p_s = 0."""
+        result = double_pendulum_impact(1.0, 1.0, 1.0, 0.5, -0.5, -1.0, 1.0, 0.9, 0.5)
+        assert result.slip_stop_impulse == 0.0
+        assert result.phases == ("compression stick", "restitution stick")

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bristle_sim.quantity import ANY, Choice, Range, check, choice, declaration, quantity, validate
+from bristle_sim.quantity import ANY, Choice, Range, check, choice, count, declaration, quantity, validate
 
 FROM_ZERO = Range("friction", "1", 0.0, 1e9, True, "a source")
 ABOVE_ZERO = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
@@ -308,3 +308,31 @@ def test_declarations_can_be_asked_for():
 def test_a_declaration_has_one_lower_bound(bounds: dict[str, float]):
     with pytest.raises(ValueError, match="exactly one"):
         quantity(1.0, "key", "m", at_most=2.0, source="a source", **bounds)
+
+
+@dataclasses.dataclass(frozen=True)
+class Counted:
+    links: int = count(1, "links", at_least=1, at_most=64, source="a source")
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@pytest.mark.parametrize("value", [8, 8.0, np.int64(8), np.float32(8)])
+def test_a_count_is_kept_as_an_int(value: object) -> None:
+    assert Counted(value).links == 8
+    assert type(Counted(value).links) is int
+    parsed = declaration(Counted, "links").parse("8.0")
+    assert (parsed, type(parsed)) == (8, int)
+
+
+@pytest.mark.parametrize("value", [0, 65, 2.5, math.nan, math.inf, True, "8", None])
+def test_what_is_no_count_is_refused(value: object) -> None:
+    with pytest.raises(ValueError, match=r"^links = .*: must be a whole number from 1 to 64 \(dimensionless\)$"):
+        Counted(value)
+
+
+@pytest.mark.parametrize("text", ["2.5", "0", "65", "1e300", "eight", ""])
+def test_typed_text_that_is_no_count_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"^links = '.*': must be a whole number from 1 to 64 \(dimensionless\)$"):
+        declaration(Counted, "links").parse(text)

@@ -23,13 +23,13 @@ from bristle_sim.parameters import Bar, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.render import motion as motion_module
 from bristle_sim.render import video
+from bristle_sim.render.film_scene import slow_motion
 from bristle_sim.render.motion import Motion
-from bristle_sim.render.pass_figure import LABEL_SLANT, pass_figure, spread
+from bristle_sim.render.pass_figure import pass_figure, spread
 from bristle_sim.render.pass_video import PassScene, pass_video
 from bristle_sim.render.readout import Readout
 from bristle_sim.render.story import key_events, phase_at, phases, story_end
 from bristle_sim.render.style import blank_figure, save_figure, signed
-from bristle_sim.render.time_warp import slow_motion
 from bristle_sim.render.tool_drawing import close_up, wire_outline
 from bristle_sim.render.video import Stage, write_video
 from bristle_sim.scene.tool import simulate
@@ -192,7 +192,7 @@ def test_energies_have_their_kinks_where_contacts_begin_and_end():
     """A ramp that sets in with a sustained contact is met exactly by splines that end there."""
     run = make_trajectory()
     begin = float(run.time[20])
-    held = dataclasses.replace(run.contacts[0], time=begin, duration=float(run.time[40]) - begin, law="hold")
+    held = dataclasses.replace(run.contacts[0], time=begin, duration=float(run.time[40]) - begin, law="sustained")
     motion = Motion(dataclasses.replace(run, contacts=(held,)))
     time = motion.course().time
     ramp = np.clip(run.time - begin, 0.0, held.duration)
@@ -374,25 +374,31 @@ def test_texts_keep_clear_of_each_other_with_and_without_a_strike(penetration):
     assert colours | {"wire, in the colour of its instant", "root in the belt"} <= written
 
 
-def test_every_event_is_labelled_and_every_text_is_on_the_page(figure, run):
-    written = {each.get_text() for each in figure.findobj(Text)}
-    assert {f"{number} {event.name}" for number, event in enumerate(key_events(run), start=1)} <= written
+def numbers_above(figure) -> list[Text]:
+    """Numbers of the events above the panels over time."""
+    panel = next(axes for axes in figure.axes if axes.get_ylabel() == "retraction (°)")
+    return [each for each in panel.texts if each.get_text().isdigit()]
+
+
+def test_every_event_is_numbered_and_every_text_is_on_the_page(figure, run):
+    events = key_events(run)
+    assert {event.name for event in events} <= {each.get_text() for each in figure.findobj(Text)}
+    assert {each.get_text() for each in numbers_above(figure)} >= {str(n) for n in range(1, 1 + len(events))}
     # The box of all that is drawn, in inches; what axes clip does not count.
     drawn, page = figure.get_tightbbox(), figure.get_size_inches()
     assert (drawn.min >= 0.0).all()
     assert (drawn.max <= page).all()
 
 
-def test_labels_of_a_crowd_of_events_keep_apart():
+def test_numbers_of_a_crowd_of_events_keep_apart():
     names = ("bar touch", "bar release", "largest retraction", "strike", "highest relative speed", "jam")
     crowd = make_trajectory(events=tuple(Event(name, STRIKE + number * 1e-8) for number, name in enumerate(names)))
     figure = pass_figure(crowd, Tool())
-    slanted = [each for each in figure.findobj(Text) if each.get_rotation() == LABEL_SLANT]
-    slanted.sort(key=lambda each: each.get_position()[0])
-    across = [each.get_transform().transform(each.get_position())[0] for each in slanted]
-    between = np.diff(across) * math.sin(math.radians(LABEL_SLANT))
-    assert len(slanted) == 1 + len(names)  # the start, away from the radial direction, is labelled too
-    assert between.min() > slanted[0].get_fontsize() * figure.dpi / 72.0  # a line's distance is more than a letter size
+    numbers = sorted(numbers_above(figure), key=lambda each: each.get_position()[0])
+    across = [each.get_transform().transform(each.get_position())[0] for each in numbers]
+    # The start, away from the radial direction, is numbered too.
+    assert [each.get_text() for each in numbers] == [str(number) for number in range(1 + len(names))]
+    assert np.diff(across).min() > 1.6 * numbers[0].get_fontsize() * figure.dpi / 72.0  # a circle is 1.5 letters wide
 
 
 def test_a_run_without_a_strike_or_obstacles_is_drawn():
@@ -543,7 +549,7 @@ def test_slow_down_is_the_rate_of_film_time():
     "bad", [{"end": 0.0}, {"duration": 0.0}, {"duration": math.nan}, {"duration": 1e9}, {"slower": 0.5}]
 )
 def test_bad_slow_motion_is_refused(bad):
-    with pytest.raises(ValueError, match=r"allowed|needed"):
+    with pytest.raises(ValueError, match=r"must be|needed"):
         slow_motion(**{"start": 0.0, "end": 1.0, "duration": 8.0} | bad)
 
 

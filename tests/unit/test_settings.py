@@ -46,5 +46,5 @@ def test_what_is_allowed(name: str, values: tuple[float | None, ...]):
 )
 def test_what_is_refused(name: str, values: tuple[object, ...]):
     for value in values:
-        with pytest.raises(ValueError, match=rf"^{name} = .*(must be|is allowed)"):
+        with pytest.raises(ValueError, match=rf"^{name} = .*must be"):
             Settings(**{name: value})

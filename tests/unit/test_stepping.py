@@ -223,3 +223,77 @@ def test_more_accuracy_costs_more_steps() -> None:
     steps = [flown(scene, start, accuracy, 5.0).steps for accuracy in (1e-3, 1e-5, 1e-7, 1e-9)]
     assert steps == sorted(steps)
     assert steps[0] < steps[-1]
+
+
+class Tally:
+    """A load that does nothing, counts how often it is asked to, and fails below a step."""
+
+    def __init__(self, least: float = 0.0) -> None:
+        self.least = least
+        self.calls = 0
+
+    def begin(self) -> None:
+        self.calls = 0
+
+    def apply(self, step: float) -> None:
+        del step
+        self.calls += 1
+
+    def totals(self, step: float) -> list[float]:
+        return [step, float(self.calls)]
+
+    def fails(self, totals: list[float]) -> bool:
+        return totals[0] < self.least
+
+
+class TestFixedSteps:
+    @pytest.mark.parametrize(
+        ("share", "count"), [(0.5, 1), (1.0, 1), (2.0, 2), (2.5, 3), (8.0, 8), (8.0 * (1.0 + 1e-14), 8)]
+    )
+    def test_a_stretch_takes_as_many_steps_as_it_needs(self, share: float, count: int) -> None:
+        """Equal steps no longer than the one asked for; a stretch of whole steps is not cut once more by rounding."""
+        scene, state = oscillator()[:2]
+        load = Tally()
+        result = SymmetricSteps(0.01).advance(scene, state, 0.01 * share, load)
+        assert load.calls == scene.steps == count
+        assert result.totals == (0.01 * share / count, count)
+
+    def test_symmetric_steps_propose_eight(self) -> None:
+        stepper = SymmetricSteps(0.01)
+        assert stepper.propose(1e3) == pytest.approx(0.08, rel=1e-15)
+        assert stepper.propose(0.03) == 0.03
+
+    @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
+    def test_a_load_that_fails_makes_the_stretch_fail(self, kind: type[PlainSteps] | type[SymmetricSteps]) -> None:
+        scene, state = oscillator()[:2]
+        for least, failed in ((0.0, False), (0.05, True)):
+            result = kind(0.1).advance(scene, state, 0.01, Tally(least))
+            assert result.failed is failed
+            assert len(result.accelerations) == 1
+            assert result.error == 0.0, "there is no estimate"
+
+    def test_joints_are_corrected_in_flight_alone(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Not under a load, which would take a correction for a force, nor over next to nothing, where it has no bound."""
+        scene, state = oscillator()[:2]
+        told: list[bool] = []
+        monkeypatch.setattr(scene, "correct_joints", lambda *, completely: told.append(bool(completely)))
+        for duration, load in ((0.01, None), (0.01, Tally()), (1e-7, None), (1e-7, Tally())):
+            PlainSteps(0.01).advance(scene, state, duration, load)
+        assert told == [True, False, False, False, False, False, False, False]
+
+    @pytest.mark.parametrize("stepper", [PlainSteps(0.01), SymmetricSteps(0.01)])
+    def test_joints_are_left_uncorrected(self, stepper: Stepper) -> None:
+        """A correction divides what is open by the step: over the instant of an impact it would be without bound."""
+        scene, state = oscillator()[:2]
+        stepper.advance(scene, state, 0.01)
+        assert [joint.error_bias for joint in scene.joints] == [1.0]
+
+    @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
+    @pytest.mark.parametrize("step", [0.01, 3.0])
+    def test_stray_of_a_straight_line(self, kind: type[PlainSteps] | type[SymmetricSteps], step: float) -> None:
+        """A cubic that ends on the line of its first rate, at another rate, is off it by h dr (s^2 - s^3), at most 4/27.
+
+        Twice that for each link; 2 % for a factor of 8/27 rounded to two digits.
+        """
+        start, end = State(1.0, (0.1, 0.2), (1.0, -2.0)), State(1.0 + step, (0.3, 0.1), (1.5, -2.2))
+        assert kind(0.01).interpolation_error(start, end) == pytest.approx(8.0 / 27.0 * step * 0.7, rel=0.02)

@@ -1,15 +1,20 @@
-"""Trajectories: what can be asked of them, and files that hold them completely or not at all."""
+"""Trajectories: events, motion between samples, tables, summaries, pictures, and files that hold them completely or not at all."""
 
 from __future__ import annotations
 
 import dataclasses
 import json
 import random
+import sys
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
 
+from bristle_sim.parameters import Bar, Contact, Tool
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
@@ -105,6 +110,129 @@ def test_relative_motion(trajectory: Trajectory):
     np.testing.assert_array_equal(trajectory.tip_velocity, trajectory.centre_line_velocity[:, 2])
     np.testing.assert_array_equal(trajectory.relative_rate, 3.0)
     np.testing.assert_array_equal(trajectory.total_energy, [0.0, 2.0, 6.0, 12.0, 20.0])
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    """A whole pass of the default tool."""
+    return simulate(Tool())
+
+
+def test_motion_between_samples_is_as_accurate_as_the_samples(run: Trajectory):
+    """Compared with a run of the same accuracy, 1e-6, that is sampled ten times as closely."""
+    fine = simulate(Tool(), Settings(samples_per_period=10 * Settings().samples_per_period))
+    time = np.random.default_rng(1).uniform(0.0, fine.time[-1], 1000)
+    found, expected = run.at(time), fine.at(time)
+    np.testing.assert_allclose(found.angles, expected.angles, atol=1e-6)
+    np.testing.assert_allclose(found.tip, expected.tip, atol=1e-6 * Tool().bristle.length * 2.0)  # two radii
+    np.testing.assert_allclose(found.rates, expected.rates, atol=1e-6 * np.abs(run.rates).max())
+    np.testing.assert_allclose(found.relative_angle, expected.relative_angle, atol=1e-6)
+    np.testing.assert_allclose(found.hub_angle, -0.5 * np.pi + 261.8 * time, rtol=1e-14, atol=1e-14)
+
+
+def test_motion_at_an_impact_has_two_sides(run: Trajectory):
+    strike = run.first_contact("workpart")
+    assert strike is not None
+    before, after = run.at(strike.time, side="before"), run.at(strike.time)
+    # Rounding of units and of the polynomial.
+    assert before.rates[0] == pytest.approx(strike.rates_before[0], rel=1e-12)
+    assert after.rates[0] == pytest.approx(strike.rates_after[0], rel=1e-12)
+    assert before.angles[0] == pytest.approx(strike.angles[0], rel=1e-12)
+    assert before.angles == pytest.approx(after.angles, rel=1e-12)
+    # The tip's normal velocity is vertical.
+    assert before.tip_velocity == pytest.approx([strike.velocity_before[1], strike.velocity_before[0]], rel=1e-9)
+
+
+def test_motion_at_the_samples_is_the_samples(run: Trajectory):
+    for side, rows in (("before", slice(0, 1)), ("after", slice(-1, None))):
+        assert run.at(run.time[rows], side=side).angles == pytest.approx(run.angles[rows], rel=1e-14)
+    assert run.at([[0.0, 1e-3], [2e-3, 3e-3]]).centre_line.shape == (2, 2, *run.centre_line.shape[1:])
+
+
+def test_motion_in_a_contact_resolved_in_time_goes_from_touch_to_release():
+    slow = simulate(Tool(contact=Contact("compliant", 1e-4)), stop_after="strike")
+    strike = slow.first_contact("workpart")
+    assert strike is not None
+    during = slow.at(np.linspace(strike.time, min(strike.time + strike.duration, slow.time[-1]), 5))
+    assert np.all(np.diff(during.time) >= 0.0)
+    assert np.isfinite(during.rates).all()
+
+
+@pytest.mark.parametrize("time", [-1e-9, 1.0, np.nan, [0.0, np.inf]])
+def test_motion_outside_the_run_is_refused(run: Trajectory, time):
+    with pytest.raises(ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"):
+        run.at(time)
+
+
+def test_a_side_must_be_one_of_two(run: Trajectory):
+    with pytest.raises(ValueError, match=r"^side = 'left': must be before or after$"):
+        run.at(0.0, side="left")
+
+
+def test_a_run_is_summarized_in_five_lines(run: Trajectory):
+    lines = repr(run).splitlines()
+    assert [line.split(":")[0] for line in lines] == ["Trajectory", "strike", "events", "stopped", "cost"]
+    assert "rebound at 4.53 ms" in lines[1]  # the finding of README
+    assert "strike: none" in repr(simulate(Tool(workpart=None)))
+
+
+def test_a_notebook_shows_a_drawing_to_scale(run: Trajectory, trajectory: Trajectory):
+    page = ET.fromstring(run._repr_html_())
+    drawing = page.find(".//{*}svg")
+    circles = [float(each.attrib["r"]) for each in page.iter("{http://www.w3.org/2000/svg}circle")]
+    assert drawing is not None
+    assert circles == pytest.approx([Tool().hub.radius, Bar().radius], rel=1e-5)  # six digits
+    path = next(page.iter("{http://www.w3.org/2000/svg}polyline")).attrib["points"].split()
+    assert [float(each) for each in path[0].split(",")] == pytest.approx(run.tip[0], rel=1e-5)  # six digits
+    # What was not a tool still shows its path.
+    assert "polyline" in trajectory._repr_html_()
+
+
+def test_the_tool_is_known_to_its_run(run: Trajectory, trajectory: Trajectory):
+    assert run.tool == Tool()
+    bare = Tool(bar=None, workpart=None)
+    assert simulate(bare).tool == bare
+    with pytest.raises(ValueError, match=r"^parameters: must describe the tool"):
+        _ = trajectory.tool
+
+
+def test_a_dataframe_has_a_column_for_each_quantity(run: Trajectory):
+    frame = run.to_dataframe()
+    assert list(frame["time"]) == run.time.tolist()
+    assert frame.attrs["units"]["rate_1"] == "rad/s"
+    assert set(frame.attrs["units"]) == set(frame.columns)
+
+
+def test_a_dataset_can_be_interpolated_in_time(run: Trajectory):
+    table = run.to_xarray()
+    assert np.all(np.diff(table["time"].values) > 0.0)
+    # Chains of instants in common are moved by a few doubles.
+    np.testing.assert_allclose(table["time"], run.time, rtol=1e-15)
+    assert table["instant"].values.tolist() == run.time.tolist()
+    assert {variable.attrs.get("units") for variable in table.data_vars.values()} <= {
+        "s",
+        "rad",
+        "rad/s",
+        "m",
+        "m/s",
+        "J",
+        "N",
+    }
+    middle = table.interp(time=0.5 * (run.time[3] + run.time[4]))
+    assert float(middle["angle"].sel(link=1)) == pytest.approx(0.5 * (run.angles[3, 0] + run.angles[4, 0]), rel=1e-14)
+    assert float(table["event_time"].sel(event="strike")) == run.event_time("strike")
+
+
+@pytest.mark.parametrize(("library", "method"), [("pandas", "to_dataframe"), ("xarray", "to_xarray")])
+def test_a_missing_library_is_named_with_its_remedy(run: Trajectory, library: str, method: str, monkeypatch):
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(ImportError, match=rf"^{library}: must be installed: pip install bristle-sim\[sweep\]$"):
+        getattr(run, method)()
+
+
+def test_a_run_draws_itself(run: Trajectory):
+    figure = run.plot(until=5e-3)
+    assert len(figure.axes) > 3
 
 
 def test_events_are_found_by_name(trajectory: Trajectory):

@@ -72,7 +72,7 @@ def compare_events(scene: Trajectory, reference: Trajectory, accuracy: float) ->
 
 def held(run: Trajectory) -> ContactRecord:
     """The longest hold on the bar."""
-    holds = [each for each in run.contacts if each.law == "hold" and each.obstacle == "bar"]
+    holds = [each for each in run.contacts if each.law == "sustained" and each.obstacle == "bar"]
     return max(holds, key=lambda each: each.duration)
 
 

@@ -44,7 +44,7 @@ def check_bar(run: Trajectory) -> None:
     taps = [each for each in run.contacts if each.obstacle == "bar"]
     assert run.event_time("bar touch") == pytest.approx(1.279e-3, abs=0.5e-6)
     assert [(each.law, each.outcome) for each in taps[:2]] == [("energetic", "no rebound")] * 2
-    assert (len(taps), taps[2].law) == (3, "hold")
+    assert (len(taps), taps[2].law) == (3, "sustained")
     # The last touch is ill-conditioned: the wire's end grazes the bar.
     assert run.event_time("bar release", last=True, before=4e-3) == pytest.approx(2.95e-3, abs=1e-5)
 

@@ -266,7 +266,7 @@ class TestOperatingPoint:
         along the wire and here nearly tangential, plus v_t^2/reach.
         """
         tap, second, held = (each for each in cued.contacts if each.obstacle == "bar")
-        assert (tap.outcome, second.law, held.law) == ("no rebound", "energetic", "hold")
+        assert (tap.outcome, second.law, held.law) == ("no rebound", "energetic", "sustained")
         tool = operating_point()
         flying = (cued.time > tap.time) & (cued.time < held.time)
         hub, wire = plane(cued.hub_angle[flying][0]), plane(tap.angles[0])
@@ -399,7 +399,7 @@ class TestImpact:
         run = simulate_reference(tool, start_hub_angle=0.0, start_relative_angle=start, duration=0.05)
         fall = math.sqrt(2.0 * height / (1.5 * GRAVITY * math.sin(lean) ** 2))
         hold = run.contacts[-1]
-        assert (hold.law, hold.outcome) == ("hold", "end of run")
+        assert (hold.law, hold.outcome) == ("sustained", "end of run")
         assert hold.time == pytest.approx(fall * (1.0 + e) / (1.0 - e), rel=2e-3)
         # Statics: torque m g (L/2) sin phi = N L sin phi.
         assert run.normal_force[-1] == pytest.approx(0.5 * tool.bristle.mass * GRAVITY, rel=1e-9)
@@ -418,7 +418,7 @@ class TestHold:
         bar = Bar(horizontal=horizontal, vertical=vertical, friction=friction)
         tool = Tool(bar=bar, workpart=None, belt=Belt(damping_ratio=0.05), gravity=1000.0 * GRAVITY)
         run = simulate_reference(tool, start_relative_angle=0.07, hub_turn=1.3, sample_interval=1e-6)
-        hold = max((each for each in run.contacts if each.law == "hold"), key=lambda each: each.duration)
+        hold = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
         rows = (run.time >= hold.time) & (run.time <= hold.time + hold.duration) & (run.normal_force > 0.0)
         torque = contact_moment(tool, run) - centrifugal_stiffness(tool) * np.sin(run.relative_angle)
         torque -= tool.belt.stiffness * run.relative_angle + tool.belt_damping * run.relative_rate
@@ -445,7 +445,7 @@ class TestHold:
         belt = tool.belt.stiffness * run.relative_angle
         np.testing.assert_allclose(contact_moment(tool, run)[rows], belt[rows], rtol=1e-4)
         hold = run.contacts[-1]
-        assert hold.law == "hold"
+        assert hold.law == "sustained"
         assert (hold.compressive_work[1] < 0.0) == (friction > 0.0)
 
     def test_bar_behind_the_wire(self):
@@ -465,7 +465,7 @@ class TestHold:
         bar = Bar(radius=0.001, horizontal=0.038, vertical=0.0085, friction=1.0)
         tool = Tool(hub=Hub(speed=speed), bar=bar, workpart=None, bristle=Bristle(wire_diameter=0.018))
         run = simulate_reference(tool, start_hub_angle=-2.6)
-        assert (run.stop_reason, run.contacts[-1].law) == ("jam", "hold")
+        assert (run.stop_reason, run.contacts[-1].law) == ("jam", "sustained")
         assert run.event_time("jam") == run.time[-1]
         root, point = root_and_nearest(tool, run)
         normal = (point[-1] - bar.centre) / np.linalg.norm(point[-1] - bar.centre)
@@ -485,7 +485,7 @@ class TestHold:
         """While it is held the tip is on the surface, friction is mu times the normal force, and dissipates."""
         tool = Tool(bar=None, workpart=Workpart(restitution=0.0))
         run = simulate_reference(tool, sample_interval=1e-6)
-        hold = max((each for each in run.contacts if each.law == "hold"), key=lambda each: each.duration)
+        hold = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
         rows = (run.time > hold.time) & (run.time < hold.time + hold.duration)
         assert rows.sum() > 1000
         # Ten roundings of the depth.
@@ -683,7 +683,7 @@ class TestKnee:
         run = simulate_reference(tool, start_hub_angle=-1.4, hub_turn=1.0, sample_interval=1e-6)
         moment = contact_moment(tool, run)
         moment += free_moment(tool, run.hub_angle, run.angles[:, 0], run.rates[:, 0])
-        for hold in (each for each in run.contacts if each.law == "hold" and each.duration > 2e-4):
+        for hold in (each for each in run.contacts if each.law == "sustained" and each.duration > 2e-4):
             rows = (run.time > hold.time) & (run.time < hold.time + hold.duration) & (run.normal_force > 0.0)
             gained = tool.bristle.inertia_about_root * np.ptp(run.rates[rows, 0][[0, -1]])
             assert abs(trapezoid(moment[rows], run.time[rows])) == pytest.approx(gained, rel=1e-3)
@@ -696,7 +696,7 @@ class TestKnee:
         run = simulate_reference(elbow(restitution=0.42, friction=0.0), stop_after="strike")
         held = next(each for each in run.contacts if each.outcome == "bar")
         blow = next(each for each in run.contacts if each.time == held.time + held.duration)
-        assert held.law == "hold"
+        assert held.law == "sustained"
         assert blow.velocity_before[0] < -0.1
         # Frictionless, one degree of freedom: the energetic coefficient is Newton's; rounding.
         assert blow.velocity_after[0] == pytest.approx(-0.42 * blow.velocity_before[0], rel=1e-12)
@@ -711,14 +711,14 @@ class TestKnee:
         runs = [simulate_reference(elbow(friction=friction), stop_after="strike") for friction in (0.0, 0.3)]
         for run in runs:
             bar = [(each.law, each.outcome) for each in run.contacts[:-1]]
-            assert bar[-3:] == [("hold", "bar"), ("energetic", "no rebound"), ("hold", "release")]
+            assert bar[-3:] == [("sustained", "bar"), ("energetic", "no rebound"), ("sustained", "release")]
         # Rounding, as for a straight bristle.
         assert runs[0].event_time("strike") == pytest.approx(runs[1].event_time("strike"), rel=1e-10)
 
     def test_hold_on_the_workpart_keeps_the_tip_on_it(self):
         tool = bent(40.0, bar=None, workpart=Workpart(restitution=0.0, friction=0.1))
         run = simulate_reference(tool, sample_interval=1e-6)
-        hold = max((each for each in run.contacts if each.law == "hold"), key=lambda each: each.duration)
+        hold = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
         rows = (run.time > hold.time) & (run.time < hold.time + hold.duration)
         assert rows.sum() > 100
         # Ten roundings of the depth.

@@ -162,7 +162,8 @@ def assert_same_events(first: Trajectory, second: Trajectory, tolerance: float) 
         assert_close(first.event_time(name), second.event_time(name), factor * tolerance, name)
     releases = [
         next(
-            (each.time + each.duration for each in run.contacts if each.law == "hold" and each.obstacle == "bar"), None
+            (each.time + each.duration for each in run.contacts if each.law == "sustained" and each.obstacle == "bar"),
+            None,
         )
         for run in (first, second)
     ]

@@ -6,11 +6,13 @@ report they are rows for JSON, counts, and a table that reads on a terminal of 1
 
 from __future__ import annotations
 
+import dataclasses
 import textwrap
 import time as clock
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.dissertation.audit_crater import crater_rows
@@ -46,7 +48,7 @@ class AuditView:
 
 
 def audit_rows() -> tuple[AuditRow, ...]:
-    """All rows of the audit (see AuditRow); numbers are finite, places unique."""
+    """Return all rows of the audit (see AuditRow); numbers are finite, places unique."""
     return (*tool_rows(), *impact_rows(), *force_rows(), *crater_rows())
 
 
@@ -62,20 +64,20 @@ def audit_report(view: AuditView) -> Report:
         quantities=tuple(Quantity(name, "rows", float(counts[status])) for status, name in names.items()),
         wall_s=clock.perf_counter() - begin,
         remarks=("", terminal_table(shown)),
-        extra={"rows": [_as_dict(row) for row in rows]},
+        extra={"rows": [dataclasses.asdict(row) for row in rows]},
         subject=rows,
     )
 
 
 def shown_number(value: float | str | None) -> str:
-    """A cell: a statement as it is, a number with up to seven digits, a dash for nothing."""
+    """Return the text of a cell: a statement as it is, a number with up to seven digits, a dash for nothing."""
     if value is None:
         return "-"
     return value if isinstance(value, str) else f"{value:.7g}"
 
 
 def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
-    """Rows under each other: place, printed, computed, unit and status, and below them the reason, indented."""
+    """Return rows under each other: place, printed, computed, unit and status, and below them the reason, indented."""
     status = max(map(len, (REPRODUCED, DIFFERS, NOT_COMPUTABLE)))
     place = width - PRINTED - COMPUTED - UNIT - status - 8
     widths = (place, PRINTED, COMPUTED, UNIT, status)
@@ -88,27 +90,13 @@ def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
 
 
 def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
-    """Cells side by side, each wrapped within its own column; numbers stand at the right."""
-    columns = [textwrap.wrap(cell, width) or [""] for cell, width in zip(cells, widths, strict=True)]
+    """Join cells side by side, each wrapped within its own column; numbers stand at the right."""
+    columns = [textwrap.wrap(cell, width) for cell, width in zip(cells, widths, strict=True)]
     lines = []
-    for number in range(max(map(len, columns))):
-        parts = [column[number] if number < len(column) else "" for column in columns]
+    for parts in zip_longest(*columns, fillvalue=""):
         aligned = [
-            part.rjust(width) if index in (1, 2) else part.ljust(width)
+            f"{part:>{width}}" if index in (1, 2) else f"{part:<{width}}"
             for index, (part, width) in enumerate(zip(parts, widths, strict=True))
         ]
         lines.append("  ".join(aligned).rstrip())
     return "\n".join(lines)
-
-
-def _as_dict(row: AuditRow) -> dict[str, object]:
-    return {
-        "where": row.where,
-        "printed": row.printed,
-        "computed": row.computed,
-        "status": row.status,
-        "why": row.why,
-        "unit": row.unit,
-        "function": row.function,
-        "tolerance": row.tolerance,
-    }

@@ -9,16 +9,15 @@ import numpy as np
 from bristle_sim.dissertation.audit_row import AuditRow, claim, missing, number
 from bristle_sim.dissertation.audit_tool import PRINTED_RATE
 from bristle_sim.parameters import operating_point
-from bristle_sim.theory.crater import friction_for_crater_depth, merchant_crater_depth, merchant_crater_depth_limit
-from bristle_sim.theory.crater_cutting import cutting_stroke, depth_from_energy, specific_cutting_energy
-from bristle_sim.theory.crater_energy import (
-    energy_coefficients,
+from bristle_sim.theory.crater import (
     energy_crater_depth,
     energy_crater_depth_ratio,
-    kinetic_energy,
-    path_force,
+    friction_for_crater_depth,
+    merchant_crater_depth,
+    merchant_crater_depth_limit,
     work_along_path,
 )
+from bristle_sim.theory.crater_cutting import cutting_stroke, depth_from_energy
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
@@ -27,9 +26,12 @@ from bristle_sim.theory.crater_kinematics import (
     CraterKinematics,
     CuttingWidth,
     TipFace,
+    energy_coefficients,
+    kinetic_energy,
+    path_force,
 )
 from bristle_sim.theory.force_history import BRISTLE
-from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles
+from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles, specific_cutting_energy
 
 __all__ = ["crater_rows"]
 

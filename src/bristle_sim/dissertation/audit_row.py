@@ -18,7 +18,7 @@ __all__ = ["DIFFERS", "NOT_COMPUTABLE", "REPRODUCED", "AuditRow", "claim", "half
 REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"
 
 SLACK = 1e-9
-"""Rounding allowed where a value lies exactly half a unit away, share of the printed number."""
+"""Allowance for rounding where a value lies exactly half a unit away, as a fraction of the printed number."""
 
 
 @dataclass(frozen=True, slots=True)

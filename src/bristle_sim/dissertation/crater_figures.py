@@ -18,11 +18,12 @@ from bristle_sim.studies.crater_study import MEASURED
 from bristle_sim.studies.crater_sums import energy_depth_course, merchant_depth_course
 from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of
 from bristle_sim.theory.crater import (
+    energy_crater_depth,
+    energy_crater_depth_ratio,
     friction_for_crater_depth,
     merchant_crater_depth,
     merchant_crater_depth_limit,
 )
-from bristle_sim.theory.crater_energy import energy_crater_depth, energy_crater_depth_ratio
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, PRINTED_KINEMATICS, PRINTED_WIDTH
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES
@@ -101,7 +102,7 @@ def plies_figure() -> Redrawn:
     def rounded(n: ArrayLike) -> Array:
         return np.asarray(merchant_crater_depth(plies=np.asarray(n), angles=PRINTED_ANGLES))
 
-    course = [float(merchant_depth_course(dataclasses.replace(OWN, plies=float(n)))[-1]) for n in FEW_PLIES]
+    course = [float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
     curves = (
         curve_of(
             "exact angles", lambda n: merchant_crater_depth(plies=n), WHOLE_PLIES, {"printed": (FEW_PLIES, course)}
@@ -161,7 +162,7 @@ def stress_figure() -> Redrawn:
 
 def energy_figure() -> Redrawn:
     """Figure 4.19: depth by work and energy over the number of plies, in both readings."""
-    course = [float(energy_depth_course(dataclasses.replace(OWN, plies=float(n)))[-1]) for n in FEW_PLIES]
+    course = [float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
     curves = (
         curve_of("sum of quotients (4.62)", _each(energy_crater_depth), WHOLE_PLIES, {"motion": (FEW_PLIES, course)}),
         curve_of("ratio of two sums (4.66)", _each(energy_crater_depth_ratio), WHOLE_PLIES),
@@ -198,7 +199,7 @@ def _over_time(
     return Panel(MICROSECONDS, axis, (curve_of(name, formula, TIME, {"contact": (time[kept], values[first][kept])}),))
 
 
-def _depth_curve(name: str, along: str, x: Array, **fixed: float) -> Curve:
+def _depth_curve(name: str, along: str, x: Array, **fixed: Any) -> Curve:
     """Depth with 300 plies over a parameter; points by the printed sum."""
     key, factor = ("impact_angle_deg", math.degrees(1.0)) if along == "impact_angle" else (along, 1.0)
     base = dataclasses.replace(OWN, **fixed)

@@ -30,7 +30,7 @@ _BUILDERS: dict[str, Callable[[], Redrawn]] = {
 }
 
 NUMBERS = tuple(_BUILDERS)
-"""Of all figures, in the dissertation's order, and ``table_3.1``."""
+"""Numbers of all figures, in the dissertation's order, and ``table_3.1``."""
 
 
 def redrawn(number: str) -> Redrawn:
@@ -82,7 +82,7 @@ def _report(figures: tuple[Redrawn, ...], begin: float) -> Report:
         wall_s=clock.perf_counter() - begin,
         remarks=(
             "",
-            "largest distance of points from their curve, as a share of its largest value beside one, in",
+            "largest distance of points from their curve, as a fraction of its largest value beside one, in",
             *heads,
         ),
         subject=figures,

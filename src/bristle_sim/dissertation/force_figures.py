@@ -31,7 +31,7 @@ __all__ = ["FORCE", "MICROSECONDS", "bristle_contact", "bristle_figure", "fit_fi
 Array = NDArray[np.float64]
 
 NOISE, POINTS = 5.0, 61
-"""Of the points that stand in for the measured ones: newtons and number."""
+"""Noise (N) and number of the points that stand in for the measured ones."""
 
 MILLISECONDS = Axis("time since first touch", "ms", 1e3)
 MICROSECONDS = Axis("time since first touch", "µs", 1e6)

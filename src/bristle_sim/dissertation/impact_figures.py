@@ -11,8 +11,8 @@ from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.parameters import DoublePendulum, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.curves import Axis, Level, Panel
-from bristle_sim.studies.impact_sweeps import OPERATING_POINT, TOTAL, Sweep, sweep_panel
-from bristle_sim.studies.pendulum_sweeps import Case, final_rate, heavy_rod_panel, pendulum_curve, weighted
+from bristle_sim.studies.double_pendulum_families import Impact, final_rate, heavy_rod_panel, pendulum_curve, weighted
+from bristle_sim.studies.rod_families import OPERATING_POINT, TOTAL, Sweep, sweep_panel
 
 __all__ = ["FIGURES", "double_pendulum_figure", "heavy_rod_figure", "impact_figure", "single_pendulum_figure"]
 
@@ -101,7 +101,7 @@ def double_pendulum_figure(number: str) -> Redrawn:
     )
 
 
-def _over_mass_ratio(chain: Chain, surface: Surface) -> Case:
+def _over_mass_ratio(chain: Chain, surface: Surface) -> Impact:
     return lambda ratio: (weighted(chain, ratio), surface)
 
 

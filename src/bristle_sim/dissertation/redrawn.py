@@ -1,4 +1,4 @@
-"""A figure or table of the dissertation with its own data, and how far its points are from its curves."""
+"""Hold the data of a redrawn figure or table, and measure how far its points are from its curves."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Redrawn:
 
 
 def largest_differences(figure: Redrawn) -> dict[str, float]:
-    """By source of points, their largest distance from the curve, as a share of its largest value beside a point."""
+    """Return by source of points their largest distance from the curve, as a fraction of its largest value beside a point."""
     found: dict[str, float] = {}
     for curve in (curve for panel in figure.panels for curve in panel.curves):
         for law, (at, y) in curve.points.items():

@@ -39,7 +39,7 @@ class Layout:
     first: int
 
     def cells(self, line: str) -> list[str]:
-        """A line's cells, without blanks and quotes around them."""
+        """Return a line's cells, without blanks and quotes around them."""
         return split_cells(line, self.separator)
 
 
@@ -53,7 +53,7 @@ class Column:
 
     @property
     def name(self) -> str:
-        """The heading without its unit."""
+        """Return the heading without its unit."""
         return without_unit(self.heading)
 
     def __str__(self) -> str:
@@ -61,7 +61,7 @@ class Column:
 
 
 def find_layout(path: str | Path, lines: list[str]) -> Layout:
-    """The layout in which most lines have numbers in the same columns, and the fewest words beside them.
+    """Return the layout in which most lines have numbers in the same columns, and the fewest words beside them.
 
     Raises:
         ValueError: if no line has two numbers.
@@ -77,7 +77,7 @@ def find_layout(path: str | Path, lines: list[str]) -> Layout:
 
 
 def _columns_of_numbers(sample: list[str], separator: str | None, decimal: str) -> tuple[int, int, tuple[int, ...]]:
-    """How many lines have numbers in the same columns, minus the number of words in these lines, and the columns."""
+    """Return the number of lines with numbers in the same columns, minus that of their words, and the columns."""
     rows = [split_cells(line, separator) for line in sample]
     places = [tuple(i for i, cell in enumerate(row) if is_number(cell, decimal)) for row in rows]
     counted = Counter(each for each in places if len(each) >= 2)
@@ -92,7 +92,7 @@ def _holds(line: str, separator: str | None, decimal: str, columns: tuple[int, .
 
 
 def columns_of(layout: Layout, lines: list[str]) -> list[Column]:
-    """Columns of numbers with headings and units."""
+    """Return the columns of numbers with headings and units."""
     above = [line.lstrip(" \t#") for line in lines[: layout.first]]
     names, units = _headings(layout, [line for line in above if line.strip()])
     settings = _settings(layout, lines[: layout.first + SAMPLED_LINES])
@@ -105,7 +105,7 @@ def columns_of(layout: Layout, lines: list[str]) -> list[Column]:
 
 
 def _headings(layout: Layout, above: list[str]) -> tuple[dict[int, str], dict[int, str]]:
-    """Names and units from the line next above the numbers, or the two next above if the lower one holds units alone."""
+    """Return names and units from the line above the numbers, or the two above if the lower one holds units alone."""
     rows = []
     for line in reversed(above[-2:]):
         joined = re.sub(r"\s+(?=[\[(])", "", line) if layout.separator is None else line
@@ -123,7 +123,7 @@ def _headings(layout: Layout, above: list[str]) -> tuple[dict[int, str], dict[in
 
 
 def _settings(layout: Layout, lines: list[str]) -> dict[str, str]:
-    """Units of time and force from rows of settings, above the numbers or beside them."""
+    """Return the units of time and force from rows of settings, above the numbers or beside them."""
     found: dict[str, str] = {}
     for line in lines:
         row = layout.cells(line)
@@ -135,7 +135,7 @@ def _settings(layout: Layout, lines: list[str]) -> dict[str, str]:
 
 
 def is_data(line: str) -> bool:
-    """Whether a line is neither blank nor a remark."""
+    """Tell whether a line is neither blank nor a remark."""
     return bool(line.strip()) and not line.lstrip().startswith("#")
 
 
@@ -147,7 +147,7 @@ def split_cells(line: str, separator: str | None) -> list[str]:
 
 
 def is_number(cell: str, decimal: str) -> bool:
-    """Whether the cell is meant as one, infinite or not."""
+    """Tell whether the cell is meant as one, infinite or not."""
     try:
         float(cell if decimal == "." else "x" if "." in cell else cell.replace(",", "."))
     except ValueError:

@@ -87,7 +87,7 @@ def _lines(path: str | Path) -> list[str]:
 
 
 def _chosen(path: str | Path, kind: str, key: str | None, columns: list[Column]) -> Column:
-    """The column that the key names, or the one that the file itself marks as time or force."""
+    """Return the column that the key names, or the one that the file itself marks as time or force."""
     listed = ", ".join(str(each) for each in columns)
     if key is not None:
         numbered = [each for each in columns if key.strip() == str(each.place + 1)]
@@ -111,7 +111,7 @@ def _chosen(path: str | Path, kind: str, key: str | None, columns: list[Column])
 def _numbers(
     path: str | Path, layout: Layout, rows: list[tuple[int, str]], places: tuple[int, int]
 ) -> NDArray[np.float64]:
-    """The two columns, shape (2, n)."""
+    """Return the two columns, shape (2, n)."""
     convert = None if layout.decimal == "." else (lambda cell: float(cell.replace(",", ".")))
     try:
         values = np.loadtxt(
@@ -139,7 +139,7 @@ def _finite(cell: str) -> float:
 
 
 def _increasing(path: str | Path, rows: list[tuple[int, str]], time: Array) -> Array:
-    """The times; equal steps where a clock rounded to fewer digits than its steps need shows several samples at one time."""
+    """Return the times; equal steps where a rounded clock shows several samples at one time."""
     steps = np.diff(time)
     if (steps > 0.0).all():
         return time

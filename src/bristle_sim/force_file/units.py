@@ -22,7 +22,7 @@ LAST = re.compile(r"(?:^|[\s_/,])([^\s_/,\[\]()]+)\s*$")
 
 
 def unit_of(heading: str) -> str:
-    """The unit as in the tables above; as written where it is in brackets and unknown, and empty where there is none."""
+    """Return the unit of the tables above; as written if it is unknown but in brackets, empty if there is none."""
     bracketed = BRACKETED.search(heading)
     if bracketed is not None:
         return _known(bracketed[1]) or bracketed[1]
@@ -31,7 +31,7 @@ def unit_of(heading: str) -> str:
 
 
 def without_unit(heading: str) -> str:
-    """The heading before its unit."""
+    """Return the heading before its unit."""
     bracketed = BRACKETED.search(heading)
     if bracketed is not None:
         return heading[: bracketed.start()].strip()

@@ -100,7 +100,7 @@ class Log:
         self.contacts.append(
             ContactRecord(
                 obstacle=hold.obstacle.name,
-                law="hold",
+                law="sustained",
                 outcome=last.name,
                 time=start,
                 duration=end.time - start,

@@ -69,6 +69,10 @@ class Mechanics:
     @classmethod
     def of(cls, tool: Tool, start_hub_angle: float) -> Mechanics:
         """The mechanics of a tool."""
+        if tool.bristle.links != 1:
+            raise ValueError(
+                f"wire_links = {tool.bristle.links}: must be 1, as only a rigid bristle can be simulated (dimensionless)"
+            )
         centre = complex(*tool.bristle.centre)
         return cls(
             speed=tool.hub.speed,

@@ -1,4 +1,4 @@
-"""The audit as a Markdown page: ``python -m bristle_sim.render.audit_table media/audit.md``."""
+"""Write the audit as a Markdown page: ``python -m bristle_sim.render.audit_table media/audit.md``."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
-from pathlib import Path
 
 from bristle_sim.dissertation.audit import audit_rows, shown_number
 from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
 from bristle_sim.files import complete_or_absent
+from bristle_sim.render.style import checked_target
 
-__all__ = ["main", "markdown_page", "write_page"]
+__all__ = ["chapter_of", "main", "markdown_page"]
 
 COMMAND = "python -m bristle_sim.render.audit_table media/audit.md"
 CHAPTERS = {2: "The tool, cueing and impact", 3: "Force history", 4: "Crater"}
 
 
 def markdown_page(rows: Sequence[AuditRow]) -> str:
-    """All rows: first those that differ, each with its reason, then everything by chapter."""
+    """Return all rows: first those that differ, each with its reason, then everything by chapter."""
     differing = [row for row in rows if row.status == DIFFERS]
     parts = [
         "# Every printed number, recomputed",
@@ -46,28 +46,23 @@ def _summary(rows: Sequence[AuditRow]) -> str:
 
 
 def chapter_of(row: AuditRow) -> int:
-    """The chapter that a place is in, by the first number in it; those of chapters 1 and 5 belong to chapter 2."""
+    """Return the chapter that a place is in, by the first number in it; those of chapters 1 and 5 belong to chapter 2."""
     digits = next(word for word in row.where.split() if word[0].isdigit())
     return int(digits[0]) if digits[0] in "234" else 2
 
 
-def write_page(target: Path) -> None:
-    """Write the page; it appears only when complete."""
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the page to the file named; ends with status 2 where that cannot be done."""
+    parser = argparse.ArgumentParser(prog="python -m bristle_sim.render.audit_table", description=__doc__)
+    parser.add_argument("target", metavar="FILE.md")
+    try:
+        target = checked_target(parser.parse_args(arguments).target, (".md",))
+    except ValueError as error:
+        print(f"{parser.prog}: error: {error}", file=sys.stderr)
+        return 2
     page = markdown_page(audit_rows())
     with complete_or_absent(target) as partial:
         partial.write_text(page, encoding="utf-8")
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the page to the file named; 2 where that cannot be done."""
-    parser = argparse.ArgumentParser(prog="python -m bristle_sim.render.audit_table", description=__doc__)
-    parser.add_argument("target", type=Path, metavar="FILE.md")
-    target = parser.parse_args(arguments).target
-    if target.suffix != ".md" or not target.parent.is_dir():
-        print(f"{parser.prog}: error: {target}: must be a file name that ends in .md, in an existing folder",
-              file=sys.stderr)  # fmt: skip
-        return 2
-    write_page(target)
     return 0
 
 

@@ -9,8 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
+from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Motion
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.render.sweep_panels import panel_title, say
 from bristle_sim.studies.bent_bristles import BentBristles, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
@@ -62,7 +64,7 @@ def bent_figure(bent: BentBristles) -> Figure:
 
 
 def _head(figure: Figure, bent: BentBristles) -> None:
-    """What was simulated, and what came out."""
+    """Write what was simulated and what came out."""
     tool = bent.tools["forward"]
     assert tool.workpart is not None
     what = f"knee bent back, straight and forward by {tool.bristle.knee_angle_deg:g}°, μ = {tool.workpart.friction:g}"
@@ -72,7 +74,7 @@ def _head(figure: Figure, bent: BentBristles) -> None:
 
 
 def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
-    """The wire at the strike, and the tip's path from before it to after it."""
+    """Draw the wire at the strike, and the tip's path from before it to after it."""
     run, colour = bent.trajectories[shape], COLOURS[shape]
     motion = Motion(run)
     end = contact.time + contact.duration
@@ -89,7 +91,7 @@ def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, conta
 
 
 def _draw_in_touch(speeds: Axes, slides: Axes, shape: str, contact: ContactRecord) -> None:
-    """Speed along the workpart and its integral, with the end of compression and the turn of the slip marked."""
+    """Draw speed along the workpart and its integral, with the end of compression and the turn of the slip marked."""
     history, colour = contact.history, COLOURS[shape]
     if history is None:
         return
@@ -115,14 +117,10 @@ def _finish_places(wires: Axes, paths: Axes) -> None:
 
 
 def _frame(axes: Axes, lines: list[Line2D], shape: float) -> None:
-    """Limits at equal scales around lines, with a margin, in a panel ``shape`` times as wide as high."""
+    """Set equal scales around lines in a panel ``shape`` times as wide as high, some of the workpart included."""
     points = np.concatenate([np.column_stack(line.get_data()) for line in lines] or [np.zeros((1, 2))])
-    low, high = points.min(axis=0), points.max(axis=0)
-    low[1] = min(low[1], -0.05 * (high[1] - low[1]))
-    height = 1.16 * max(high[1] - low[1], (high[0] - low[0]) / shape, 1e-6)
-    middle = 0.5 * (low + high)
-    axes.set_xlim(middle[0] - 0.5 * height * shape, middle[0] + 0.5 * height * shape)
-    axes.set_ylim(middle[1] - 0.5 * height, middle[1] + 0.5 * height)
+    ground = [(0.0, -0.05 * float(np.ptp(points[:, 1])))]
+    View.around([points, ground], shape, 0.08).apply(axes)
 
 
 def _finish_times(speeds: Axes, slides: Axes) -> None:
@@ -134,7 +132,7 @@ def _finish_times(speeds: Axes, slides: Axes) -> None:
 
 
 def _explain(figure: Figure, struck: dict[str, ContactRecord | None]) -> None:
-    """Two rows at the foot: what colours, and what line styles and marks mean."""
+    """Explain colours, line styles and marks in two rows at the foot."""
     shapes = [Line2D([], [], color=COLOURS[shape], linewidth=2.0) for shape in struck]
     names = [NAMES[shape] + ("" if contact is not None else " (never strikes)") for shape, contact in struck.items()]
     place: dict[str, Any] = {"loc": "lower center", "ncols": 5, "columnspacing": 1.6, "borderaxespad": 0.0}

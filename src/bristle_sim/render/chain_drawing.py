@@ -1,4 +1,4 @@
-"""A chain of rods at the instant of its impact, to scale: root, hinges, rods, surface, and the tip's velocity."""
+"""Draw a chain of rods at the instant of its impact, to scale: root, hinges, rods, surface, and the tip's velocity."""
 
 from __future__ import annotations
 
@@ -7,70 +7,57 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
+from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE
-from bristle_sim.scene.strike import ChainStrike
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE
+from bristle_sim.render.drawing import View, moving_arrow, point_arrow
 
 __all__ = ["ChainDrawing"]
 
 Array = NDArray[np.float64]
 
 ARROW = 0.3
-"""Length of the tip's velocity before the impact, as a share of the drawing's size."""
+"""Length of the tip's velocity before the impact, as a fraction of the drawing's size."""
+
+
+GROUND = 0.15
+"""Fraction of the drawing's height below the surface."""
 
 
 class ChainDrawing:
     """The chain in axes of its own; only the arrow of the tip's velocity moves."""
 
-    def __init__(self, axes: Axes, struck: ChainStrike, hub_radius: float, fastest: float) -> None:
-        """Draw the rods as they strike; ``fastest`` is the tip's speed that the longest arrow shows, m/s."""
-        points = struck.centre_line - struck.centre_line[-1]
+    def __init__(self, axes: Axes, centre_line: Array, hub_radius: float, fastest: float) -> None:
+        """Draw the rods as they strike.
+
+        Args:
+            axes: of the drawing.
+            centre_line: root, hinges and tip from the hub's centre, shape (corners, 2), m.
+            hub_radius: zero for a fixed root, m.
+            fastest: the tip's speed that the longest arrow shows, m/s.
+        """
+        points = centre_line - centre_line[-1]
         box = axes.get_window_extent()
-        _frame(axes, points, box.width / box.height)
+        view = View.around([points], box.width / box.height, 0.2)
+        height = view.top - view.bottom
+        View(view.left, view.right, -GROUND * height, (1.0 - GROUND) * height).apply(axes)
+        axes.set_axis_off()
         self._size = float(np.ptp(axes.get_ylim()))
         self._fastest = fastest
         _draw_surface(axes)
-        _draw_root(axes, points[0], -struck.centre_line[-1], hub_radius, self._size)
+        _draw_root(axes, points[0], -centre_line[-1], hub_radius, self._size)
         axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3, gid="rods")
         axes.plot(*points[1:-1].T, "o", color="white", markeredgecolor=BLACK, markersize=6, zorder=4)
-        self.arrow = FancyArrowPatch(
-            (0.0, 0.0),
-            (0.0, 0.0),
-            arrowstyle="-|>",
-            mutation_scale=13.0,
-            shrinkA=0.0,
-            shrinkB=0.0,
-            color=PURPLE,
-            zorder=5,
-        )
-        self.arrow.set_linewidth(2.0)
-        axes.add_patch(self.arrow)
+        self.arrow = moving_arrow(axes, PURPLE, 2.0, 13.0)
         self.artists: list[Artist] = [self.arrow]
 
     def point(self, along: float, up: float) -> None:
         """Let the arrow show a velocity of the tip, m/s: towards the tip as it comes, from it as it leaves."""
         length = ARROW * self._size / self._fastest
-        ends = [(0.0, 0.0), (along * length, up * length)]
-        if up < 0.0:
-            ends = [(-along * length, -up * length), (0.0, 0.0)]
-        self.arrow.set_visible(np.hypot(along, up) > 0.02 * self._fastest)
-        self.arrow.set_positions(*ends)
-
-
-def _frame(axes: Axes, points: Array, aspect: float) -> None:
-    """The chain with a margin for the arrow, at equal scales."""
-    left, bottom = points.min(axis=0)
-    right, top = points.max(axis=0)
-    size = max(top - bottom, (right - left) / aspect)
-    margin = 0.2 * size
-    height = top - bottom + 2.0 * margin
-    height = max(height, (right - left + 2.0 * margin) / aspect)
-    middle = 0.5 * (left + right)
-    axes.set_xlim(middle - 0.5 * height * aspect, middle + 0.5 * height * aspect)
-    axes.set_ylim(bottom - margin, bottom - margin + height)
-    axes.set_axis_off()
+        ahead = (along * length, up * length)
+        start, end = ((-ahead[0], -ahead[1]), (0.0, 0.0)) if up < 0.0 else ((0.0, 0.0), ahead)
+        point_arrow(self.arrow, start, end, shortest=0.02 * ARROW * self._size)
 
 
 def _draw_surface(axes: Axes) -> None:

@@ -1,4 +1,4 @@
-"""The tip at the surface, strongly enlarged: its way along and into the surface, and the forces on it."""
+"""Draw the tip at the surface, strongly enlarged: its way along and into the surface, and the forces on it."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import FancyArrowPatch, Polygon
+from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from bristle_sim.render.colours import BLUE, GREY, LIGHT, SKY, VERMILION
 from bristle_sim.render.contact_motion import ContactMotion
-from bristle_sim.render.prefixes import scale_for
-from bristle_sim.render.style import BLACK, BLUE, GREY, LIGHT, SKY, VERMILION
+from bristle_sim.render.drawing import draw_scale_bar, moving_arrow, point_arrow
 
 __all__ = ["CloseUp"]
 
@@ -26,7 +26,7 @@ LEAST_DOWN = 0.08
 """The depth of a grazing tip is stretched until it takes this much."""
 
 TIP_RADIUS, LONGEST_FORCE = 0.07, 0.3
-"""Sizes that are not to scale, as shares of the drawing's width."""
+"""Sizes that are not to scale, as fractions of the drawing's width."""
 
 ABOVE, BELOW = 0.55, 0.62
 """How far the drawing reaches above and below the surface."""
@@ -53,7 +53,10 @@ class CloseUp:
         _frame(axes)
         self._add_moving(axes, _rod_outline(last_rod))
         self.artists += _force_names(axes, letter_size)
-        _draw_scale_bar(axes, self.scale, letter_size, left=bool(last_rod[0] < 0.0))
+        leftwards = bool(last_rod[0] >= 0.0)  # the rod leaves this upper corner free
+        draw_scale_bar(
+            axes, 1.0 / self.scale, (0.96 if leftwards else 0.04, ABOVE - 0.09), letter_size, leftwards=leftwards
+        )
 
     def show(self, time: float) -> None:
         """Move everything to an instant, s."""
@@ -64,8 +67,8 @@ class CloseUp:
         unit = LONGEST_FORCE / self._strongest
         normal, tangential = (self.motion.at(f"{name}_force", time) * unit for name in ("normal", "tangential"))
         # The normal arrow ends at the tip: above it is the rod.
-        _point(self.normal, (x, y - normal), (x, y))
-        _point(self.friction, (x, y), (x + tangential, y))
+        point_arrow(self.normal, (x, y - normal), (x, y), shortest=0.02)
+        point_arrow(self.friction, (x, y), (x + tangential, y), shortest=0.02)
 
     def _place(self, along: Array | float, depth: Array | float) -> tuple[Array, Array]:
         return np.asarray(self._start + self.scale * along), np.asarray(-self.scale * self.stretch * depth)
@@ -83,9 +86,9 @@ class CloseUp:
         self.block = Polygon(np.zeros((3, 2)), facecolor=LIGHT, edgecolor=GREY, linewidth=1.0)
         self.rod = Polygon(outline, facecolor="#bcd9ec", edgecolor=BLUE, linewidth=1.2, alpha=0.95)
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
-        self.normal, self.friction = _arrow(BLUE), _arrow(VERMILION)
-        for patch in (self.block, self.rod, self.normal, self.friction):
-            axes.add_patch(patch)
+        axes.add_patch(self.block)
+        axes.add_patch(self.rod)
+        self.normal, self.friction = (moving_arrow(axes, color, 3.0, 16.0) for color in (BLUE, VERMILION))
         self.artists: list[Artist] = [self.block, self.rod, self.trail, self.normal, self.friction]
 
 
@@ -110,29 +113,6 @@ def _rod_outline(last_rod: Array) -> Array:
     turn = np.linspace(0.0, np.pi, 40)[:, None]
     end = centre + TIP_RADIUS * (np.cos(turn) * across - np.sin(turn) * towards_hinge)
     return np.concatenate([end, end[[-1, 0]] + 3.0 * towards_hinge])
-
-
-def _arrow(color: str) -> FancyArrowPatch:
-    arrow = FancyArrowPatch((0.0, 0.0), (0.0, 0.0), arrowstyle="-|>", mutation_scale=16.0, shrinkA=0.0, shrinkB=0.0)
-    arrow.set(color=color, linewidth=3.0)
-    return arrow
-
-
-def _point(arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[float, float]) -> None:
-    """Show an arrow from start to end, unless it is too short to be one."""
-    arrow.set_visible(math.dist(start, end) > 0.02)
-    arrow.set_positions(start, end)
-
-
-def _draw_scale_bar(axes: Axes, scale: float, letter_size: float, *, left: bool) -> None:
-    """A round length, in the unit that makes it readable, in the upper corner that the rod leaves free."""
-    most = 0.28 / scale
-    decade = 10.0 ** math.floor(math.log10(most))
-    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= most * (1.0 + 1e-9))
-    shown = scale_for(length, "m")
-    start, base = 0.04 if left else 0.96 - scale * length, ABOVE - 0.06
-    axes.plot([start, start + scale * length], [base, base], "|-", color=BLACK, linewidth=1.5)
-    axes.text(start, base - 0.03, f"{length * shown.factor:g} {shown.unit}", va="top", fontsize=letter_size)
 
 
 def _force_names(axes: Axes, letter_size: float) -> list[Artist]:

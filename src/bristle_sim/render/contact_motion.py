@@ -1,4 +1,4 @@
-"""A contact resolved in time at any instant: what its record says between the samples, and shortly before and after."""
+"""Interpolate a contact resolved in time between its samples, with free motion shortly before and after."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 from bristle_sim.render.story import Phase
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-__all__ = ["ContactMotion", "caption", "contact_motion", "stretches"]
+__all__ = ["ContactMotion", "caption", "contact_motion", "intervals"]
 
 Array = NDArray[np.float64]
 
@@ -20,13 +20,13 @@ POINTS = 1500
 """Instants of a whole contact: a picture's width."""
 
 BEFORE, AFTER = 0.10, 0.18
-"""Free motion shown before and after, as shares of the time in touch."""
+"""Free motion shown before and after, as fractions of the time in touch."""
 
 BRIEF = 1e-3
-"""A stretch of less than this share of the contact is rounding at the end of another one."""
+"""An interval of less than this fraction of the contact is rounding at the end of another one."""
 
 RESTING = 1e-6
-"""A tip slower than this share of its speed on arrival does not slip."""
+"""A tip slower than this fraction of its speed on arrival does not slip."""
 
 _MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 _ENDINGS = {
@@ -45,7 +45,7 @@ class ContactMotion:
         time: s, from the first touch; negative before it.
         normal_velocity, tangential_velocity: of the tip, m/s.
         normal_force, tangential_force: on the tip, N.
-        along, depth: way of the tip along the surface and below it since the first touch, m.
+        depth, along: way of the tip below the surface and along it since the first touch, m.
         phases: what happens from when on, e.g. ``compression slip``; the first is ``arrival``.
         touch_end: when the contact ends, s.
         outcome: of the contact.
@@ -56,8 +56,8 @@ class ContactMotion:
     tangential_velocity: Array
     normal_force: Array
     tangential_force: Array
-    along: Array
     depth: Array
+    along: Array
     phases: tuple[Phase, ...]
     touch_end: float
     outcome: str
@@ -95,49 +95,40 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
         raise ValueError(f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show")
     clock = history.time - history.time[0]
     columns = np.stack([getattr(history, name) for name in _COLUMNS])
-    parts = [_filled(clock[part], columns[:, part], clock[-1]) for part in stretches(history)]
+    parts = [_filled(clock[part], columns[:, part], clock[-1]) for part in intervals(history)]
     touching, touched = (np.concatenate(each, axis=-1) for each in zip(*parts, strict=True))
     time, values = _with_free_motion(touching, touched, record)
     normal_velocity, tangential_velocity, normal_force, tangential_force, depth = values
     steps = 0.5 * (tangential_velocity[1:] + tangential_velocity[:-1]) * np.diff(time)
     along = np.concatenate([[0.0], np.cumsum(steps)])
-    return ContactMotion(
-        time=time,
-        normal_velocity=normal_velocity,
-        tangential_velocity=tangential_velocity,
-        normal_force=normal_force,
-        tangential_force=tangential_force,
-        along=along - np.interp(0.0, time, along),
-        depth=depth,
-        phases=_phases(history, record.outcome),
-        touch_end=float(clock[-1]),
-        outcome=record.outcome,
-    )
+    along -= np.interp(0.0, time, along)
+    moving = (normal_velocity, tangential_velocity, normal_force, tangential_force, depth, along)
+    return ContactMotion(time, *moving, _phases(history, record.outcome), float(clock[-1]), record.outcome)
 
 
 _COLUMNS = ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force", "penetration")
 
 
-def stretches(history: ContactHistory) -> list[slice]:
-    """The samples from turn to turn: at a turn two of them share an instant."""
+def intervals(history: ContactHistory) -> list[slice]:
+    """Return the samples from turn to turn: at a turn two of them share an instant."""
     cuts = [0, *(np.flatnonzero(np.diff(history.time) <= 0.0) + 1).tolist(), history.time.size]
     return [slice(start, end) for start, end in pairwise(cuts) if end - start > 1]
 
 
 def caption(phase: str) -> str:
-    """A phase in words for those who watch."""
+    """Return a phase in words for those who watch the film."""
     half, _, motion = phase.partition(" ")
     return f"{half}: {_MOTIONS[motion]}" if motion in _MOTIONS else phase
 
 
 def _filled(time: Array, values: Array, whole: float) -> tuple[Array, Array]:
-    """A smooth stretch at closely spaced instants."""
+    """Return a smooth interval at closely spaced instants."""
     instants = np.linspace(time[0], time[-1], max(2, round(POINTS * (time[-1] - time[0]) / whole)))
     return instants, PchipInterpolator(time, values, axis=-1)(instants)
 
 
 def _with_free_motion(time: Array, values: Array, record: ContactRecord) -> tuple[Array, Array]:
-    """Steady velocities before and after; a tip that does not leave stays pressed on as it is."""
+    """Add steady velocities before and after; a tip that does not leave stays pressed on as it is."""
     before, after = np.array([-BEFORE, 0.0]) * time[-1], np.array([1.0, 1.0 + AFTER]) * time[-1]
     arriving, going = np.repeat(values[:, :1], 2, axis=1), np.repeat(values[:, -1:], 2, axis=1)
     arriving[2:4] = 0.0
@@ -151,10 +142,10 @@ def _with_free_motion(time: Array, values: Array, record: ContactRecord) -> tupl
 
 
 def _phases(history: ContactHistory, outcome: str) -> tuple[Phase, ...]:
-    """Arrival, one phase for each stretch that is no rounding, and the ending."""
+    """Return arrival, one phase for each interval that is no rounding, and the ending."""
     start, whole = float(history.time[0]), float(np.ptp(history.time))
     phases = [Phase(-BEFORE * whole, "the tip arrives")]
-    for part in stretches(history):
+    for part in intervals(history):
         instants = history.time[part]
         name = _phase(history, part)
         if np.ptp(instants) > BRIEF * whole and name != phases[-1].caption:
@@ -163,12 +154,12 @@ def _phases(history: ContactHistory, outcome: str) -> tuple[Phase, ...]:
 
 
 def _phase(history: ContactHistory, part: slice) -> str:
-    """Compression or restitution, and slip, reverse slip or stick, from the middle of a stretch."""
+    """Return compression or restitution, and slip, reverse slip or stick, from the middle of an interval."""
     middle = (part.start + part.stop) // 2
     half = "compression" if history.normal_velocity[middle] < 0.0 else "restitution"
     arrival = float(history.tangential_velocity[0])
     fastest = float(np.hypot(history.normal_velocity[0], arrival))
-    # The middle of a stretch of two samples is its end, where slip may just stop: take both of its sides.
+    # The middle of an interval of two samples is its end, where slip may just stop: take both of its sides.
     slip = float(history.tangential_velocity[middle - 1] + history.tangential_velocity[middle])
     if abs(slip) <= RESTING * fastest:
         return f"{half} stick"

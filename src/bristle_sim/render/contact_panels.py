@@ -8,17 +8,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.impulse_plane import PHASE_COLOURS
-from bristle_sim.render.prefixes import scale_for
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.style import scale_for
 
 __all__ = ["NORMAL", "TANGENTIAL", "ContactPanels"]
 
 NORMAL, TANGENTIAL = BLUE, VERMILION
 
 ROUNDING = 1e-6
-"""Velocities below this share of the fastest are shown as none."""
+"""Velocities below this fraction of the fastest are drawn as zero."""
 
 PANELS = (
     ("$v_t$, along\nthe surface", "m/s", (("tangential_velocity", TANGENTIAL),)),
@@ -27,7 +27,7 @@ PANELS = (
 )
 
 GAP = 0.035
-"""Between panels, as a share of the figure's height."""
+"""Between panels, as a fraction of the figure's height."""
 
 
 class ContactPanels:

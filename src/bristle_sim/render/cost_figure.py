@@ -5,26 +5,18 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
-from bristle_sim.benchmarks.accuracy_cost.results import OURS
-from bristle_sim.render.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    axes_at,
-    blank_figure,
-    styled,
-)
+from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import note
 
 __all__ = ["best_methods", "cost_figure", "verdict"]
 
@@ -43,7 +35,7 @@ NOTE = 62
 """Characters in a line of a note."""
 
 COLUMNS = 2
-"""Of a panel's legend."""
+"""Columns of a panel's legend."""
 
 COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN, "exudyn": PURPLE, "pybullet": VERMILION}
 MARKERS = "osD^vPX*"
@@ -59,34 +51,7 @@ LEAST = 1e-16
 MILLISECONDS = 1e3
 
 
-class _Case(Protocol):
-    """What a panel says about its case."""
-
-    @property
-    def name(self) -> str:
-        """Its word in tables."""
-
-    @property
-    def title(self) -> str:
-        """The panel's title."""
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Lines below the panel."""
-
-
-class _Measured(Protocol):
-    """What a study measured."""
-
-    @property
-    def cases(self) -> Sequence[_Case]:
-        """A panel each, in order."""
-
-    def of(self, case: str) -> Sequence[Point]:
-        """The points of a case."""
-
-
-def cost_figure(measured: _Measured) -> Figure:
+def cost_figure(measured: AccuracyCost) -> Figure:
     """Draw every case of a study in two columns; points without a finite error are left out.
 
     Raises:
@@ -119,7 +84,7 @@ def best_methods(points: Sequence[Point]) -> dict[str, str]:
 
 
 def verdict(points: Sequence[Point]) -> str:
-    """Say what the reader should see: the cheapest of ours and the cheapest of all peers at one error."""
+    """Return the cheapest of ours and the cheapest of all peers at one error, in words."""
     ours = [point for point in points if package_of(point.method) == OURS]
     peers = [point for point in points if package_of(point.method) != OURS]
     for target in TARGETS:
@@ -135,53 +100,48 @@ def _shown(point: Point) -> str:
     return f"{point.cpu_s * MILLISECONDS:.2g} ms"
 
 
-def _height(measured: _Measured, case: _Case) -> float:
+def _height(measured: AccuracyCost, case: Case) -> float:
     """Return the height of a panel with its title, axis, legend and notes, cm."""
-    points = measured.of(case.name)
-    lines = math.ceil(len(_named(points)) / COLUMNS) + len(_notes(case, points))
-    return PANEL_HEIGHT + HEAD + 1.45 + LINE * lines
+    named, notes = _named_and_notes(case, measured.of(case.name))
+    return PANEL_HEIGHT + HEAD + 1.45 + LINE * (math.ceil(len(named) / COLUMNS) + len(notes))
 
 
 def _methods(points: Iterable[Point]) -> list[str]:
     return list(dict.fromkeys(point.method for point in points if math.isfinite(point.error)))
 
 
-def _named(points: Sequence[Point]) -> list[str]:
-    """Methods that have a colour and a name in the legend: all of ours, and the best of each peer."""
+def _named_and_notes(case: Case, points: Sequence[Point]) -> tuple[list[str], list[str]]:
+    """Return the methods that have a colour and a name, all of ours and the best of each peer, and the lines below."""
     best = best_methods(points).values()
-    return [method for method in _methods(points) if package_of(method) == OURS or method in best]
-
-
-def _notes(case: _Case, points: Sequence[Point]) -> list[str]:
-    """The case's notes, and which methods are drawn in grey."""
-    named = _named(points)
+    named = [method for method in _methods(points) if package_of(method) == OURS or method in best]
     grey: dict[str, list[str]] = {}
     for method in _methods(points):
         if method not in named:
             package, _, name = method.partition(" ")
             grey.setdefault(package, []).append(name)
     words = "; ".join(f"{package} {', '.join(names)}" for package, names in grey.items())
-    return [*(textwrap.wrap(f"grey: {words}", NOTE) if grey else []), *case.notes]
+    return named, [*(textwrap.wrap(f"grey: {words}", NOTE) if grey else []), *case.notes]
 
 
-def _panel(axes: Axes, case: _Case, points: Sequence[Point]) -> None:
-    named = _named(points)
+def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
+    named, notes = _named_and_notes(case, points)
     for method in _methods(points):
-        _curve(axes, method, _look(method, named), points)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+        drawn = [point for point in points if point.method == method and math.isfinite(point.error)]
+        errors = [max(point.error, LEAST) for point in drawn]
+        times = [point.cpu_s * MILLISECONDS for point in drawn]
+        axes.loglog(times, errors, gid=method, **_look(method, named))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
     axes.set_title(case.title, loc="left", pad=16.0)
-    axes.annotate(verdict(points), (0.0, 1.0), (0.0, 5.0), "axes fraction", "offset points", fontsize=6.5, color=GREY)
+    note(axes, verdict(points), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", fontsize=6.5)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
-    _legend(axes, len(named), _notes(case, points))
+    _legend(axes, len(named), notes)
 
 
 def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
-    """Colour by package, marker by place among the package's named methods; our own curves are heavier."""
+    """Return the colour of the package and the marker by place among its named methods; our own curves are heavier."""
     if method not in named:
         return {"color": OTHERS, "linewidth": 0.8, "marker": ".", "markersize": 2.0, "zorder": 1}
     package = package_of(method)
@@ -199,25 +159,11 @@ def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def _curve(axes: Axes, method: str, look: dict[str, Any], points: Iterable[Point]) -> None:
-    drawn = [point for point in points if point.method == method and math.isfinite(point.error)]
-    times = [point.cpu_s * MILLISECONDS for point in drawn]
-    axes.plot(times, [max(point.error, LEAST) for point in drawn], gid=method, **look)
-
-
 def _legend(axes: Axes, named: int, notes: Sequence[str]) -> None:
-    """Names and notes below the panel."""
+    """Write names and notes below the panel."""
     below = -1.05 / PANEL_HEIGHT
-    axes.legend(
-        loc="upper left",
-        bbox_to_anchor=(-0.2, below),
-        ncols=COLUMNS,
-        borderaxespad=0.0,
-        columnspacing=0.8,
-        labelspacing=0.25,
-        handlelength=2.0,
-        fontsize=6.5,
-    )
+    look: dict[str, Any] = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, below), ncols=COLUMNS, borderaxespad=0.0, **look)
     lines = math.ceil(named / COLUMNS)
     place = below - (LINE * lines + 0.12) / PANEL_HEIGHT
     axes.text(

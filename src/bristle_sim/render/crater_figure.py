@@ -1,4 +1,4 @@
-"""The crater on one page: depth over plies, the chip to scale, every estimate, the crater in three dimensions, and C."""
+"""Draw the crater on one page: depth over plies, the chip to scale, every estimate, the crater in three dimensions, and C."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from bristle_sim.render.crater_constant_panel import draw_constants
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, axes_at, blank_figure, signed, styled
-from bristle_sim.render.sweep_panels import panel_title
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, signed, styled
+from bristle_sim.render.sweep_panels import note, panel_title
+from bristle_sim.studies.crater_constant import IMPACT_ANGLES_DEG, constants_over
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 from bristle_sim.studies.crater_sums import merchant_depth_course, merchant_depth_extrapolated, merchant_depth_sum
-from bristle_sim.theory.crater_energy import energy_crater_depth_ratio
+from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
 
 __all__ = ["crater_figure", "crater_floor"]
@@ -31,9 +32,25 @@ MICRO = 1e6
 CURVE_PLIES = np.unique(np.geomspace(1, 1e5, 61).astype(int))
 POINT_PLIES = (1, 3, 10, 30, 100, 300, 1000, 10000, 100000)
 LEAN = math.radians(11.5)
-"""Of the rake face, back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
+"""Lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
+
+LOWEST, HIGHEST = 0.4, 4.0
+"""Friction coefficients shown (Zhang 2020, fig. 4.14 goes from 0.45 to 4)."""
+
+TICKS = (0.5, 1.0, 2.0, 4.0)
 
 UPRIGHT = math.pi / 2.0 + LEAN
+OWN: dict[str, Any] = {
+    "marker": "*",
+    "color": ORANGE,
+    "markersize": 9,
+    "markeredgecolor": BLACK,
+    "markeredgewidth": 0.6,
+    "linestyle": "none",
+    "zorder": 4,
+}
+"""Look of the study's own values."""
+
 STEEL = "#e3e6ea"
 DEPTHS = LinearSegmentedColormap.from_list("depths", ["#0b3c5d", "#4d8fbf", "#dfe3e7"])
 
@@ -56,7 +73,7 @@ def crater_figure(study: CraterStudy) -> Figure:
     _draw_crater(crater, study)
     constants = axes_at(figure, 17.3, 1.1, 4.7, 13.1)
     panel_title(constants, "e", "C for the measured depth")
-    draw_constants(constants, study)
+    _draw_constants(constants, study)
     return figure
 
 
@@ -73,24 +90,16 @@ def _draw_plies(axes: Axes, study: CraterStudy) -> None:
     sums = [float(merchant_depth_course(dataclasses.replace(crater, plies=n))[-1]) for n in POINT_PLIES]
     limit = merchant_depth_extrapolated(crater)
     axes.plot(CURVE_PLIES, MICRO * merchant_depth_sum(crater, CURVE_PLIES), color=BLUE, label="sum (4.50)")
-    axes.plot(
-        POINT_PLIES,
-        MICRO * np.array(sums),
-        "o",
-        color=BLUE,
-        markersize=3.6,
-        markerfacecolor="white",
-        label="(4.57) as printed",
-    )
+    printed: dict[str, Any] = {"markersize": 3.6, "markerfacecolor": "white", "label": "(4.57) as printed"}
+    axes.plot(POINT_PLIES, MICRO * np.array(sums), "o", color=BLUE, **printed)
     axes.axhline(MICRO * limit, color=BLUE, dashes=(1, 1.5), linewidth=0.9, label=f"limit {MICRO * limit:.2f} µm")
     own = float(merchant_depth_sum(crater, crater.plies))
-    axes.plot([crater.plies], [MICRO * own], "*", color=ORANGE, markersize=9, markeredgecolor=BLACK,
-              markeredgewidth=0.6, label=f"{MICRO * own:.2f} µm with {crater.plies:g}", zorder=4)  # fmt: skip
+    axes.plot([crater.plies], [MICRO * own], label=f"{MICRO * own:.2f} µm with {crater.plies:g}", **OWN)
     axes.legend(loc="lower right", labelspacing=0.3)
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
-    """Workpart, path, rake face and the two shear planes, in um; x is the tip's direction of travel."""
+    """Draw workpart, path, rake face and the two shear planes, in um; x is the tip's direction of travel."""
     gamma, mu = study.impact_angle, study.crater.friction
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     tip, depth = path * _direction(-gamma), path * math.sin(gamma)
@@ -109,7 +118,7 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
 
 
 def _view(depth: float, reach: float) -> tuple[tuple[float, float], tuple[float, float], float]:
-    """Limits of x and y of the panel's shape, and the bottom."""
+    """Return limits of x and y in the panel's shape, and the bottom."""
     width = max(3.3 * reach, 7.0 * depth, 1.0)
     height = width * 5.2 / 7.3
     bottom = -max(1.7 * depth, 0.25 * height)
@@ -117,7 +126,7 @@ def _view(depth: float, reach: float) -> tuple[tuple[float, float], tuple[float,
 
 
 def _draw_tool(axes: Axes, tip: Array, gamma: float, depth: float) -> None:
-    """The tip behind its rake face; the heel clears the path."""
+    """Draw the tip behind its rake face; the heel clears the path."""
     size = 3.2 * depth
     face, heel = size * _direction(UPRIGHT), 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))
     back = np.array([heel[0] + 0.1 * size, face[1]])
@@ -127,7 +136,7 @@ def _draw_tool(axes: Axes, tip: Array, gamma: float, depth: float) -> None:
 
 
 def _shear_planes(study: CraterStudy, gamma: float, mu: float, depth: float) -> list[tuple[str, str, float, float]]:
-    """Label, colour, slope (rad) and length (um): as long as (4.28) has it, and to the real surface."""
+    """Return label, colour, slope (rad) and length (um): as long as (4.28) has it, and to the real surface."""
     rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, mu)
     planes = [("shear plane to the surface", GREEN, rising, depth / math.sin(rising))]
     if study.angles is not None:
@@ -144,8 +153,8 @@ def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
     rows = [(name, value, color) for name, value, color in _estimates(study) if value is not None]
     for row, (_, value, color) in enumerate(reversed(rows)):
         axes.plot([MICRO * value], [row], "o", color=color, markersize=4.5)
-        axes.annotate(f"{MICRO * value:.3g}", (MICRO * value, row), (5, 0), textcoords="offset points", va="center",
-                      fontsize=7.0, color=color, bbox={"facecolor": "white", "linewidth": 0.0, "pad": 0.5})  # fmt: skip
+        box = {"facecolor": "white", "linewidth": 0.0, "pad": 0.5}
+        note(axes, f"{MICRO * value:.3g}", (MICRO * value, row), (5.0, 0.0), va="center", color=color, bbox=box)
     axes.axvline(MICRO * MEASURED, color=GREY, dashes=(4, 2))
     axes.annotate("measured", (MICRO * MEASURED, 1.0), (2, 2), ("data", "axes fraction"),
                   "offset points", fontsize=7.0, color=GREY)  # fmt: skip
@@ -156,7 +165,7 @@ def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
 
 
 def _estimates(study: CraterStudy) -> list[tuple[str, float | None, str]]:
-    """Name, depth in m and colour; the work-energy sum itself is millimetres and left out."""
+    """Return name, depth in m and colour; the work-energy sum, millimetres, is left out."""
     crater, chip = study.crater, study.angles is not None
     parallel, inclined = study.parallel, study.inclined
     emerges = parallel is not None and parallel.shear_plane_emerges
@@ -172,10 +181,10 @@ def _estimates(study: CraterStudy) -> list[tuple[str, float | None, str]]:
 
 
 def crater_floor(x: Array, y: Array, impact_angle: float, path: float, face: TipFace | None = None) -> Array:
-    """Height of the workpart after the tip, m, 0 or less, over places x along and y across its path, m; broadcasts.
+    """Return the height of the workpart after the tip, m, 0 or less, over places x along and y across its path, m; broadcasts.
 
-    The lowest point of the tip's ellipse follows the straight path; a point of the ellipse at y is higher by what the
-    width (4.14) asks for. Where the tip stops the groove ends upright.
+    The lowest point of the tip's ellipse follows the straight path; a point of the ellipse at y is higher by the
+    width (4.14). Where the tip stops the groove ends upright.
     """
     wire = TipFace() if face is None else face
     share = np.sqrt(np.clip(1.0 - (2.0 * np.asarray(y) / wire.short_axis) ** 2, 0.0, None))
@@ -209,3 +218,40 @@ def _draw_crater(axes: Any, study: CraterStudy) -> None:
     axes.tick_params(pad=-2.0, labelsize=6.5)
     axes.text2D(-0.1, 0.57, "height\n(µm)", transform=axes.transAxes, fontsize=8.0)
     axes.set_zticks([-MICRO * deepest, 0.0], [signed(-MICRO * deepest, 0), "0"])
+
+
+def _draw_constants(axes: Axes, study: CraterStudy) -> None:
+    """Draw a curve for each impact angle, solid where the shear plane comes out of the surface and dotted where it does not."""
+    for angle, color in zip(IMPACT_ANGLES_DEG, SERIES, strict=False):
+        frictions = _frictions(study, angle)
+        rows = constants_over(study.crater, MEASURED, frictions, (angle,))
+        found = np.array([each["constant_deg"] or np.nan for each in rows])
+        chip = np.array([bool(each["shear_plane_emerges"]) for each in rows])
+        axes.plot(frictions, found, color=color, linewidth=0.9, dashes=(1, 1.2))
+        axes.plot(frictions, np.where(chip, found, np.nan), color=color, linewidth=1.8, label=f"{angle:g}°")
+    own = constants_over(study.crater, MEASURED, (study.crater.friction,), (study.crater.impact_angle_deg,))[0]
+    if own["constant_deg"] is not None:
+        label = f"{own['constant_deg']:.1f}° with {own['friction']:g}"
+        axes.plot([own["friction"]], [own["constant_deg"]], label=label, **OWN)
+    axes.axhline(90.0, color=GREY, linewidth=0.8)
+    note(axes, "least work", (HIGHEST, 90.0), (0.0, 2.0), ha="right")
+    axes.set_xscale("log")
+    axes.set_xticks(TICKS, [f"{each:g}" for each in TICKS])
+    axes.minorticks_off()
+    axes.set(xlim=(LOWEST, HIGHEST), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (deg)")
+    axes.legend(loc="lower left", title="impact angle", labelspacing=0.3, title_fontsize=7.0)
+    words = "solid: the shear\nplane comes out\nof the surface"
+    note(axes, words, (0.97, 0.82), (0.0, 0.0), xycoords="axes fraction", ha="right", va="top")
+
+
+def _frictions(study: CraterStudy, angle_deg: float) -> list[float]:
+    """Return frictions from that at which least work cuts the measured depth, where the curve is steep, to the highest."""
+    crater = study.crater
+    given = (MEASURED, math.radians(angle_deg), crater.shear_yield_stress, int(crater.plies))
+    try:
+        least = float(friction_for_crater_depth(*given, compression_time=crater.compression_time))
+    except ValueError:  # no friction makes it that deep, or any does
+        least = LOWEST
+    if least >= HIGHEST:
+        return [HIGHEST]
+    return [least, *(least + np.geomspace(1e-6, HIGHEST - least, 120)).tolist()]

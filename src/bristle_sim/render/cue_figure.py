@@ -1,43 +1,24 @@
-"""The released bristle beside the quasi-static formula, and the bar that each reading of the belt stiffness needs."""
+"""Draw the released bristle and the quasi-static formula, and the bar that each reading of the belt stiffness needs."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Motion
-from bristle_sim.render.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    SKY,
-    VERMILION,
-    axes_at,
-    blank_figure,
-    signed,
-    styled,
-)
+from bristle_sim.render.style import axes_at, blank_figure, signed, styled
 from bristle_sim.render.sweep_panels import note, panel_title
-from bristle_sim.render.tool_drawing import (
-    BAR_COLOUR,
-    MILLIMETRES,
-    View,
-    WireDrawing,
-    draw_hub,
-    draw_workpart,
-    name_parts,
-)
+from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_bar, draw_hub, draw_workpart, name_parts
 from bristle_sim.studies.cue_places import BarPlace, FullPass, ReadingPlaces, Release
 from bristle_sim.studies.cue_timing import OWN, CueTiming
 
@@ -51,7 +32,7 @@ PLAN = (7.2, 6.2)
 """Width and height of the plan view, cm."""
 
 NEARBY = math.radians(25.0)
-"""The plan shows bars within this of the tool's own, rad; others are told in the table alone."""
+"""The plan shows bars within this of the tool's own, rad; the others are in the table alone."""
 
 NAMES = {
     OWN: "{stiffness:.4g} N·m/rad",
@@ -62,7 +43,7 @@ NAMES = {
 COLOURS = {OWN: SKY, "per_radian": ORANGE, "per_degree": GREEN, "from_254_hz": PURPLE}
 
 COLUMNS = (0.52, 0.68, 1.0)
-"""Right edges of the table's numbers, as shares of its width."""
+"""Right edges of the table's numbers, as fractions of its width."""
 
 
 @styled()
@@ -86,7 +67,7 @@ def cue_figure(timing: CueTiming) -> Figure:
 
 
 def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
-    """Simulated and by formula, each up to its own cue time."""
+    """Draw the simulated release and the formula's, each up to its own cue time."""
     course = Motion(timing.trajectory).course()
     lines = [("simulated", BLUE, Release(course.time, course.retraction, course.relative_speed))]
     if timing.formula is not None:
@@ -110,7 +91,7 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
 
 
 def _mark_cues(retraction: Axes, speed: Axes, lines: Sequence[tuple[str, str, Release]]) -> None:
-    """Where each line ends, at its highest speed; the earlier cue is named on its left, the later on its right."""
+    """Mark where each line ends, at its highest speed; the earlier cue is named on its left, the later on its right."""
     latest = max(float(line.time[-1]) for _, _, line in lines)
     for name, color, line in lines:
         cued, highest = float(line.time[-1]) * MILLISECONDS, float(line.relative_speed[-1])
@@ -124,7 +105,7 @@ def _mark_cues(retraction: Axes, speed: Axes, lines: Sequence[tuple[str, str, Re
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
-    """Hub, workpart and bars to scale, with the wire as released and at its highest speed.
+    """Draw hub, workpart and bars to scale, with the wire as released and at its highest speed.
 
     Returns the names of the stiffnesses whose bars the view shows.
     """
@@ -135,26 +116,24 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
     view = _view(timing, bars, wires)
     axes.grid(visible=False)
     draw_hub(axes, tool)
-    draw_workpart(axes, tool, view)
-    look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
-    axes.add_patch(_circle(timing, given, gid="bar as given", **look))
+    draw_workpart(axes, tool.workpart_depth, view)
+    draw_bar(axes, *_centre(given), timing.bar.radius, gid="bar as given")
     for name in near:
         for side, style in (("simulated", "-"), ("formula", ":")):
             place = getattr(timing.places[name], side)
             if place is not None:
-                look = {"edgecolor": COLOURS[name], "linewidth": 1.3, "linestyle": style}
-                axes.add_patch(_circle(timing, place, fill=False, zorder=5, gid=f"{side} {name}", **look))
+                look: dict[str, Any] = {"edgecolor": COLOURS[name], "linewidth": 1.3, "linestyle": style, "zorder": 5}
+                draw_bar(axes, *_centre(place), timing.bar.radius, fill=False, gid=f"{side} {name}", **look)
     view.apply(axes)
-    name_parts(axes, tool, 7.0, without=("bar",))
+    name_parts(axes, replace(tool, bar=None), 7.0)
     for line, color, name in zip(wires, (GREY, BLACK), ("released", "fastest"), strict=False):
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
         x, y = 0.5 * (line[0] + line[-1]) * MILLIMETRES
-        above: dict[str, Any] = {"ha": "right", "va": "bottom"}
-        below: dict[str, Any] = {"ha": "left", "va": "top"}
-        offset, look = ((0.0, 4.0), above) if name == "released" else ((6.0, -2.0), below)
-        note(axes, name, (float(x), float(y)), offset, color=color, **look)
+        sides = {"ha": "right", "va": "bottom"} if name == "released" else {"ha": "left", "va": "top"}
+        offset = (0.0, 4.0) if name == "released" else (6.0, -2.0)
+        note(axes, name, (float(x), float(y)), offset, color=color, **sides)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
     panel_title(axes, "c", "where the bar must stand", "to scale, with this tool's wire")
@@ -162,7 +141,7 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
 
 
 def _near(places: ReadingPlaces, timing: CueTiming) -> bool:
-    """Whether a stiffness's bars are worth a place in the drawing."""
+    """Return whether a stiffness's bars stand near enough to the tool's own to be drawn."""
     own = timing.places[timing.own].simulated or BarPlace.of(timing.bar)
     directions = [place.direction for place in _places(places)]
     return bool(directions) and all(abs(each - own.direction) < NEARBY for each in directions)
@@ -173,44 +152,27 @@ def _places(places: ReadingPlaces) -> list[BarPlace]:
 
 
 def _centre(place: BarPlace) -> tuple[float, float]:
-    """On the incoming side, mm."""
-    return -place.horizontal * MILLIMETRES, -place.vertical * MILLIMETRES
-
-
-def _circle(timing: CueTiming, place: BarPlace, **look: Any) -> Circle:
-    """A bar of the tool's radius at a place."""
-    return Circle(_centre(place), timing.bar.radius * MILLIMETRES, **look)
+    """Return the bar's centre on the incoming side, m."""
+    return -place.horizontal, -place.vertical
 
 
 def _view(timing: CueTiming, bars: Sequence[BarPlace], wires: Sequence[Array]) -> View:
-    """The smallest view that holds bars, wires and the workpart's surface."""
-    radius = timing.bar.radius * MILLIMETRES
-    points = [np.array(_centre(place)) + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for place in bars]
-    points += [line * MILLIMETRES for line in wires]
-    turning = 0.4 * timing.tool.hub.radius * MILLIMETRES  # the arrow in the hub
-    points.append(np.array([[turning, 0.0], [0.0, -timing.tool.workpart_depth * MILLIMETRES]]))
-    every = np.concatenate(points)
-    (left, bottom), (right, top) = every.min(axis=0), every.max(axis=0)
-    border = 0.06 * max(right - left, top - bottom)
-    return View(left - border, right + border, bottom - 2.0 * border, top + border).widened(PLAN[0] / PLAN[1])
+    """Return the smallest view of bars, wires, the workpart's surface and the arrow in the hub, mm."""
+    corners = timing.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
+    surface = np.array([[0.4 * timing.tool.hub.radius, 0.0], [0.0, -1.06 * timing.tool.workpart_depth]])
+    points = [*(np.array(_centre(place)) + corners for place in bars), *wires, surface]
+    return View.around([MILLIMETRES * each for each in points], PLAN[0] / PLAN[1], 0.06)
 
 
 def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:
-    """Directions of the bars from the workpart's normal, in the colours of the drawing, and what a whole pass gives."""
+    """List directions of the bars from the workpart's normal, in the colours of the drawing, and a whole pass's strike."""
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
     last = len(timing.places) + 1
     axes.set_ylim(-max(last, 5) - 1.6, 1.0)
     # The narrow columns' headings have two lines each.
-    rows = [
-        (
-            "bar for a belt\nstiffness of",
-            "simulated\n—",
-            "formula\n····",
-            "full pass with —:\nretraction at strike",
-            GREY,
-        )
-    ]
+    heads = ("bar for a belt\nstiffness of", "simulated\n—", "formula\n····", "full pass with —:\nretraction at strike")
+    rows = [(*heads, GREY)]
     for name, each in timing.places.items():
         title = NAMES[name].format(stiffness=each.stiffness) + ("" if name in shown else " *")
         directions = (_direction(each.simulated), _direction(each.formula))
@@ -223,9 +185,9 @@ def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:
         axes.text(0.0, -below, name, ha="left", **look)
         for x, words in zip(COLUMNS, numbers, strict=True):
             axes.text(x, -below, words, ha="right", **look)
-    foot = "directions from the workpart's normal" + (
-        "" if shown >= set(timing.places) else "; * bars not in the drawing"
-    )
+    foot = "directions from the workpart's normal"
+    if not shown >= set(timing.places):
+        foot += "; * bars not in the drawing"
     axes.text(0.0, -last - 1.3, foot, color=GREY, fontsize=6.5, va="center")
 
 

@@ -1,40 +1,77 @@
-"""The dissertation's figures in one style: closed forms as lines, what checks them as points, the operating point."""
+"""Draw the dissertation's figures, one a page or all on one sheet: ``python -m bristle_sim.render.dissertation_figures FILE.png``.
+
+Closed forms are lines, what checks them points, and the operating point a dot.
+"""
 
 from __future__ import annotations
 
+import argparse
+import sys
+import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
+from PIL import Image
 
+from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.style import BLACK, GREY, LIGHT, axes_at, blank_figure, save_figure, styled
-from bristle_sim.render.sweep_panels import draw_panel, handles, source
+from bristle_sim.render.colours import BLACK, GREY, LIGHT
+from bristle_sim.render.style import axes_at, blank_figure, checked_target, save_figure, styled
+from bristle_sim.render.sweep_panels import draw_panel, handles
+from bristle_sim.studies.curves import Panel
 
-__all__ = ["draw", "draw_table", "save_figures"]
+__all__ = ["contact_sheet", "draw", "main", "save_figures"]
 
-PANEL = (9.0, 6.4)
-"""Width and height of a single panel, cm; the legend stands to its right."""
+SHEET_DOTS_PER_INCH = 100.0
+"""A sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in."""
 
-SMALL = (4.3, 3.4)
-"""The same where a figure has several."""
+COLUMNS, SHEET_COLUMNS = 3, 4
+"""Panels side by side, on the page of one figure and on the sheet of all."""
 
-TABLE_WIDTH = 12.0
-"""cm."""
+CELL, PAGE_CELL = (8.25, 5.9), (15.0, 8.2)
+"""Width and height of a panel with its scales, of several on a page and of the only one, cm."""
 
-COLUMNS = 3
+PANEL = (1.7, 1.2, 2.15, 1.7)
+"""Left and lower edge of a panel within its cell, and by how much it is narrower and lower than the cell, cm."""
+
+FOOT, HEAD, TITLES = 1.0, 1.2, 1.2
+"""Heights of the key of points, of a page's title and note, and of the titles in a sheet's row, cm."""
+
+TABLE_MARGIN = 1.2
+"""By how much a table is wider than a panel, which has its scale there, cm."""
+
+TITLE = 50
+"""Characters of a title that fit in a line of a cell, those that make the number bold included."""
 
 
 @styled()
 def draw(figure: Redrawn) -> Figure:
-    """Draw a figure or table."""
-    if figure.table:
-        return _draw_table(figure)
-    return _draw_one(figure) if len(figure.panels) == 1 else _draw_several(figure)
+    """Draw one figure or table on a page, its number, title and note at the head."""
+    cells = [(figure, panel) for panel in figure.panels or (None,)]
+    columns = min(len(cells), COLUMNS)
+    page = _page(cells, columns, PAGE_CELL if len(cells) == 1 else CELL, 0.0, 200.0)
+    width, height = page.get_size_inches() * 2.54
+    left = (PANEL[0] - (0.0 if figure.panels else TABLE_MARGIN)) / width
+    page.text(left, 1.0 - 0.6 / height, _bold(figure), fontsize=9.0)
+    page.text(left, 1.0 - 1.02 / height, figure.note, fontsize=7.0, color=GREY)
+    return page
+
+
+@styled()
+def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
+    """Draw all figures on one sheet, a panel a cell."""
+    cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
+    sheet = _page(cells, SHEET_COLUMNS, CELL, TITLES, SHEET_DOTS_PER_INCH)
+    for (figure, _), axes in zip(cells, sheet.axes, strict=True):
+        axes.set_title("\n".join(textwrap.wrap(_bold(figure), TITLE)), loc="left", fontsize=8.0, pad=15.0)
+    return sheet
 
 
 def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
@@ -46,11 +83,8 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
         OSError: if the folder cannot be made or the target cannot be written.
     """
     if target.suffix.lower() == ".pdf":
-        with (
-            complete_or_absent(target) as partial,
-            PdfPages(partial, metadata={"CreationDate": None}) as pages,
-            styled(),
-        ):
+        undated = {"CreationDate": None}
+        with complete_or_absent(target) as partial, PdfPages(partial, metadata=undated) as pages, styled():
             for figure in figures:
                 pages.savefig(draw(figure))
         return [target]
@@ -58,61 +92,89 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
     return [save_figure(draw(figure), target / f"{figure.name}.png") for figure in figures]
 
 
-def _draw_one(figure: Redrawn) -> Figure:
-    page = blank_figure(PANEL[0] + 5.6, PANEL[1] + 2.7)
-    axes = axes_at(page, 1.5, 1.2, *PANEL)
-    panel = figure.panels[0]
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Write the sheet of all figures to the file named; ends with status 2 where that cannot be done."""
+    parser = argparse.ArgumentParser(prog="python -m bristle_sim.render.dissertation_figures", description=__doc__)
+    parser.add_argument("target", metavar="FILE.png")
+    try:
+        target = checked_target(parser.parse_args(arguments).target, (".png",))
+    except ValueError as error:
+        print(f"{parser.prog}: error: {error}", file=sys.stderr)
+        return 2
+    canvas: Any = FigureCanvasAgg(contact_sheet(redrawn(number) for number in NUMBERS))
+    with styled():
+        canvas.draw()
+    # 256 colours look the same and take a fifth of the bytes.
+    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    with complete_or_absent(target) as partial:
+        colours = picture.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        colours.save(partial, format="png", optimize=True)
+    return 0
+
+
+def _page(
+    cells: Sequence[tuple[Redrawn, Panel | None]],
+    columns: int,
+    size: tuple[float, float],
+    titles: float,
+    dots_per_inch: float,
+) -> Figure:
+    """Draw panels and tables in rows of cells with room for titles (cm) above each, and a key of points at the foot."""
+    rows = -(-len(cells) // columns)
+    width, height = size[0], size[1] + titles
+    page = blank_figure(columns * width, rows * height + FOOT + (0.0 if titles else HEAD), dots_per_inch)
+    for number, (figure, panel) in enumerate(cells):
+        row, column = divmod(number, columns)
+        left, bottom = column * width, FOOT + (rows - 1 - row) * height
+        wider = TABLE_MARGIN if panel is None else 0.0
+        space = (size[0] - PANEL[2] + wider, size[1] - PANEL[3])
+        axes = axes_at(page, left + PANEL[0] - wider, bottom + PANEL[1], *space)
+        if panel is None:
+            _draw_table(axes, figure.table)
+        else:
+            _draw(axes, panel)
+    key = {line.get_label(): line for _, panel in cells if panel is not None for line in handles(panel, key=True)}
+    if key:
+        look: dict[str, Any] = {"ncols": min(len(key), 4), "fontsize": 7.0, "columnspacing": 1.4}
+        page.legend(handles=list(key.values()), loc="lower center", **look)
+    return page
+
+
+def _bold(figure: Redrawn) -> str:
+    """Return number and title, the number in bold letters."""
+    number, _, title = figure.heading.partition(": ")
+    shown = number.replace(" ", "\\ ")
+    return f"$\\bf{{{shown}}}$  {title}"
+
+
+def _draw(axes: Axes, panel: Panel) -> None:
+    """Draw the panel; its curves are named in a row above it, or inside it where the names are long."""
     draw_panel(axes, panel)
-    _head(page, figure, 1.5)
-    axes.legend(
-        handles=handles(panel), loc="upper left", bbox_to_anchor=(1.02, 1.02), labelspacing=0.45, handlelength=1.8
-    )
-    return page
+    axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
+    axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
+    lines = [line for line in handles(panel, key=False) if str(line.get_label()).strip()]
+    look: dict[str, Any] = {"fontsize": 6.5, "handlelength": 1.1, "handletextpad": 0.4, "labelspacing": 0.25}
+    if panel.family:
+        look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.7}
+    else:
+        look |= {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
+    axes.legend(handles=lines, **look)
 
 
-def _draw_several(figure: Redrawn) -> Figure:
-    rows = -(-len(figure.panels) // COLUMNS)
-    height = rows * (SMALL[1] + 1.3)
-    page = blank_figure(0.5 + COLUMNS * (SMALL[0] + 1.8), height + 2.1)
-    for number, panel in enumerate(figure.panels):
-        row, column = divmod(number, COLUMNS)
-        place = (1.5 + column * (SMALL[0] + 1.8), 1.9 + (rows - 1 - row) * (SMALL[1] + 1.3))
-        axes = axes_at(page, *place, *SMALL)
-        draw_panel(axes, panel)
-        axes.legend(handles=handles(panel)[:1], loc="best")
-    _head(page, figure, 1.5)
-    laws = dict.fromkeys(law for panel in figure.panels for curve in panel.curves for law in curve.points)
-    page.legend(handles=[source(law) for law in laws], loc="lower center", ncols=len(laws))
-    return page
-
-
-def _draw_table(figure: Redrawn) -> Figure:
-    page = blank_figure(TABLE_WIDTH + 1.6, 0.5 * len(figure.table) + 2.6)
-    draw_table(axes_at(page, 0.8, 0.7, TABLE_WIDTH, 0.5 * len(figure.table)), figure.table)
-    _head(page, figure, 0.8)
-    return page
-
-
-def draw_table(axes: Axes, table: Sequence[Sequence[str]], fontsize: float = 8.0) -> None:
+def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
     """Draw rows that fill the axes, the head first and the sums last."""
-    head, *rows = table
-    rights = np.linspace(0.0, 1.0, len(head) + 1)[1:]
+    last = len(table) - 1
     axes.set_axis_off()
-    axes.set(xlim=(0.0, 1.0), ylim=(len(table), 0.0))
-    for line, row in enumerate((head, *rows)):
+    axes.set(xlim=(0.0, len(table[0])), ylim=(len(table), 0.0))
+    for line, row in enumerate(table):
         if line % 2:
             axes.axhspan(line, line + 1, color=LIGHT, alpha=0.45, linewidth=0.0)
-        weight = "bold" if line in (0, len(rows)) else "normal"
-        for right, cell in zip(rights, row, strict=True):
-            axes.text(right - 0.02, line + 0.5, cell, ha="right", va="center", fontweight=weight, fontsize=fontsize)
-    for line in (1, len(rows)):
+        weight = "bold" if line in (0, last) else "normal"
+        for right, cell in enumerate(row, start=1):
+            axes.text(right - 0.1, line + 0.5, cell, ha="right", va="center", fontweight=weight, fontsize=6.0)
+    for line in (1, last):
         axes.axhline(line, color=BLACK, linewidth=0.8)
 
 
-def _head(page: Figure, figure: Redrawn, left: float) -> None:
-    """Number and title, and the note below them."""
-    width, height = page.get_size_inches() * 2.54
-    number, _, title = figure.heading.partition(": ")
-    shown = number.replace(" ", "\\ ")
-    page.text(left / width, 1.0 - 0.6 / height, f"$\\bf{{{shown}}}$   {title}", fontsize=9.0, va="baseline")
-    page.text(left / width, 1.0 - 1.02 / height, figure.note, fontsize=7.0, color=GREY, va="baseline")
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,13 +1,16 @@
-"""Chapter 3 on one page: the assumed force and a simulated contact's, the ten segments, and the fit's trial."""
+"""Draw chapter 3 on one page: the assumed force and a simulated contact's, the ten segments, and the fit's trial."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.style import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION, axes_at, blank_figure, styled
-from bristle_sim.render.sweep_panels import panel_title
+from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import note, panel_title
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segment_table
 from bristle_sim.studies.force_trials import FitTrial
@@ -46,7 +49,7 @@ def force_figure(comparison: ForceComparison) -> Figure:
 
 
 def draw_forces(axes: Axes, comparison: ForceComparison) -> None:
-    """Force over time: curve, simulated resultant and its components, and the compression's ten segments."""
+    """Draw force over time: curve, simulated resultant and its components, and the compression's ten segments."""
     curve = comparison.curve
     time = np.linspace(0.0, curve.duration, 301)
     first, longest = 0.0, curve.duration
@@ -54,10 +57,14 @@ def draw_forces(axes: Axes, comparison: ForceComparison) -> None:
     if measured is not None:
         # Between the samples of an oscilloscope there is nothing to see: a line stands for more than a few hundred.
         style = "." if measured.time.size <= MOST_DOTS else "-"
-        axes.plot(
-            MICRO * measured.time, measured.force, style, color=GREY, markersize=3, linewidth=0.6, label="measured",
-            gid="measured",
-        )  # fmt: skip
+        look: dict[str, Any] = {
+            "color": GREY,
+            "markersize": 3,
+            "linewidth": 0.6,
+            "label": "measured",
+            "gid": "measured",
+        }
+        axes.plot(MICRO * measured.time, measured.force, style, **look)
         first = max(float(measured.time[0]), -MARGIN * curve.duration)
         longest = min(float(measured.time[-1]), (1.0 + MARGIN) * curve.duration)
     axes.plot(MICRO * time, curve(time), color=BLUE, label="fit" if measured else "curve", gid="curve")
@@ -89,20 +96,18 @@ def _shade_segments(axes: Axes, compression_time: float) -> None:
     edges = MICRO * np.linspace(0.0, compression_time, SEGMENTS + 1)
     for low, high in zip(edges[::2], edges[1::2], strict=False):
         axes.axvspan(low, high, color=LIGHT, alpha=0.45, linewidth=0.0, zorder=0)
-    axes.annotate(
-        "ten segments of the compression", (edges[-1] / 2.0, 0.015), xycoords=("data", "axes fraction"),
-        fontsize=7.0, color=GREY, ha="center", va="bottom",
-    )  # fmt: skip
+    words, middle = "ten segments of the compression", (0.5 * float(edges[-1]), 0.015)
+    note(axes, words, middle, (0.0, 0.0), xycoords=("data", "axes fraction"), ha="center", va="bottom")
 
 
 def _mark_peak(axes: Axes, time: float, force: float, color: str) -> None:
     axes.plot([time], [force], "o", color=color, markersize=3.6, zorder=4)
-    axes.annotate(f"{force:.1f} N", (time, force), (0, 4), textcoords="offset points", color=color, ha="center")
+    note(axes, f"{force:.1f} N", (time, force), (0.0, 4.0), color=color, ha="center", fontsize=8.0)
     axes.margins(y=0.1)
 
 
 def draw_segments(axes: Axes, comparison: ForceComparison) -> None:
-    """Impulses of the ten segments, 1e-4 N s: table 3.1, the curve, and the simulated contact."""
+    """Draw impulses of the ten segments, 1e-4 N s: table 3.1, the curve, and the simulated contact."""
     curve = comparison.curve
     number = np.arange(1, SEGMENTS + 1)
     shares = 1e4 * segment_impulses(curve, float(curve.impulse(curve.peak_time())))
@@ -119,13 +124,13 @@ def draw_segments(axes: Axes, comparison: ForceComparison) -> None:
 
 
 def _draw_fit(axes: Axes, comparison: ForceComparison) -> None:
-    """What fits to exact and noisy points differ by from the curve that the points are of."""
+    """Draw the difference of fits to exact and noisy points from the curve of which the points are samples."""
     curve, (exact, noisy) = comparison.curve, comparison.trials
     time = np.linspace(0.0, curve.duration, 301)
+    look: dict[str, Any] = {"color": GREY, "markersize": 1.8, "markeredgewidth": 0.0}
     axes.plot(
-        MICRO * noisy.time, noisy.force - curve(noisy.time), "o", color=GREY, markersize=1.8,
-        markeredgewidth=0.0, label=f"points, noise {noisy.noise:g} N",
-    )  # fmt: skip
+        MICRO * noisy.time, noisy.force - curve(noisy.time), "o", label=f"points, noise {noisy.noise:g} N", **look
+    )
     for trial, color in ((noisy, SERIES[2]), (exact, BLACK)):
         if trial.fit is not None:
             axes.plot(MICRO * time, trial.fit.curve(time) - curve(time), color=color, label=_name(trial))

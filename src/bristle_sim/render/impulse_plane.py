@@ -1,4 +1,4 @@
-"""The impulse plane: normal and tangential velocity of the contact point over the normal impulse, phase by phase."""
+"""Draw the impulse plane: normal and tangential velocity of the contact point over the normal impulse, phase by phase."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from bristle_sim.render.prefixes import Scale, scale_for
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.style import Scale, scale_for
+from bristle_sim.render.sweep_panels import note
 from bristle_sim.studies.impulse_course import ImpulseCourse
 
 __all__ = ["PHASE_COLOURS", "draw_impulse_plane"]
@@ -24,7 +25,7 @@ PHASE_COLOURS = {
 }
 
 NARROW = 0.09
-"""A stretch that takes less than this share of the panel is not named in it."""
+"""A phase that takes less than this fraction of the panel is not named in it."""
 
 LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
 
@@ -52,25 +53,18 @@ def draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCours
 
 
 def _draw_velocities(axes: Axes, course: ImpulseCourse, impulse: Scale, speed: Scale) -> None:
-    """Both velocities, each named on the side of its line that is away from zero."""
+    """Draw both velocities, each named on the side of its line that is away from zero."""
     for name, color, which in LINES:
         place, values = course.impulse * impulse.factor, getattr(course, which) * speed.factor
         axes.plot(place, values, color=color, gid=which)
         quarter = 0.25 * float(place[1])
         side = -1.0 if values[0] < 0.0 else 1.0
-        axes.annotate(
-            name,
-            (quarter, float(np.interp(quarter, place, values))),
-            xytext=(3.0, 3.0 * side),
-            textcoords="offset points",
-            color=color,
-            fontsize=9.0,
-            va="top" if side < 0.0 else "bottom",
-        )
+        look: dict[str, Any] = {"color": color, "fontsize": 9.0, "va": "top" if side < 0.0 else "bottom"}
+        note(axes, name, (quarter, float(np.interp(quarter, place, values))), (3.0, 3.0 * side), **look)
 
 
 def _draw_points(axes: Axes, recorded: ImpulseCourse, last: float, impulse: Scale, speed: Scale) -> None:
-    """The contact resolved in time, as far as the energetic law goes: a tip that is stuck stays pressed on."""
+    """Draw the contact resolved in time, up to the energetic law's impulse: a tip in stiction stays pressed on."""
     shown = recorded.impulse <= 1.01 * last
     look: dict[str, Any] = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
     for _, _, which in LINES:
@@ -79,45 +73,36 @@ def _draw_points(axes: Axes, recorded: ImpulseCourse, last: float, impulse: Scal
 
 
 def _frame(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
-    """Limits with room for the phases' names above and the impulses' names below."""
+    """Set limits with room for the phases' names above and the impulses' names below."""
     axes.set_xlim(0.0, 1.03 * float(course.impulse[-1]) * impulse.factor)
     bottom, top = axes.get_ylim()
     axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))
 
 
 def _shade_phases(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
-    """Shades from phase to phase; above them compression and restitution, and below these slip or stick."""
+    """Shade the phases and write compression or restitution above, and slip or stick below that."""
     ends = (course.impulse * impulse.factor).tolist()
     halves: dict[str, tuple[float, float]] = {}
     for name, start, end in zip(course.phases, ends, ends[1:], strict=False):
         axes.axvspan(start, end, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0, gid=name)
         half, motion = name.split(" ", 1)
         halves[half] = (halves.get(half, (start, end))[0], end)
-        share = (end - start) / ends[-1]
-        _write_above(axes, 0.89, motion if share > 0.25 else motion.replace(" ", "\n"), start, end)
+        fraction = (end - start) / ends[-1]
+        _write_above(axes, 0.89, motion if fraction > 0.25 else motion.replace(" ", "\n"), start, end)
     for half, (start, end) in halves.items():
         _write_above(axes, 0.97, half, start, end, weight="bold")
 
 
 def _write_above(axes: Axes, height: float, words: str, start: float, end: float, **look: Any) -> None:
-    """Words centred over a stretch, unless it is too narrow for any."""
+    """Write words centred over a phase, unless it is too narrow for any."""
     if end - start < NARROW * axes.get_xlim()[1]:
         return
-    axes.text(
-        0.5 * (start + end),
-        height,
-        words,
-        transform=axes.get_xaxis_transform(),
-        ha="center",
-        va="top",
-        fontsize=7.0,
-        linespacing=1.05,
-        **look,
-    )
+    look |= {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0, "linespacing": 1.05}
+    axes.text(0.5 * (start + end), height, words, **look)
 
 
 def _mark_impulses(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
-    """Dashed lines at p_c, p_s and p_f; those that fall together share a name."""
+    """Draw dashed lines at p_c, p_s and p_f; those that fall together share a name."""
     marks: dict[float, list[str]] = {}
     last = float(course.impulse[-1])
     for name, place in (("p_c", course.compression_end), ("p_s", course.slip_stop), ("p_f", last)):
@@ -126,19 +111,8 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
             marks.setdefault(near, []).append(name)
     for place, names in marks.items():
         # Slip may stop within compression or restitution, whose names stand above.
-        look: dict[str, Any] = {
-            "ymax": 0.8 if names == ["p_s"] else 1.0,
-            "color": BLACK,
-            "linewidth": 0.7,
-            "dashes": (4, 2),
-        }
-        axes.axvline(place * impulse.factor, **look, zorder=1, gid=" ".join(names))
-        axes.annotate(
-            "$" + " = ".join(names) + "$",
-            (place * impulse.factor, 0.03),
-            xycoords=axes.get_xaxis_transform(),
-            xytext=(-3.0, 0.0),
-            textcoords="offset points",
-            ha="right",
-            fontsize=8.0,
-        )
+        highest = 0.8 if names == ["p_s"] else 1.0
+        look: dict[str, Any] = {"color": BLACK, "linewidth": 0.7, "dashes": (4, 2), "zorder": 1, "gid": " ".join(names)}
+        axes.axvline(place * impulse.factor, ymax=highest, **look)
+        foot: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "color": BLACK, "fontsize": 8.0}
+        note(axes, f"${' = '.join(names)}$", (place * impulse.factor, 0.03), (-3.0, 0.0), **foot)

@@ -1,16 +1,16 @@
-"""The bristle that its inertia throws and the bar-cued one: angle over the hub's turn, and both in the phase plane."""
+"""Draw the inertia-driven bristle and the bar-cued one: angle over the hub's turn, and both in the phase plane."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bristle_sim.render.colours import BLUE, GREY, VERMILION
 from bristle_sim.render.motion import Motion
-from bristle_sim.render.style import BLUE, GREY, VERMILION, axes_at, blank_figure, styled
-from bristle_sim.render.sweep_panels import panel_title
+from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import note, panel_title
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.trajectory import Trajectory
 
@@ -37,7 +37,7 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
         phase.plot(angle, course.relative_speed, color=color)
         for axes, x, y in ((turn, turned, angle), (phase, angle, course.relative_speed)):
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
-        _name_end(phase, float(angle[-1]), float(course.relative_speed[-1]), end, color)
+        note(phase, end, (angle[-1], course.relative_speed[-1]), (-6.0, 5.0), ha="right", color=color)
     for axes in (turn, phase):
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
@@ -49,7 +49,7 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
 
 
 def _runs(driven: InertiaDriven) -> list[tuple[Trajectory, str, str, str]]:
-    """Each run with its colour, name, and the tip's speed at its end."""
+    """Return each run with its colour, name, and the tip's speed at its end."""
     found = []
     contact = driven.pass_with_bar.first_contact("workpart")
     speed = "no strike" if contact is None else f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
@@ -58,7 +58,3 @@ def _runs(driven: InertiaDriven) -> list[tuple[Trajectory, str, str, str]]:
         speed = f"{driven.radial.tip_speed:.1f} m/s when radial"
         found.append((driven.radial.trajectory, VERMILION, "thrown by its inertia", speed))
     return found
-
-
-def _name_end(axes: Axes, angle: float, rate: float, words: str, color: str) -> None:
-    axes.annotate(words, (angle, rate), (-6, 5), textcoords="offset points", ha="right", color=color, fontsize=7.0)

@@ -1,4 +1,4 @@
-"""Maps of the strike over the bar's position, with the printed, the formula's and the best positions on them."""
+"""Draw maps of the strike over the bar's position, with the printed, the formula's and the best positions on them."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bar
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.render.sweep_panels import panel_title
-from bristle_sim.studies.cue_map import CueMap, position_map
+from bristle_sim.studies.cue_map import CueMap
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,12 +41,11 @@ AXES = {
 
 
 @styled()
-def map_figure(found: CueMap) -> Figure:
-    """Lag, tip speed, normal work and crater depth over the bar's position, and how the best direction moves.
+def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
+    """Draw lag, tip speed, normal work and crater depth over the bar's position, and how the best direction moves.
 
-    Computes the maps, which takes a pass for each of their points.
+    ``maps`` is what :func:`bristle_sim.studies.cue_map.position_map` computes.
     """
-    maps = position_map(found.tool, found.settings, found.grid)
     figure = blank_figure(16.0, 19.4)
     for number, (name, title, unit, factor, colors) in enumerate(PANELS):
         axes = axes_at(figure, 1.5 + 7.9 * (number % 2), 13.1 - 6.6 * (number // 2), 5.2, 4.9)
@@ -81,7 +81,7 @@ def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, name: str, unit: str
 
 
 def _limits(values: np.ndarray, *, symmetric: bool) -> tuple[float, float]:
-    """Of the colours: the few points next to a jam, where work grows without bound, are left beyond the end."""
+    """Return the limits of the colours; the few points next to a jam, where work grows without bound, lie beyond."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return 0.0, 1.0
@@ -91,27 +91,21 @@ def _limits(values: np.ndarray, *, symmetric: bool) -> tuple[float, float]:
 
 
 def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
-    """Directions of the bar by name, with their marks."""
+    """Return directions of the bar by name, with their marks."""
     assert found.tool.bar is not None
     own = math.atan2(found.tool.bar.horizontal, found.tool.bar.vertical)
     bar = "printed position" if found.tool.bar == Bar() else "the tool's bar"
-    look = {"linestyle": "none", "markeredgecolor": BLACK, "markeredgewidth": 0.7}
+    look = {"linestyle": "none", "markeredgecolor": BLACK, "markeredgewidth": 0.7, "markersize": 5.5}
     places = {bar: (own, look | {"marker": "s", "markersize": 4.5, "markerfacecolor": "white"})}
     if found.formula is not None:
-        places["by the formula"] = (found.formula, look | {"marker": "^", "markersize": 5.5, "markerfacecolor": BLUE})
-    places["radial strike"] = (
-        found.radial.direction,
-        look | {"marker": "o", "markersize": 5.5, "markerfacecolor": VERMILION},
-    )
-    places["fastest tip"] = (
-        found.fastest.direction,
-        {"linestyle": "none", "marker": "+", "markersize": 7.0, "markeredgecolor": BLACK, "markeredgewidth": 0.9},
-    )
+        places["by the formula"] = (found.formula, look | {"marker": "^", "markerfacecolor": BLUE})
+    places["radial strike"] = (found.radial.direction, look | {"marker": "o", "markerfacecolor": VERMILION})
+    places["fastest tip"] = (found.fastest.direction, look | {"marker": "+", "markersize": 7.0})
     return places
 
 
 def _mark_places(axes: Axes, found: CueMap) -> None:
-    """The places, on the circle of the bar's distance; the map's limits stay."""
+    """Mark the places on the circle of the bar's distance; the map's limits stay."""
     assert found.tool.bar is not None
     limits = axes.get_xlim(), axes.get_ylim()
     distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
@@ -123,7 +117,7 @@ def _mark_places(axes: Axes, found: CueMap) -> None:
 
 
 def _draw_moves(axes: Axes, found: CueMap, key: str, *, first: bool) -> None:
-    """The direction for a radial strike over one parameter, simulated and by the formula."""
+    """Draw the direction for a radial strike over one parameter, simulated and by the formula."""
     own = {"hub_speed": found.tool.hub.speed, "belt_stiffness": found.tool.belt.stiffness}
     label, factor = AXES[key]
     rows = [
@@ -144,7 +138,7 @@ def _draw_moves(axes: Axes, found: CueMap, key: str, *, first: bool) -> None:
 
 
 def _explain(figure: Figure, found: CueMap) -> None:
-    """What the marks are, at the foot."""
+    """Explain the marks at the foot."""
     handles = [Line2D([], [], **look) for _, look in _places(found).values()]
     names = [f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in _places(found).items()]
     handles.append(Line2D([], [], color=BLACK, linewidth=0.9))

@@ -1,4 +1,4 @@
-"""A trajectory between its samples: interpolation from impact to impact of what the run itself recorded."""
+"""Interpolate a trajectory between its samples: interpolation from impact to impact, of what the run itself recorded."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Course:
 
     @property
     def tip(self) -> Array:
-        """Where the centre line ends, shape (n, 2), m."""
+        """Return where the centre line ends, shape (n, 2), m."""
         return self.centre_line[:, -1]
 
 
@@ -67,24 +67,24 @@ class Motion:
         self.start, self.end = float(time[0]), float(time[-1])
 
     def hub_angle(self, time: ArrayLike) -> Array:
-        """Angle of the first link's root, rad, shape of time."""
+        """Return the angle of the first link's root, rad, shape of time."""
         return np.asarray(np.interp(np.asarray(time), self._trajectory.time, self._trajectory.hub_angle))
 
     def retraction(self, time: ArrayLike) -> Array:
-        """Angle by which the first link lags the radial direction, rad, shape of time."""
+        """Return the angle by which the first link lags the radial direction, rad, shape of time."""
         return self._evaluate(self._retractions, time)
 
     def centre_line(self, time: ArrayLike) -> Array:
-        """Root, corners and tip from the hub's centre, m, shape (*time.shape, corners, 2)."""
+        """Return root, corners and tip from the hub's centre, m, shape (*time.shape, corners, 2)."""
         return self._evaluate(self._lines, time)
 
     def tip_speed(self, time: ArrayLike) -> Array:
-        """Speed of the tip over the workpart, m/s, shape of time."""
+        """Return the speed of the tip over the workpart, m/s, shape of time."""
         velocity = self._evaluate(self._lines, time, 1)[..., -1, :]
         return np.asarray(np.hypot(velocity[..., 0], velocity[..., 1]))
 
     def course(self, until: float = math.inf, points: int = 1500) -> Course:
-        """The run up to an instant at every sample and at ``points`` further instants, evenly spaced."""
+        """Return the run up to an instant at every sample and at ``points`` further instants, evenly spaced."""
         if not until > self.start:
             raise ValueError(f"until = {until:g}: must be an instant after the run's start at {self.start:g} (in s)")
         end = min(until, self.end)

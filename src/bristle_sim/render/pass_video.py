@@ -3,39 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
+from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
+from bristle_sim.render.drawing import draw_scale_bar
+from bristle_sim.render.film_scene import HEADER, FilmScene, TimeWarp, slow_motion, write_film
 from bristle_sim.render.motion import Course, Motion
-from bristle_sim.render.readout import Readout
 from bristle_sim.render.story import phase_at, phases, story_end
-from bristle_sim.render.style import BLACK, BLUE, SKY, VERMILION, signed, styled
-from bristle_sim.render.time_warp import TimeWarp, slow_motion
-from bristle_sim.render.tool_drawing import (
-    MILLIMETRES,
-    View,
-    WireDrawing,
-    close_up,
-    draw_bar,
-    draw_hub,
-    draw_workpart,
-    name_parts,
-)
-from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
+from bristle_sim.render.style import signed, styled
+from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts
 from bristle_sim.trajectory import Trajectory
 
 __all__ = ["PassScene", "pass_video"]
 
 Array = NDArray[np.float64]
-
-HEADER = 0.13
-"""Share of the picture's height above the drawing: caption and clock."""
 
 CAPTION_SHOWN = 0.5
 """Film time for which the instant of the strike keeps its caption, s."""
@@ -43,8 +29,8 @@ CAPTION_SHOWN = 0.5
 LETTERS = 13.0
 """Letter height in a picture of 640 x 480, px."""
 
-COLUMNS = (14, 13, 18, 19)
-"""Characters of the read-outs: time, slow-down, retraction, tip speed."""
+COLUMNS = ((14, BLACK), (13, BLACK), (18, BLACK), (19, BLACK))
+"""Characters and colour of the read-outs: time, slow-down, retraction, tip speed."""
 
 
 def pass_video(
@@ -73,14 +59,14 @@ def pass_video(
     Raises:
         ValueError: for a file that cannot be written or settings out of range.
     """
-    target = checked_video_target(path)
-    check_film(target.suffix, (width, height), fps)
-    scene = PassScene(trajectory, tool, width=width, height=height, duration=duration, slower=slower, until=until)
-    total = max(2, math.ceil(duration * fps))
-    return write_video(target, scene.frames(total), (width, height), fps, total)
+
+    def build() -> PassScene:
+        return PassScene(trajectory, tool, width=width, height=height, duration=duration, slower=slower, until=until)
+
+    return write_film(path, build, (width, height), fps, duration)
 
 
-class PassScene:
+class PassScene(FilmScene):
     """The drawing that a film of a pass shows, at any film time."""
 
     def __init__(
@@ -94,72 +80,28 @@ class PassScene:
         slower: float = 4.0,
         until: float | None = None,
     ) -> None:
-        self.tool, self.motion = tool, Motion(trajectory)
+        self.motion = Motion(trajectory)
         strike = trajectory.event_time("strike")
         course = self.motion.course(story_end(trajectory) if until is None else until)
         focus = () if strike is None else (strike,)
-        self.warp = slow_motion(self.motion.start, float(course.time[-1]), duration, focus, slower=slower)
-        self._strike = self.motion.end if strike is None else strike
-        self._phases = phases(trajectory, _shown(self.warp, strike))
-        self._trail_time = course.time
-        self._trail = course.tip * MILLIMETRES
-        self.stage = Stage(width, height)
-        self._letters = LETTERS * min(width / 640.0, height / 480.0)
+        warp = slow_motion(self.motion.start, float(course.time[-1]), duration, focus, slower=slower)
+        super().__init__(warp, width, height, LETTERS * min(width / 640.0, height / 480.0), COLUMNS)
+        self._phases = phases(trajectory, _shown(warp, strike))
+        self._trail_time, self._trail = course.time, course.tip * MILLIMETRES
         with styled():
-            self._furnish(course)
-
-    def _furnish(self, course: Course) -> None:
-        tool, (width, height) = self.tool, self.stage.size
-        axes = self.stage.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
-        view = close_up(course, tool, width / (height * (1.0 - HEADER)), margin=0.04)
-        _draw_still(axes, tool, view, 0.75 * self._letters)
-        self._add_moving(axes)
-        self._add_words()
-
-    def _add_moving(self, axes: Axes) -> None:
-        struck = self.motion.centre_line(self._strike)[-1]
-        (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-        self.wire = WireDrawing(axes, self.tool, color=BLUE, details=True)
-        (self.mark,) = axes.plot(
-            *(struck[:, None] * MILLIMETRES), "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3
-        )
-        self.stage.add(self.trail, *self.wire.artists, self.mark)
-
-    def _add_words(self) -> None:
-        """Caption and, below it, a row of read-outs."""
-        width, height = self.stage.size
-        letters = self._letters
-        left = 0.025
-        self.caption = self.stage.figure.text(
-            left, 1.0 - 0.34 * HEADER, "", va="center", fontsize=letters, weight="bold", color=BLACK
-        )
-        self.readouts = tuple(Readout(0, 0, letters) for _ in COLUMNS)
-        row = [readout.width(characters) for readout, characters in zip(self.readouts, COLUMNS, strict=True)]
-        gap = ((1.0 - 2.0 * left) * width - sum(row)) / (len(row) - 1)
-        for number, readout in enumerate(self.readouts):
-            readout.left = round(left * width + sum(row[:number]) + number * gap)
-            readout.top = round(0.78 * HEADER * height - 0.5 * readout.height)
-        self.stage.write(*self.readouts)
-
-    def frames(self, total: int) -> Iterator[memoryview]:
-        """The film in ``total`` pictures evenly spaced in film time, the first and the last instant included."""
-        for film_time in np.linspace(0.0, self.warp.film[-1], total):
-            self.show(float(film_time))
-            yield self.stage.frame()
+            axes = self.stage.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
+            _draw_still(axes, tool, course, width / (height * (1.0 - HEADER)), 0.75 * self.letters)
+            self._add_moving(axes, tool, self.motion.end if strike is None else strike)
 
     def show(self, film_time: float) -> None:
-        """Move everything to a film time, s."""
+        """Move wire, path and read-outs to a film time, s; a star marks the strike while it is new."""
         time = float(self.warp.physical_time(film_time))
         centre_line = self.motion.centre_line(time)
-        self.wire.place(centre_line)
-        self._show_trail(time, centre_line[-1])
-        self._show_words(film_time, time)
-
-    def _show_words(self, film_time: float, time: float) -> None:
         caption = phase_at(self._phases, time).caption
-        if caption != self.caption.get_text():
-            self.caption.set_text(caption)
-            self.stage.refresh()
+        past = self._trail[: np.searchsorted(self._trail_time, time, side="right")]
+        self.wire.place(centre_line)
+        self.trail.set_data(*np.vstack([past, centre_line[-1] * MILLIMETRES]).T)
+        self.mark.set_visible(caption == "strike")
         retraction = math.degrees(float(self.motion.retraction(time)))
         texts = (
             f"time {time * 1e3:6.3f} ms",
@@ -167,40 +109,30 @@ class PassScene:
             f"retraction {signed(retraction, 1, 6)}°",
             f"tip speed {float(self.motion.tip_speed(time)):5.1f} m/s",
         )
-        for readout, text in zip(self.readouts, texts, strict=True):
-            readout.text = text
+        self.write_words(caption, texts)
 
-    def _show_trail(self, time: float, tip: Array) -> None:
-        """The path so far ends at the tip, and a star marks the strike while it is new."""
-        past = self._trail[: np.searchsorted(self._trail_time, time, side="right")]
-        self.trail.set_data(*np.vstack([past, tip * MILLIMETRES]).T)
-        self.mark.set_visible(phase_at(self._phases, time).caption == "strike")
+    def _add_moving(self, axes: Axes, tool: Tool, strike: float) -> None:
+        struck = self.motion.centre_line(strike)[-1:] * MILLIMETRES
+        (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
+        self.wire = WireDrawing(axes, tool, color=BLUE, details=True)
+        (self.mark,) = axes.plot(*struck.T, "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
+        self.stage.add(self.trail, *self.wire.artists, self.mark)
 
 
 def _shown(warp: TimeWarp, strike: float | None) -> float:
-    """Physical time that passes while the strike's caption stands, s."""
+    """Return the physical time that passes while the strike's caption stands, s."""
     if strike is None:
         return 0.0
     return float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
 
 
-def _draw_still(axes: Axes, tool: Tool, view: View, letter_size: float) -> None:
-    """Everything that does not move: hub, bar, workpart, their names and a scale bar."""
+def _draw_still(axes: Axes, tool: Tool, course: Course, aspect: float, letter_size: float) -> None:
+    """Draw what does not move: hub, bar, workpart, their names and a scale bar."""
+    view = close_up(course, tool, aspect, margin=0.04)
     view.apply(axes)
     axes.set_axis_off()
-    draw_hub(axes, tool)
-    draw_bar(axes, tool)
-    draw_workpart(axes, tool, view)
+    draw_tool(axes, tool, view)
     name_parts(axes, tool, letter_size)
-    _draw_scale_bar(axes, view, letter_size)
-
-
-def _draw_scale_bar(axes: Axes, view: View, letter_size: float) -> None:
-    length = 10.0 ** math.floor(math.log10(0.3 * (view.right - view.left)))
-    right = view.right - 0.025 * (view.right - view.left)
-    base = view.bottom + 0.03 * (view.top - view.bottom)
-    halo = [withStroke(linewidth=4.0, foreground="white")]
-    axes.plot([right - length, right], [base, base], "|-", color=BLACK, linewidth=1.5, path_effects=halo)
-    axes.text(
-        right - 1.1 * length, base, f"{length:g} mm", ha="right", va="center", fontsize=letter_size, path_effects=halo
-    )
+    width, height = view.right - view.left, view.top - view.bottom
+    place = (view.right - 0.025 * width, view.bottom + 0.03 * height)
+    draw_scale_bar(axes, 1.0 / MILLIMETRES, place, letter_size, leftwards=True)

@@ -1,4 +1,4 @@
-"""What happened when: the events worth a label, and the phases between them in words."""
+"""Choose the events that a picture labels, and say in words what happens between them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOST_LABELS = 9
 """As many labels as fit above a panel of full width."""
 
 AFTERMATH = 0.12
-"""How long the story goes on after the tip has left the workpart, as a share of the time before."""
+"""How long the story goes on after the tip has left the workpart, as a fraction of the time before."""
 
 SAME_INSTANT = 1e-9
 """Events nearer to each other than this are one, s."""
@@ -34,14 +34,14 @@ _OUTCOMES = {"rebound": "rebound", "no rebound": "no rebound", "stiction": "stic
 
 @dataclass(frozen=True, slots=True)
 class Phase:
-    """A stretch of the run and its caption; it lasts to the next phase's start, s."""
+    """An interval of the run and its caption; it lasts to the next phase's start, s."""
 
     start: float
     caption: str
 
 
 def story_end(trajectory: Trajectory) -> float:
-    """The instant to which a pass is worth showing, s: shortly after the last touch of the workpart, or the end."""
+    """Return the instant to which a pass is shown, s: shortly after the last touch of the workpart, or the end."""
     start, end = float(trajectory.time[0]), float(trajectory.time[-1])
     touches = [event.time for event in trajectory.events if event.name.startswith("workpart ")]
     touches += [contact.time + contact.duration for contact in trajectory.contacts if contact.obstacle == "workpart"]
@@ -51,7 +51,7 @@ def story_end(trajectory: Trajectory) -> float:
 
 
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
-    """The events worth a label, in order of time: of each name one up to the strike and one after it.
+    """Return the events that are labelled, in order of time: of each name one up to the strike and one after it.
 
     Of several it is the first that counts; of releases, the last. At most nine are returned.
     """
@@ -65,7 +65,7 @@ def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, 
 
 
 def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ...]:
-    """The run in words, in order of time; the first phase starts with the run.
+    """Return the run in words, in order of time; the first phase starts with the run.
 
     ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
     """
@@ -83,12 +83,12 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
 
 
 def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
-    """The phase that holds at an instant."""
+    """Return the phase at an instant."""
     return next((phase for phase in reversed(run) if phase.start <= time), run[0])
 
 
 def _told(trajectory: Trajectory) -> tuple[Event, ...]:
-    """The events but for releases in the instant of a touch, which belong to a bounce."""
+    """Return the events but for releases in the instant of a touch, which belong to a bounce."""
     touches = {"bar": -math.inf, "workpart": -math.inf}
     told = []
     for event in trajectory.events:
@@ -113,7 +113,7 @@ def _caption(trajectory: Trajectory, events: tuple[Event, ...], number: int) -> 
 
 
 def _touch_caption(later: tuple[Event, ...], obstacle: str) -> str:
-    """A touch that a release follows is sustained, one without is a bounce."""
+    """Return the caption of a touch: sustained if a release follows, else a bounce."""
     following = (each.name for each in later if each.name in (f"{obstacle} touch", f"{obstacle} release"))
     held = next(following, None) == f"{obstacle} release"
     sustained = {"bar": "held back by the bar", "workpart": "drags along the workpart"}

@@ -1,4 +1,4 @@
-"""One legible look for every picture.
+"""One look for every picture: letters, lines and sizes, units with readable prefixes, and files.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and pyplot is not imported.
 Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 point text.
@@ -6,8 +6,10 @@ Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 poi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,32 +19,19 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.files import complete_or_absent
+from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES
 
 __all__ = [
-    "BLACK",
-    "BLUE",
     "FIGURE_SUFFIXES",
-    "GREEN",
-    "GREY",
-    "LIGHT",
-    "ORANGE",
-    "PURPLE",
-    "SERIES",
-    "SKY",
-    "VERMILION",
+    "Scale",
     "axes_at",
     "blank_figure",
     "checked_target",
     "save_figure",
+    "scale_for",
     "signed",
     "styled",
 ]
-
-# Okabe and Ito's palette: told apart with any common colour blindness.
-BLACK, GREY, LIGHT = "#1a1a1a", "#6b6b6b", "#e4e4e4"
-BLUE, ORANGE, GREEN, VERMILION = "#0072b2", "#e69f00", "#009e73", "#d55e00"
-PURPLE, SKY = "#b8578e", "#56b4e9"
-SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54
@@ -85,20 +74,20 @@ _SETTINGS: dict[Any, Any] = {
 
 @contextmanager
 def styled() -> Iterator[None]:
-    """The look: a context in which to build or save figures, or a decorator of functions that do."""
+    """Apply the look: a context in which to build or save figures, or a decorator of functions that do."""
     with mpl.rc_context(_SETTINGS):
         yield
 
 
 def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0) -> Figure:
-    """An empty figure of a printed size in cm."""
+    """Return an empty figure of a printed size in cm."""
     size = (width_cm / CENTIMETRES_PER_INCH, height_cm / CENTIMETRES_PER_INCH)
     with styled():
         return Figure(figsize=size, dpi=dots_per_inch)
 
 
 def axes_at(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:
-    """Axes at a place given in cm from the figure's lower left corner; ``options`` as for ``Figure.add_axes``."""
+    """Add axes at a place given in cm from the figure's lower left corner; ``options`` as for ``Figure.add_axes``."""
     inches = figure.get_size_inches() * CENTIMETRES_PER_INCH
     place = (left / inches[0], bottom / inches[1], width / inches[0], height / inches[1])
     with styled():
@@ -106,8 +95,30 @@ def axes_at(figure: Figure, left: float, bottom: float, width: float, height: fl
 
 
 def signed(value: float, decimals: int, width: int = 0) -> str:
-    """A number with a real minus sign where there is anything left to sign after rounding."""
+    """Format a number, with a real minus sign unless it rounds to zero."""
     return f"{round(value, decimals) + 0.0:{width}.{decimals}f}".replace("-", "\N{MINUS SIGN}")
+
+
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """Numbers shown in ``unit`` are ``factor`` times those in the plain unit."""
+
+    factor: float
+    unit: str
+
+
+def scale_for(largest: float, unit: str) -> Scale:
+    """Return the scale on which a number of that size lies between 1 and 1000: 1.2e-3 N s is 1.2 mN·s."""
+    size = abs(largest)
+    if not 0.0 < size < math.inf:
+        return Scale(1.0, unit)
+    # A hair above: 999.9996 should not be written as 1000 of the smaller unit.
+    exponent = 3 * math.floor(math.log10(size * (1.0 + 1e-6)) / 3.0)
+    exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
+    return Scale(10.0**-exponent, _PREFIXES[exponent] + unit)
 
 
 def checked_target(path: str | Path, suffixes: Collection[str]) -> Path:
@@ -120,7 +131,7 @@ def checked_target(path: str | Path, suffixes: Collection[str]) -> Path:
     if target.suffix.lower() not in suffixes:
         raise ValueError(f"{target}: must be a file name that ends in {', '.join(sorted(suffixes))}")
     if not target.parent.is_dir():
-        raise ValueError(f"{target}: the folder {target.parent} does not exist")
+        raise ValueError(f"{target}: must be a file name in an existing folder; {target.parent} does not exist")
     if target.is_dir():
         raise ValueError(f"{target}: must be a file name, not a folder")
     return target

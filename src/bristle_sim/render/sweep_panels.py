@@ -1,4 +1,4 @@
-"""Panels of curves: closed forms as lines, what checks them as points, levels, and the case at hand."""
+"""Draw panels of curves: closed forms as lines, what checks them as points, levels, and the case at hand."""
 
 from __future__ import annotations
 
@@ -8,24 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 
-from bristle_sim.render.style import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.render.colours import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
 
-__all__ = [
-    "draw_energy",
-    "draw_panel",
-    "explain_marks",
-    "handles",
-    "name_curves",
-    "note",
-    "panel_title",
-    "plain_decades",
-    "say",
-    "source",
-]
+__all__ = ["draw_energy", "draw_panel", "explain_marks", "handles", "name_curves", "note", "panel_title", "say"]
 
 CREATED = "#fbe3d6"
 NOTHING = 1e-12
@@ -53,7 +41,7 @@ MARKS: dict[str, dict[str, Any]] = {
 """What a mark without a label may be; the dissertation marks its operating point with a blue round dot."""
 
 _DASHES = ((4.0, 2.0), (1.0, 1.5))
-"""Of level lines, in their order."""
+"""Dashes of level lines, in their order."""
 
 _SIDES = {"right": (6, -9, "left"), "left": (-5, -11, "right"), "above": (0, 5, "center")}
 """Where a mark's label goes: offsets in points, and alignment."""
@@ -70,22 +58,23 @@ _LOOKS: dict[str, dict[str, Any]] = {
 
 
 def panel_title(axes: Axes, letter: str, words: str, subtitle: str = "") -> None:
-    """A title at the panel's left edge, led by its letter, above a row for a subtitle or a family's names."""
+    """Write a title at the panel's left edge, led by its letter, above a row for a subtitle or a family's names."""
     axes.set_title(f"$\\bf{{{letter}}}$  {words}", loc="left", fontsize=8.5, pad=17.0)
-    axes.annotate(subtitle, (0.0, 1.0), (0.0, 4.5), "axes fraction", "offset points", fontsize=7.0, color=GREY)
+    note(axes, subtitle, (0.0, 1.0), (0.0, 4.5), xycoords="axes fraction")
 
 
 def explain_marks(figure: Figure, *kinds: str) -> None:
-    """A row at the foot of a figure that says what lines and points are: sources of points, and marks."""
+    """Explain lines and points in a row at the foot of a figure: sources of points, and marks."""
     lines = [Line2D([], [], color=BLACK, label="closed form")]
     for kind in kinds:
         lines.append(_own(kind) if kind in MARKS else source(kind))
-    names = [str(line.get_label()).replace("\n", " ") for line in lines]
-    figure.legend(lines, names, loc="lower center", ncols=len(lines), columnspacing=1.6, borderaxespad=0.2)
+    figure.legend(
+        handles=lines, loc="lower center", ncols=len(lines), borderaxespad=0.2, columnspacing=1.0, handletextpad=0.4
+    )
 
 
 def draw_energy(axes: Axes, energy: EngineEnergy) -> None:
-    """Kinetic energy after over before, over the iterations of the engine's solver; beyond 1 energy is created."""
+    """Draw kinetic energy after over before, over the iterations of the engine's solver; beyond 1 energy is created."""
     top = 1.15 * max(1.3, float(energy.engine.max()))
     axes.axhspan(1.0, top, color=CREATED, linewidth=0.0, zorder=0)
     axes.axhline(energy.energetic, color=BLUE, gid="energetic")
@@ -97,20 +86,13 @@ def draw_energy(axes: Axes, energy: EngineEnergy) -> None:
     note(axes, "energetic law", (right, energy.energetic), (0.0, -3.0), ha="right", va="top", color=BLUE)
     note(axes, "engine's own contact", (10.0, 0.9 * top), (4.0, 0.0), va="center", color=VERMILION)
     note(axes, "engine's default", (10.0, 0.03 * top), (4.0, 0.0))
-    plain_decades(axes)
+    axes.xaxis.set_major_formatter("{x:g}")
     axes.set_xlabel("iterations of the engine's solver")
     axes.set_ylabel("kinetic energy, after / before")
 
 
-def plain_decades(axes: Axes) -> None:
-    """Write 1, 10, 100 instead of powers of ten along a logarithmic x axis."""
-    axes.xaxis.set_major_formatter(
-        FuncFormatter(lambda value, _: f"{value:g}" if 1e-3 < value < 1e5 else f"{value:.0e}")
-    )
-
-
 def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any) -> None:
-    """Small words beside a place, ``offset`` in points."""
+    """Write small words beside a place, ``offset`` in points."""
     axes.annotate(words, place, offset, **{"textcoords": "offset points", "fontsize": 7.0, "color": GREY, **look})
 
 
@@ -157,14 +139,16 @@ def _draw_curve(axes: Axes, panel: Panel, curve: Curve, color: str) -> None:
 
 
 def _draw_levels(axes: Axes, panel: Panel) -> None:
-    for level in (level for level in panel.levels if level.upright):
-        axes.axvline(panel.x.factor * level.value, color=GREY, linewidth=0.8, dashes=(3, 2), zorder=1, gid=level.label)
-    for level, dashes in zip(_flat(panel), _DASHES, strict=False):
-        axes.axhline(panel.y.factor * level.value, color=GREY, linewidth=1.0, dashes=dashes, zorder=1, gid=level.label)
+    for level, dashes in _level_looks(panel):
+        draw, factor = (axes.axvline, panel.x.factor) if level.upright else (axes.axhline, panel.y.factor)
+        draw(factor * level.value, color=GREY, linewidth=0.9, dashes=dashes, zorder=1, gid=level.label)
 
 
-def _flat(panel: Panel) -> list[Level]:
-    return [level for level in panel.levels if not level.upright]
+def _level_looks(panel: Panel) -> list[tuple[Level, tuple[float, float]]]:
+    """Return the levels with their dashes: flat ones by their order, upright ones alike."""
+    flat = [level for level in panel.levels if not level.upright]
+    upright = [(level, (3.0, 2.0)) for level in panel.levels if level.upright]
+    return [*zip(flat, _DASHES, strict=False), *upright]
 
 
 def _draw_mark(axes: Axes, panel: Panel, mark: Mark, own: str) -> None:
@@ -179,51 +163,41 @@ def _draw_mark(axes: Axes, panel: Panel, mark: Mark, own: str) -> None:
 
 def name_curves(axes: Axes, panel: Panel) -> None:
     """Name a panel's curves in a row above it that begins with the family's symbol."""
-    names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
-    lines = [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
+    names = _names(panel)
+    crowded = len(panel.curves) >= MANY
     axes.legend(
-        handles=[*names, *lines],
+        handles=names,
         loc="lower left",
         bbox_to_anchor=(-0.08, 0.985),
-        ncols=len(names) + len(lines),
-        handlelength=1.0 if len(lines) < MANY else 0.7,
+        ncols=len(names),
+        handlelength=0.7 if crowded else 1.0,
         handletextpad=0.4,
-        columnspacing=0.9 if len(lines) < MANY else 0.5,
+        columnspacing=0.5 if crowded else 0.9,
     )
 
 
-def handles(panel: Panel, *, key: bool | None = None) -> list[Line2D]:
-    """Entries of a legend: curves, led by the family's symbol, and levels; then what the points and the dot are.
+def handles(panel: Panel, *, key: bool) -> list[Line2D]:
+    """Return entries of a legend: what the points and the dot are if ``key``, else curves, led by their symbol, and levels."""
+    if key:
+        laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
+        dot = [_own("operating point")] if any(not mark.label for mark in panel.marks) else []
+        return [*(source(law) for law in laws), *dot]
+    lines = [Line2D([], [], color=GREY, dashes=dashes, label=level.label) for level, dashes in _level_looks(panel)]
+    levels = {line.get_label(): line for line in lines}.values()
+    return [*_names(panel), *levels]
 
-    ``key``: False for the curves and levels alone, True for points and dot alone, None for all.
-    """
-    own = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
-    own += [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
-    levels = [
-        Line2D([], [], color=GREY, linewidth=1.0, dashes=dashes, label=level.label)
-        for level, dashes in zip(_flat(panel), _DASHES, strict=False)
-    ]
-    upright = dict.fromkeys(level.label for level in panel.levels if level.upright)
-    levels += [Line2D([], [], color=GREY, linewidth=0.8, dashes=(3, 2), label=label) for label in upright]
-    laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
-    points = [source(law) for law in laws]
-    dot = [_own("operating point")]
-    dot = dot if any(not mark.label for mark in panel.marks) else []
-    if key is not None:
-        return [*points, *dot] if key else [*own, *levels]
-    gap = [Line2D([], [], linestyle="none", label=" ")] if len(panel.curves) > 1 and laws else []
-    return [*own, *gap, *points, *levels, *dot]
+
+def _names(panel: Panel) -> list[Line2D]:
+    """Return entries of a legend for the curves, led by the family's symbol."""
+    symbol = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
+    lines = [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
+    return [*symbol, *lines]
 
 
 def source(law: str) -> Line2D:
-    """What a source's points look like, and what they are."""
+    """Return an entry of a legend that says what a source's points look like and what they are."""
     look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[law]}
-    return Line2D([], [], label=_folded(SOURCES[law].words), **look)
-
-
-def _folded(words: str) -> str:
-    """On two lines at its comma, where it has one."""
-    return words.replace(", ", ",\n", 1)
+    return Line2D([], [], label=SOURCES[law].words, **look)
 
 
 def _own(kind: str) -> Line2D:

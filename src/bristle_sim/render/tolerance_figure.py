@@ -1,4 +1,4 @@
-"""Distributions of the strike under spread inputs, and the Sobol indices of the inputs that matter most."""
+"""Draw distributions of the strike under spread inputs, and the Sobol indices of the inputs that matter most."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bristle_sim.render.style import BLACK, BLUE, GREY, SKY, VERMILION, axes_at, blank_figure, styled
-from bristle_sim.render.sweep_panels import panel_title
+from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import note, panel_title
 from bristle_sim.studies.sobol import Study
 
 __all__ = ["tolerance_figure"]
@@ -32,7 +33,7 @@ ROW = 4.1
 
 @styled()
 def tolerance_figure(study: Study) -> Figure:
-    """A histogram of each output with its mean and 95 % interval, beside the indices of its most important inputs."""
+    """Draw a histogram of each output with its mean and 95 % interval, beside the indices of its most important inputs."""
     height = ROW * len(study.outputs) + 1.2
     figure = blank_figure(16.0, height)
     for number, output in enumerate(study.outputs):
@@ -53,20 +54,17 @@ def _draw_values(axes: Axes, values: np.ndarray, unit: str) -> None:
     axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
     axes.set_yticks([])
     axes.set_xlabel(unit, labelpad=1.0)
-    told = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
-    axes.annotate(told, (1.0, 1.0), (0.0, 3.0), "axes fraction", "offset points", ha="right", fontsize=7.0, color=GREY)
+    words = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
+    note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
 
 
 def _draw_indices(axes: Axes, study: Study, number: int) -> None:
-    """Bars of the total index with the first-order index as points, both with their intervals, largest first."""
+    """Draw bars of the total index with the first-order index as points, both with their intervals, largest first."""
     chosen = np.argsort(-study.total[number])[:MOST]
     places = np.arange(chosen.size)
     total, first = study.total[number, chosen], study.first_order[number, chosen]
     axes.barh(places, total, color=VERMILION, alpha=0.45, height=0.7, gid="total")
-    sides = (
-        (total, study.total_interval, VERMILION, "", 0.17),
-        (first, study.first_order_interval, BLUE, "o", -0.17),
-    )
+    sides = ((total, study.total_interval, VERMILION, "", 0.17), (first, study.first_order_interval, BLUE, "o", -0.17))
     for values, intervals, color, marker, shift in sides:
         ends = intervals[number, chosen]
         axes.hlines(places + shift, ends[:, 0], ends[:, 1], color=color, linewidth=0.9)

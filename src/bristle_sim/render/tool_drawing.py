@@ -1,10 +1,9 @@
-"""The tool drawn to scale in millimetres: hub, belt root, wire, bar and workpart, for figures and films alike."""
+"""Draw the tool to scale in millimetres: hub, belt root, wire, bar and workpart, for figures and films alike."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -14,17 +13,17 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.parameters import Tool
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
+from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Course
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT
 
 __all__ = [
-    "BAR_COLOUR",
     "MILLIMETRES",
-    "View",
     "WireDrawing",
     "close_up",
     "draw_bar",
     "draw_hub",
+    "draw_tool",
     "draw_workpart",
     "name_parts",
     "toward",
@@ -39,103 +38,66 @@ MILLIMETRES = 1e3
 HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
 
 
-@dataclass(frozen=True, slots=True)
-class View:
-    """The rectangle that a drawing shows, mm."""
-
-    left: float
-    right: float
-    bottom: float
-    top: float
-
-    def widened(self, aspect: float) -> View:
-        """The view grown about its centre, on two sides only, to a ratio of width to height."""
-        width, height = self.right - self.left, self.top - self.bottom
-        across, up = max(0.0, height * aspect - width) / 2.0, max(0.0, width / aspect - height) / 2.0
-        return View(self.left - across, self.right + across, self.bottom - up, self.top + up)
-
-    def apply(self, axes: Axes) -> None:
-        """Show this rectangle with equal scales."""
-        axes.set_xlim(self.left, self.right)
-        axes.set_ylim(self.bottom, self.top)
-        axes.set_aspect("equal", adjustable="box")
-
-
 def close_up(course: Course, tool: Tool, aspect: float, margin: float = 0.05) -> View:
-    """The smallest view of that ratio of width to height that holds the wire's path, the bar and the surface."""
+    """Return the smallest view of that ratio of width to height that holds the wire's path, the bar and the surface."""
     points = [course.centre_line.reshape(-1, 2)]
     if tool.bar is not None:
         points.append(np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
     if tool.workpart is not None:
         points.append(np.array([[course.tip[0, 0], -tool.workpart_depth]]))
-    every = np.concatenate(points) * MILLIMETRES
-    (left, bottom), (right, top) = every.min(axis=0), every.max(axis=0)
-    border = margin * max(right - left, top - bottom)
-    return View(left - border, right + border, bottom - border, top + border).widened(aspect)
+    return View.around([MILLIMETRES * each for each in points], aspect, margin)
 
 
-def draw_hub(axes: Axes, tool: Tool) -> Circle:
-    """The root circle that carries the belt, the hub's centre, and which way it turns."""
+def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
+    """Draw the hub, the bar and the workpart that a tool has."""
+    draw_hub(axes, tool)
+    if tool.bar is not None:
+        draw_bar(axes, *tool.bar.centre, tool.bar.radius)
+    if tool.workpart is not None:
+        draw_workpart(axes, tool.workpart_depth, view)
+
+
+def draw_hub(axes: Axes, tool: Tool) -> None:
+    """Draw the root circle that carries the belt, the hub's centre, and an arrow in the direction of its turn."""
     radius = tool.hub.radius * MILLIMETRES
-    circle = Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8)
-    axes.add_patch(circle)
+    axes.add_patch(Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8))
     axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
     if tool.hub.speed > 0.0:
         ends = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
         style, bend = "-|>,head_length=4,head_width=2", "arc3,rad=0.33"
         axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, connectionstyle=bend, color=GREY, linewidth=0.8))
-    return circle
 
 
-def draw_bar(axes: Axes, tool: Tool) -> Circle | None:
-    """The accelerator bar, or nothing."""
-    if tool.bar is None:
-        return None
-    centre = (tool.bar.centre[0] * MILLIMETRES, tool.bar.centre[1] * MILLIMETRES)
-    circle = Circle(centre, tool.bar.radius * MILLIMETRES, facecolor=BAR_COLOUR, edgecolor=BLACK, linewidth=0.8)
-    axes.add_patch(circle)
-    return circle
+def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> None:
+    """Draw an accelerator bar, lengths in m; ``options`` as for a patch."""
+    look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
+    axes.add_patch(Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options)))
 
 
-def draw_workpart(axes: Axes, tool: Tool, view: View) -> Rectangle | None:
-    """The workpart, hatched from its surface down to the view's edge, or nothing."""
-    if tool.workpart is None:
-        return None
-    surface = -tool.workpart_depth * MILLIMETRES
-    # Drawn beyond the view, so that only the surface shows an edge.
-    below, beyond = view.bottom - 10.0, 10.0
-    block = Rectangle(
-        (view.left - beyond, below),
-        view.right - view.left + 2.0 * beyond,
-        surface - below,
-        facecolor=LIGHT,
-        edgecolor=GREY,
-        linewidth=0.8,
-        hatch="////",
-    )
-    axes.add_patch(block)
-    return block
+def draw_workpart(axes: Axes, depth: float, view: View) -> None:
+    """Draw the workpart, hatched from its surface ``depth`` (m) below the hub's centre down to the view's edge."""
+    beyond = 10.0  # drawn beyond the view, so that only the surface shows an edge
+    place = (view.left - beyond, view.bottom - beyond)
+    size = (view.right - view.left + 2.0 * beyond, -depth * MILLIMETRES - view.bottom + beyond)
+    axes.add_patch(Rectangle(place, *size, facecolor=LIGHT, edgecolor=GREY, linewidth=0.8, hatch="////"))
 
 
-def name_parts(axes: Axes, tool: Tool, letter_size: float, *, without: Collection[str] = ()) -> None:
-    """Names of hub, bar and workpart but those left out, haloed so that they read on any ground; ``letter_size`` in points."""
+def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
+    """Write the names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
-    radius = tool.hub.radius * MILLIMETRES
-    # As near to the hub's centre as the view allows.
-    x = min(max(0.0, left + 0.08 * (right - left)), right - 0.08 * (right - left))
-    y = min(max(-0.25 * radius, bottom + 0.05 * (top - bottom)), top - 0.05 * (top - bottom))
-    places: dict[str, tuple[float, float, str]] = {}
-    if math.hypot(x, y) < 0.9 * radius:
-        places["hub"] = (x, y, "center")
+    width, height, radius = right - left, top - bottom, tool.hub.radius * MILLIMETRES
+    # As near to the hub's centre as the view lets it.
+    x = float(np.clip(0.0, left + 0.08 * width, right - 0.08 * width))
+    y = float(np.clip(-0.25 * radius, bottom + 0.05 * height, top - 0.05 * height))
+    names = [("hub", (x, y), "center", HUB_COLOUR)] if math.hypot(x, y) < 0.9 * radius else []
     if tool.bar is not None:
-        places["bar"] = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1], "center")
+        centre = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1])
+        names.append(("bar", centre, "center", BAR_COLOUR))
     if tool.workpart is not None:
-        places["workpart"] = (left + 0.025 * (right - left), bottom + 0.03 * (top - bottom), "left")
-    grounds = {"hub": HUB_COLOUR, "bar": BAR_COLOUR, "workpart": "white"}
-    for name in (each for each in places if each not in without):
-        x, y, side = places[name]
-        halo = [withStroke(linewidth=2.5, foreground=grounds[name])]
-        axes.text(x, y, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
+        names.append(("workpart", (left + 0.025 * width, bottom + 0.03 * height), "left", "white"))
+    for name, place, side, ground in names:
+        halo = [withStroke(linewidth=2.5, foreground=ground)]
+        axes.text(*place, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
 
 
 SHARPEST = 0.5
@@ -143,12 +105,12 @@ SHARPEST = 0.5
 
 
 def toward(angle: ArrayLike) -> Array:
-    """The direction on the page of an angle from the workpart's, (sin, -cos), shape (*angle.shape, 2)."""
+    """Return the direction on the page of an angle from the workpart's, (sin, -cos), shape (*angle.shape, 2)."""
     return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
 
 def wire_outline(centre_line: Array, diameter: float) -> Array:
-    """Outline of a flat-ended wire about its centre line: along its left side to the tip and back along its right.
+    """Return the outline of a flat-ended wire about its centre line: along its left side to the tip and back along its right.
 
     Corners are mitred, at most to SHARPEST, where a chain folds back on itself.
 

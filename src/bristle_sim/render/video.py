@@ -1,4 +1,4 @@
-"""Moving pictures without a display: a canvas that redraws only what moves, and writers of mp4 and gif."""
+"""Write films without a display: a canvas that redraws only what moves, and writers of mp4 and gif."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -28,8 +28,6 @@ DOTS_PER_INCH = 100.0
 GIF_COLOURS = 64
 GIF_SAMPLES = 30
 """Frames from which the gif's one palette is taken."""
-
-_Item = TypeVar("_Item")
 
 
 class Stage:
@@ -80,7 +78,7 @@ class Stage:
 
 
 def checked_video_target(path: str | Path) -> Path:
-    """Return the path of a video that can be written, or raise ValueError in one line; cheap, so ask it first.
+    """Return the path of a video that can be written, or raise ValueError in one line; cheap, so call it first.
 
     Raises:
         ValueError: for a suffix other than mp4 and gif, a missing folder, or mp4 where imageio-ffmpeg is missing.
@@ -99,11 +97,11 @@ def check_film(suffix: str, size: tuple[int, int], fps: float) -> None:
     kind = suffix.lower()
     highest = 50.0 if kind == ".gif" else 1000.0
     if not 0.0 < fps <= highest:
-        raise ValueError(f"fps = {fps:g}: 0 < fps <= {highest:g} is allowed for {kind} (in 1/s)")
+        raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {highest:g} for {kind} (in 1/s)")
     if not all(16 <= edge <= 8192 for edge in size):
-        raise ValueError(f"size = {size[0]} x {size[1]}: 16 to 8192 is allowed for either edge (in px)")
+        raise ValueError(f"size = {size[0]} x {size[1]}: must be 16 to 8192 along either edge (in px)")
     if kind == ".mp4" and any(edge % 2 for edge in size):
-        raise ValueError(f"size = {size[0]} x {size[1]}: even numbers are allowed for .mp4 (in px)")
+        raise ValueError(f"size = {size[0]} x {size[1]}: must be even numbers for .mp4 (in px)")
 
 
 def write_video(
@@ -113,7 +111,7 @@ def write_video(
 
     Args:
         path: of the file; its suffix decides.
-        frames: pictures of height x width x 4 bytes, each used before the next one is asked for.
+        frames: pictures of height x width x 4 bytes, each used before the next one is requested.
         size: width and height, px; even for mp4.
         fps: frames per second of film.
         total: number of frames, for the progress bar that a terminal is shown.
@@ -132,22 +130,21 @@ def write_video(
 
 
 def _of_size(frames: Iterable[memoryview], size: tuple[int, int]) -> Iterator[memoryview]:
-    """The same frames, each refused unless it has the announced size; a raw stream would shear without a word."""
+    """Yield the frames, each refused unless it has the announced size; a raw stream would shear without a word."""
     for frame in frames:
         if frame.shape != (size[1], size[0], 4):
-            raise ValueError(f"frame of shape {frame.shape}: {(size[1], size[0], 4)} is allowed (in px)")
+            raise ValueError(f"frame of shape {frame.shape}: must be {(size[1], size[0], 4)} (in px)")
         yield frame
 
 
-def _progress(items: Iterable[_Item], total: int | None, name: str) -> Iterable[_Item]:
-    """The same items, counted on standard error where that is a terminal and tqdm is installed."""
-    if not sys.stderr.isatty():
-        return items
+def _progress(items: Iterable[memoryview], total: int | None, name: str) -> Iterable[memoryview]:
+    """Count the items on standard error where that is a terminal and tqdm is installed."""
     try:
         from tqdm import tqdm
     except ImportError:
         return items
-    counted: Iterable[_Item] = tqdm(items, total=total, desc=name, unit="frame", file=sys.stderr, leave=False)
+    look = {"desc": name, "unit": "frame", "leave": False, "file": sys.stderr, "disable": not sys.stderr.isatty()}
+    counted: Iterable[memoryview] = tqdm(items, total=total, **look)
     return counted
 
 
@@ -159,7 +156,7 @@ def _ffmpeg(target: Path) -> str:
     try:
         return str(get_ffmpeg_exe())
     except RuntimeError:
-        raise ValueError(f"{target}: imageio-ffmpeg carries no ffmpeg for this machine; a .gif is allowed") from None
+        raise ValueError(f"{target}: imageio-ffmpeg carries no ffmpeg for this machine; a .gif needs none") from None
 
 
 def _write_mp4(partial: Path, frames: Iterable[memoryview], size: tuple[int, int], fps: float) -> None:
@@ -210,7 +207,7 @@ def _write_gif(partial: Path, frames: Iterable[memoryview], size: tuple[int, int
 
 
 def _palette(packed: Sequence[bytes], size: tuple[int, int]) -> Any:
-    """A picture whose palette suits all of some packed frames."""
+    """Return a picture whose palette suits all of some packed frames."""
     from PIL import Image
 
     shapes = [np.frombuffer(zlib.decompress(each), np.uint8).reshape(size[1], size[0], 3) for each in packed]

@@ -30,7 +30,8 @@ class Scenario:
         question: what it asks and compares.
         parts: parameter classes whose declared fields are the script's keys.
         run: answers the question for given key values; may raise ValueError for values that do not fit together.
-        plot, video: draw a report to a path; they import what they need themselves.
+        plot, video: draw a report to a path; like ``run`` they import what they need themselves, so that help and bad
+            input are answered at once and Ctrl-C ends in order even while libraries load.
         series: gives the time series of a report, by name and unit, one entry a sample; None without a motion.
         defaults: key values that differ from the parameter classes' own, each with its source.
         without: keys of the parts that mean nothing to the question.

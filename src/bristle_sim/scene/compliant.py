@@ -3,7 +3,7 @@
 Normal force over penetration delta is bilinear: k delta while penetration grows, and (k/e*^2)(delta - delta_r) with
 delta_r = (1 - e*^2) delta_max on the way out, so that the spring returns e*^2 of the work it took, whatever the bodies
 do. The tangential force is -mu sign(v_t) N in slip; in stick it is what stops the point within each engine step,
--(K_nt N + v_t/h)/K_tt. Compression, restitution, slip and stick are smooth stretches; the instants between them are
+-(K_nt N + v_t/h)/K_tt. Compression, restitution, slip and stick are smooth intervals; the instants between them are
 located. As the contact gets shorter the outcome tends to that of the rigid-body law with the energetic coefficient.
 """
 
@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact_integration import ContactIntegration
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
+from bristle_sim.scene.contact_motion import SAMPLES, ContactMotion, Expectation
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.passage import SAMPLES, Passage
 from bristle_sim.scene.repetitions import WIDE
-from bristle_sim.scene.spring import Spring, time_at_unit_stiffness
+from bristle_sim.scene.spring import SpringLoad, time_at_unit_stiffness
 from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.time_scales import damped_interval
 from bristle_sim.theory.impact import energetic_impact
@@ -28,10 +29,11 @@ __all__ = ["CompliantLaw"]
 
 LEAST_DURATION = 3e-7
 """Shortest contact in scene time units, times sqrt(e*). Measured: a contact of duration T differs from the rigid-body
-limit by 0.4 T, and rounding of its penetration, of which restitution leaves the share e*^2, by 4e-14/(T e*)."""
+limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*). Damping of
+a rate r > 1 takes the fraction r T of a velocity meanwhile: the shortest contact is then shorter by sqrt(r)."""
 
 ROUNDING = 1e-15
-"""Rounding of the contact's force in a stretch, as a velocity, times duration and e*; less cannot be asked of a step."""
+"""Rounding of the contact's force in an interval, as a velocity, times duration and e*; no interval is more accurate."""
 
 LEAST_DEPTH = 1e-13
 """Penetration times e* below which rounding decides when a contact ends; the rigid-body limit is then closer."""
@@ -40,7 +42,7 @@ LEAST_RESTITUTION = 1e-3
 """Except 0. The spring's way out is 1/e* times as fast as its way in."""
 
 FEWEST_SAMPLES = 8
-"""The same for one whose outcome is of interest: less than a phase of it in a stretch. Its course follows from these."""
+"""Least number of intervals of a contact whose outcome is of interest: less than a phase in each. Its course follows."""
 
 
 class CompliantLaw:
@@ -48,7 +50,7 @@ class CompliantLaw:
 
     Args:
         duration: time in touch, engine units; None is short enough for the rigid-body limit to ``accuracy``.
-        accuracy: relative accuracy asked for.
+        accuracy: requested relative accuracy.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
         maximum_steps: engine steps after which a contact is given up.
     """
@@ -89,12 +91,14 @@ class CompliantLaw:
             space.stick_compliance,
         )
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
+        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
         way_out = coefficients.restitution or 1.0
-        duration = self.duration or max(LEAST_DURATION / math.sqrt(way_out), 0.1 * self.accuracy / fastest)
+        least = LEAST_DURATION / math.sqrt(way_out * damping)
+        duration = self.duration or max(least, 0.1 * self.accuracy / max(fastest, damping))
         if -space.velocity[0] * duration * way_out < LEAST_DEPTH:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
         stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
-        spring = Spring(scene, touch, space.inverse_mass, stiffness, coefficients)
+        load = SpringLoad(scene, touch, space.inverse_mass, stiffness, coefficients)
         longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_interval(scene))
         # Rounding of the normal velocity turns the lightest link, of inertia 1/3, by as much over the root of K_nn/3.
         turning = max(1.0, math.sqrt(3.0 / space.inverse_mass[0, 0]))
@@ -102,24 +106,27 @@ class CompliantLaw:
         stepper: Stepper = Extrapolation(tolerance, fastest, WIDE, longest)
         if self.plain_steps is not None:
             stepper = PlainSteps(duration / self.plain_steps)
-        passage = Passage(scene, state, spring, stepper, (duration, longest), rigid.outcome_name)
-        passage.go(scene.steps + self.maximum_steps)
-        return passage.state, passage.record(obstacle, state, self.name)
+        expected = Expectation.of(duration, longest, rigid.outcome_name, len(scene.links))
+        contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected))
+        outcome = contact.run(scene.steps + self.maximum_steps)
+        names, constant = (obstacle.name, self.name, outcome), None if expected.moves else space.inverse_mass
+        after = contact.motion.state
+        return after, contact.course.record(names, state, after, constant)
 
     def _check(self, scene: Scene, restitution: float) -> None:
         if 0.0 < restitution < LEAST_RESTITUTION:
             raise ValueError(
-                f"restitution = {restitution:g}: 0, or at least {LEAST_RESTITUTION:g}, is allowed for a contact resolved"
-                " in time (dimensionless)"
+                f"restitution = {restitution:g}: must be 0, or at least {LEAST_RESTITUTION:g}, for a contact resolved in"
+                " time (dimensionless)"
             )
         least = LEAST_DURATION / math.sqrt(restitution or 1.0)
         if self.duration is not None and self.duration < least:
             raise ValueError(
-                f"contact_duration: at least {least / self.duration:.3g} times the given one is allowed, or rounding"
+                f"contact_duration: must be at least {least / self.duration:.3g} times the given one, or rounding"
                 " would hide the penetration"
             )
         if not scene.solves_joints:
             raise ValueError(
-                "contact = compliant: links at least 1e-3 times as heavy as the next one are allowed, or the engine's"
+                "contact = compliant: links must be at least 1e-3 times as heavy as the next one, or the engine's"
                 " iterations do not solve their joints"
             )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -15,7 +15,7 @@ from bristle_sim.scene.contact_space import ContactSpace
 from bristle_sim.scene.joints import Vector
 from bristle_sim.theory.impact import Impact, energetic_impact
 
-__all__ = ["ContactPair", "LocatedImpact", "TouchingPoint", "read_points"]
+__all__ = ["ContactPair", "LocatedImpact", "TouchingPoint", "read_points", "touching_points"]
 
 MOST_TYPES = (1 << 64) - 1
 """Collision types are machine words, the last of which stands for any type."""
@@ -146,4 +146,22 @@ def read_points(
         touching = TouchingPoint(pair, frozenset(arbiter.shapes), bodies, (middle.x, middle.y), normal, relative)
         touching.measure()
         found.append(touching)
+    return found
+
+
+def touching_points(
+    pairs: Mapping[frozenset[int], ContactPair],
+    surface_velocity: Callable[[tuple[pymunk.Shape, pymunk.Shape]], Vector | None],
+    body: pymunk.Body,
+) -> list[TouchingPoint]:
+    """Return the touching points of a body in all pairs, without those that the engine was told to ignore."""
+    found: list[TouchingPoint] = []
+
+    def read(arbiter: pymunk.Arbiter) -> None:
+        shapes = arbiter.shapes
+        pair = pairs.get(frozenset(each.collision_type for each in shapes))
+        if pair is not None:
+            found.extend(read_points(arbiter, pair, surface_velocity(shapes)))
+
+    body.each_arbiter(read)
     return found

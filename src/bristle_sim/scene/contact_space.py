@@ -65,7 +65,8 @@ class ContactSpace:
         stick_compliance: gain of v_n per unit normal impulse while the point does not slip, 1/kg; 0 where it cannot move.
         basis, factor: response, its columns in the other order, is basis times factor, which is upper triangular.
         limits: rows of the joints that are at a limit, taken as rigid here.
-        limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2); scaled rows.
+        limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2); rows scaled to
+            length 1 in the norm of the kinetic energy, and so comparable with ``sizes``, of the contact's own rows.
     """
 
     inverse_mass: Array
@@ -77,14 +78,12 @@ class ContactSpace:
     factor: Array
     limits: tuple[JointRow, ...] = ()
     limit_response: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    sizes: Array = field(default_factory=lambda: np.zeros(2))
 
     def limits_push(self, impulse: Sequence[float]) -> bool:
-        """Whether all limits push, or carry nothing, in an impact with this contact impulse."""
-        if not self.limits:
-            return True
-        impulses = self.limit_response @ np.asarray(impulse, dtype=float)
-        sizes = np.abs(self.limit_response) @ np.abs(np.asarray(impulse, dtype=float))
-        return bool((impulses >= -OPENS * sizes).all())
+        """Whether all limits push, or carry nothing but rounding, in an impact with this contact impulse."""
+        given = np.asarray(impulse, dtype=float)
+        return bool((self.limit_response @ given >= -OPENS * (self.sizes @ np.abs(given))).all())
 
     def passes(self, limit: JointRow, impulse: Sequence[float]) -> bool:
         """Whether a limit that takes no part is passed after an impact with this contact impulse."""
@@ -150,7 +149,7 @@ def contact_space(
         ValueError: if the normal is not a unit vector.
     """
     if not abs(normal[0] ** 2 + normal[1] ** 2 - 1.0) < 1e-9:
-        raise ValueError(f"normal = {tuple(normal)}: a vector of length 1 is allowed")
+        raise ValueError(f"normal = {tuple(normal)}: must be a vector of length 1")
     ends = [each for each in (body, other) if each is not None]
     bodies, joints = joined(ends)
     rows = [row for joint in joints for row in joint_rows(joint) if not (row.limit and joint in released)]
@@ -180,6 +179,7 @@ def contact_space(
         factor=factor,
         limits=tuple(row for row in rows if row.limit),
         limit_response=_limit_response(columns, [row.limit for row in rows]),
+        sizes=_lengths(columns[:, :-3:-1]),
     )
 
 

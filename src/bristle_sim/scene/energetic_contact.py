@@ -14,9 +14,9 @@ from typing import Any
 import pymunk
 
 from bristle_sim.quantity import Range, shown
-from bristle_sim.scene.contact_pair import ContactPair, LocatedImpact, TouchingPoint, read_points
-from bristle_sim.scene.impact_sequence import ROUNDING, ImpactSequence
-from bristle_sim.scene.joints import Vector
+from bristle_sim.scene.contact_pair import ContactPair, LocatedImpact, TouchingPoint, touching_points
+from bristle_sim.scene.impact_sequence import ImpactSequence
+from bristle_sim.scene.rest_filter import RestFilter
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 __all__ = ["EnergeticContact"]
@@ -26,16 +26,6 @@ LONGEST = 1e9
 
 DURATION = Range("duration", "time", 0.0, LONGEST, True, "chosen")
 """Of a step."""
-
-UNKNOWN = -1.0
-"""Resting approach before the first contact of a step; there is none between steps."""
-
-STEPS_OF_GRAVITY = 2.0
-"""An approach that gravity makes up in so many steps is rest: one step passes before the engine finds a contact that forms,
-and a bounce that is over in less than two cannot be resolved."""
-
-OUT_OF_REACH = 1e100
-"""A surface velocity apart, at which the engine's contact has no impulse to give."""
 
 
 class EnergeticContact:
@@ -66,7 +56,9 @@ class EnergeticContact:
 
     Joints of any kind take part by their Jacobian, at limits if they push throughout the impact; springs, joints with a
     finite ``max_force`` and joints outside the space do not. Sensors, filters and ``process_collision`` are respected. Users'
-    callbacks on the same types are kept: a ``pre_solve`` of theirs is called first, whether registered before or after.
+    callbacks on the same types are kept: a ``pre_solve`` of theirs is called first, whether registered before or after. One
+    that they register for any type (with None) is called by the engine after ours: friction and restitution that it sets
+    count.
     """
 
     def __init__(
@@ -94,11 +86,7 @@ class EnergeticContact:
         self.time = 0.0
         self.pairs: dict[frozenset[int], ContactPair] = {}
         self._callbacks: list[tuple[Any, Any, ContactPair]] = []
-        self._skipped: dict[frozenset[pymunk.Shape], tuple[tuple[pymunk.Shape, pymunk.Shape], Vector]] = {}
-        self._jammed: set[frozenset[pymunk.Shape]] = set()
-        self._still_jammed: set[frozenset[pymunk.Shape]] = set()
-        self._resting: float | None = None
-        self._static = space.static_body  # made at its first use, which must not be within a step
+        self._filter = RestFilter(space, self.resting_speed)
         self.add_pair(
             collision_type_a,
             collision_type_b,
@@ -149,11 +137,6 @@ class EnergeticContact:
         return self._first.friction
 
     @property
-    def restitution(self) -> float:
-        """Restitution of the first pair."""
-        return self._first.restitution
-
-    @property
     def restitution_friction(self) -> float | None:
         """Friction in restitution of the first pair."""
         return self._first.restitution_friction
@@ -170,22 +153,17 @@ class EnergeticContact:
         for handler, callback, pair in self._callbacks:
             if handler.pre_solve is not callback:
                 pair.chained, handler.pre_solve = handler.pre_solve, callback
-        self._resting = UNKNOWN
+        self._filter.begin(self.resting_speed)
         try:
             self.space.step(duration)
         finally:
-            self._resting = None
+            self._filter.end()
         self.time += duration
-        if self._jammed:
-            self._jammed, self._still_jammed = self._still_jammed, set()
-        if self._skipped:
+        if self._filter.skipped:
             try:
                 self._resolve()
             finally:
-                self._skipped.clear()
-
-    def _resting_approach(self, duration: float) -> float:
-        return max(self.resting_speed, STEPS_OF_GRAVITY * self.space.gravity.length * duration)
+                self._filter.skipped.clear()
 
     def _notice(self, pair: ContactPair, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         """Leave a contact at rest to the engine; keep the engine from responding to one that approaches."""
@@ -193,70 +171,21 @@ class EnergeticContact:
             if pair.chained is not None:
                 pair.chained(arbiter, space, data)
         finally:
-            if self._resting is not None:
-                self._divide(pair, arbiter)
-
-    def _divide(self, pair: ContactPair, arbiter: pymunk.Arbiter) -> None:
-        """Tell rest from impact."""
-        if self._resting is UNKNOWN:
-            self._resting = self._resting_approach(self.space.current_time_step)
-        shapes = arbiter.shapes
-        jams = bool(self._jammed) and frozenset(shapes) in self._jammed
-        if jams:
-            self._still_jammed.add(frozenset(shapes))
-        if jams or not self._approaches(arbiter, shapes, self._resting or 0.0):
-            arbiter.friction, arbiter.restitution = pair.friction, 0.0
-            return
-        # The engine keeps the contact, wakes its bodies and reduces overlap, but takes it to fly apart.
-        normal, slide = arbiter.normal, arbiter.surface_velocity
-        self._skipped[frozenset(shapes)] = (shapes, (slide.x, slide.y))
-        arbiter.friction, arbiter.restitution = 0.0, 0.0
-        arbiter.surface_velocity = (OUT_OF_REACH * normal.x, OUT_OF_REACH * normal.y)
-
-    def _approaches(self, arbiter: pymunk.Arbiter, shapes: tuple[pymunk.Shape, pymunk.Shape], resting: float) -> bool:
-        """Whether any point approaches faster than at rest; read with as few calls as possible."""
-        first, second = shapes[0].body, shapes[1].body
-        assert first is not None
-        assert second is not None
-        found = arbiter.contact_point_set
-        (x, y), still = found.normal, self._static
-        for each in found.points:
-            u, v = (0.0, 0.0) if first is still else first.velocity_at_world_point(each.point_a)
-            p, q = (0.0, 0.0) if second is still else second.velocity_at_world_point(each.point_a)
-            approach = (u - p) * x + (v - q) * y
-            if approach > resting and approach > ROUNDING * (abs(u) + abs(v) + abs(p) + abs(q)):
-                return True
-        return False
+            self._filter.divide(pair.friction, arbiter)
 
     def _resolve(self) -> None:
-        touching = (each.body for shapes, _ in self._skipped.values() for each in shapes)
+        skipped = self._filter.skipped
+        touching = (each.body for shapes, _ in skipped.values() for each in shapes)
         moved = {each: None for each in touching if each is not None and each.body_type == pymunk.Body.DYNAMIC}
 
         def record(point: TouchingPoint, impact: Impact) -> None:
             if self.report is not None:
                 self.report(LocatedImpact.of(impact, point, self.time))
 
-        sequence = ImpactSequence(self._points_of, self._resting_approach(self.space.current_time_step), record)
-        sequence.resolve(moved, set(self._skipped))
-        self._jammed |= sequence.jammed
-
-    def _points_of(self, body: pymunk.Body) -> list[TouchingPoint]:
-        """Touching points of a body in all pairs, without those that the engine was told to ignore."""
-        found: list[TouchingPoint] = []
-
-        def read(arbiter: pymunk.Arbiter) -> None:
-            shapes = arbiter.shapes
-            pair = self.pairs.get(frozenset(each.collision_type for each in shapes))
-            if pair is None:
-                return
-            slide = None
-            if frozenset(shapes) in self._skipped:
-                (first, _), (x, y) = self._skipped[frozenset(shapes)]
-                slide = (x, y) if first is shapes[0] else (-x, -y)
-            found.extend(read_points(arbiter, pair, slide))
-
-        body.each_arbiter(read)
-        return found
+        points_of = functools.partial(touching_points, self.pairs, self._filter.surface_velocity)
+        sequence = ImpactSequence(points_of, self._filter.resting_approach(), record)
+        sequence.resolve(moved, set(skipped))
+        self._filter.jammed |= sequence.jammed
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:

@@ -8,6 +8,7 @@ import pymunk
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import contact_at
+from bristle_sim.scene.engine import take_back
 from bristle_sim.scene.event_functions import EventFunction
 from bristle_sim.scene.mechanism import Mechanism, State, Vector
 from bristle_sim.scene.obstacles import Obstacle, Touch
@@ -130,10 +131,7 @@ class EngineContact:
         but not what it reports, nor what limits friction and push, until a step has been taken.
         """
         bodies = self.scene.links if self.scene.hub is None else [self.scene.hub, *self.scene.links]
-        kept = [(each.position, each.angle, each.velocity, each.angular_velocity) for each in bodies]
-        self.scene.step(step, 1)
-        for body, (position, angle, velocity, rate) in zip(bodies, kept, strict=True):
-            body.position, body.angle, body.velocity, body.angular_velocity = position, angle, velocity, rate
+        take_back(bodies, lambda: self.scene.step(step, 1))
 
     def _slip(self) -> float:
         """Tangential velocity of the link where it touches, as the bodies are."""
@@ -227,7 +225,7 @@ def sustained_contact_record(
     normal, tangential, work = sums
     return ContactRecord(
         obstacle=obstacle.name,
-        law="hold",
+        law="sustained",
         outcome=outcome,
         time=first.time,
         duration=last.time - first.time,

@@ -35,7 +35,7 @@ class Plan:
 
 @dataclass(slots=True)
 class Recording:
-    """What a run leaves behind, in engine units."""
+    """What a run leaves behind, in engine units; ``seconds`` are wall clock and processor time."""
 
     states: list[State] = field(default_factory=list)
     forces: list[float] = field(default_factory=list)
@@ -43,7 +43,7 @@ class Recording:
     contacts: list[ContactRecord] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
+    stop_detail: str = ""
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
-    wall_s: float = 0.0
-    cpu_s: float = 0.0
+    seconds: tuple[float, float] = (0.0, 0.0)
     steps: int = 0

@@ -99,9 +99,10 @@ class Progress:
         if name == self.plan.stop_after:
             self.stop(FINAL.get(name, StopReason.EVENT))
 
-    def stop(self, reason: StopReason) -> None:
-        """End the run; the first reason counts."""
-        self.recording.stop_reason = self.recording.stop_reason or reason
+    def stop(self, reason: StopReason, detail: str = "") -> None:
+        """End the run, for a reason and with what a law says about it; the first reason counts."""
+        if not self.stopped:
+            self.recording.stop_reason, self.recording.stop_detail = reason, detail
 
 
 FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}

@@ -58,13 +58,13 @@ def trajectory_in_si(
         contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
         stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
-            recording.wall_s,
-            recording.cpu_s,
+            *recording.seconds,
             recording.steps,
             recording.error / motion_scale(scene, states[0]) if with_estimate else None,
         ),
         parameters=parameters,
         contact_at_end=recording.contact_at_end,
+        stop_detail=recording.stop_detail,
     )
 
 

@@ -215,7 +215,9 @@ def _joined(
     events = [*first.events, *(Event(called(each.name), begin + each.time) for each in new)]
     happened = {each.name for each in events}
     absent = {each for each in happened if each in ABSENCES and ABSENCES[each] not in happened}
-    contacts = [each for each in rest.contacts if each.time > 0.0 or each.law == "hold" or each.obstacle not in held]
+    contacts = [
+        each for each in rest.contacts if each.time > 0.0 or each.law == "sustained" or each.obstacle not in held
+    ]
     arrays = {each: np.concatenate([getattr(first, each), getattr(rest, each)[skip:]]) for each in SAMPLES}
     return Trajectory(
         time=np.concatenate([first.time, begin + rest.time[skip:]]),
@@ -229,6 +231,7 @@ def _joined(
         stop_reason=rest.stop_reason,
         cost=_sum(first.cost, rest.cost),
         contact_at_end=rest.contact_at_end,
+        stop_detail=rest.stop_detail,
         parameters={**first.parameters, "settings": dataclasses.asdict(settings), "stop_after": stop_after},
     )
 

@@ -51,6 +51,6 @@ def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Pla
     recording = progress.recording
     recording.contact_at_end = state.summary()
     state.end(str(recording.stop_reason))
-    recording.wall_s, recording.cpu_s = clock.perf_counter() - wall, clock.process_time() - cpu
+    recording.seconds = (clock.perf_counter() - wall, clock.process_time() - cpu)
     recording.steps = scene.steps - steps
     return recording

@@ -1,8 +1,9 @@
-"""The contact spring of the compliant law: its forces as a load on the scene, and how long a contact on it lasts."""
+"""The contact spring of the compliant law, its forces as a load on the scene, and the time that a contact on it lasts."""
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,42 +15,58 @@ from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.obstacles import Touch
 from bristle_sim.theory.impact import Impact
 
-__all__ = ["Spring", "time_at_unit_stiffness"]
+__all__ = ["Plane", "Spring", "SpringLoad", "time_at_unit_stiffness"]
+
+
+class Plane(NamedTuple):
+    """The plane of contact: unit vectors, and the height of the plane along its normal."""
+
+    normal: Vector
+    tangent: Vector
+    height: float
+
+    def penetration(self, tip: Vector) -> float:
+        """Return the depth of a tip below the plane."""
+        return self.height - tip[0] * self.normal[0] - tip[1] * self.normal[1]
+
+    def components(self, velocity: Vector) -> Vector:
+        """Return the (normal, tangential) components of a velocity."""
+        return (
+            velocity[0] * self.normal[0] + velocity[1] * self.normal[1],
+            velocity[0] * self.tangent[0] + velocity[1] * self.tangent[1],
+        )
 
 
 class Spring:
-    """Normal spring and Coulomb friction between the last link's tip and a plane through the point of first touch.
+    """Normal spring and Coulomb friction between the last link's tip and a plane, in the phase the contact is in.
 
     Attributes:
+        plane: of contact.
+        stiffness, coefficients: as for the class.
+        inverse_mass: K at the first touch.
+        coupling, tangential: K_nt and K_tt where stick is computed.
         loading: whether the penetration is the largest so far; else the spring is on its steeper way out.
-        peak: penetration at which unloading began; ``residual`` is the one at which its force ends.
+        peak, residual: penetration at which unloading began, and the one at which its force ends.
         slip: direction of slip, or 0 in stick.
-        inverse_mass: K at the first touch; ``coupling`` and ``tangential`` are K_nt and K_tt where stick is computed.
     """
 
     def __init__(
         self,
-        scene: Scene,
-        touch: Touch,
+        plane: Plane,
+        slip_velocity: float,
         inverse_mass: NDArray[np.float64],
         stiffness: float,
         coefficients: Coefficients,
     ) -> None:
-        """For a scene whose last link's tip is at the point of touch now."""
-        link = scene.mechanism.links[-1]
-        body, point = scene.links[-1], (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
-        self._tip, self._push = point_reader(body, point), pusher(body)
-        self.normal, self.tangent = touch.normal, touch.tangent
-        x, y, _, _ = self._tip()
-        self.surface = x * self.normal[0] + y * self.normal[1]
+        """Build the spring of a tip that touches the plane now, with the K of the contact."""
+        self.plane = plane
         self.inverse_mass = inverse_mass
         self.follow(inverse_mass)
         self.stiffness = stiffness
         self.coefficients = coefficients
         self.loading = True
         self.peak = self.residual = 0.0
-        self.slip = math.copysign(1.0, touch.velocity[1]) if touch.velocity[1] else 0.0
-        self.begin()
+        self.slip = math.copysign(1.0, slip_velocity) if slip_velocity else 0.0
 
     def follow(self, inverse_mass: NDArray[np.float64]) -> None:
         """Compute stick with the K of the bodies as they stand now: they turn while the contact lasts."""
@@ -62,22 +79,16 @@ class Spring:
         """mu of the phase the contact is in."""
         return self.coefficients.friction if self.loading else self.coefficients.restitution_friction
 
+    @property
+    def stop(self) -> float:
+        """Force per velocity and step that takes what is left of slip away within a step of stick; 0 in slip."""
+        return 0.0 if self.slip or not self.tangential else 1.0 / self.tangential
+
     def unload(self, tip: Vector) -> None:
-        """Compression has ended with the tip here."""
+        """Begin the way out: compression has ended with the tip here."""
         self.loading = False
-        self.peak = self.penetration(tip)
+        self.peak = self.plane.penetration(tip)
         self.residual = self.peak * (1.0 - self.coefficients.restitution**2)
-
-    def penetration(self, tip: Vector) -> float:
-        """Depth of the tip below the plane."""
-        return self.surface - tip[0] * self.normal[0] - tip[1] * self.normal[1]
-
-    def components(self, velocity: Vector) -> Vector:
-        """(normal, tangential) components of a velocity."""
-        return (
-            velocity[0] * self.normal[0] + velocity[1] * self.normal[1],
-            velocity[0] * self.tangent[0] + velocity[1] * self.tangent[1],
-        )
 
     def line(self) -> tuple[float, float, float]:
         """Stiffness of the spring as it is now, depth at which its force ends, and tangential over normal force.
@@ -99,18 +110,42 @@ class Spring:
         normal = stiffness * (depth - end)
         return normal, ratio * normal
 
+
+class SpringLoad:
+    """The forces of a spring as a load on the last link's tip, with what they add up to.
+
+    Attributes:
+        spring: whose law acts.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        touch: Touch,
+        inverse_mass: NDArray[np.float64],
+        stiffness: float,
+        coefficients: Coefficients,
+    ) -> None:
+        """Build the load of a scene whose last link's tip is at the point of touch now, on a plane through that point."""
+        link = scene.mechanism.links[-1]
+        body, point = scene.links[-1], (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
+        self._tip, self._push = point_reader(body, point), pusher(body)
+        x, y, _, _ = self._tip()
+        plane = Plane(touch.normal, touch.tangent, x * touch.normal[0] + y * touch.normal[1])
+        self.spring = Spring(plane, touch.velocity[1], inverse_mass, stiffness, coefficients)
+        self.begin()
+
     def begin(self) -> None:
-        """Forget what was added up, and take down the law that holds until something turns: steps are many."""
-        stiffness, end, ratio = self.line()
-        stop = 0.0 if self.slip or not self.tangential else 1.0 / self.tangential
-        self._law = (stiffness, self.surface - end, ratio, stop)
+        """Forget what was added up, and take down the law that acts until something turns: steps are many."""
+        plane = self.spring.plane
+        stiffness, end, ratio = self.spring.line()
+        self._law = (stiffness, plane.height - end, ratio, self.spring.stop, plane.normal, plane.tangent)
         self._totals = [0.0, 0.0, 0.0, 0.0]
         self._stopping: list[float] = []
 
     def apply(self, step: float) -> None:
         """Push on the tip for the next engine step, and add up impulses and works."""
-        stiffness, height, ratio, stop = self._law
-        (n_x, n_y), (t_x, t_y) = self.normal, self.tangent
+        stiffness, height, ratio, stop, (n_x, n_y), (t_x, t_y) = self._law
         x, y, u, v = self._tip()
         slip = u * t_x + v * t_y
         normal = stiffness * (height - x * n_x - y * n_y)
@@ -134,14 +169,14 @@ class Spring:
         """
         if not self._stopping:
             return [*self._totals, 0.0, 0.0]
-        stiffness, height, ratio, stop = self._law
+        stiffness, height, ratio, stop, (n_x, n_y), (t_x, t_y) = self._law
         x, y, u, v = self._tip()
-        normal = stiffness * (height - x * self.normal[0] - y * self.normal[1])
-        last = ratio * normal - stop * (u * self.tangent[0] + v * self.tangent[1]) / step
+        normal = stiffness * (height - x * n_x - y * n_y)
+        last = ratio * normal - stop * (u * t_x + v * t_y) / step
         return [*self._totals, self._stopping[1] if len(self._stopping) > 1 else last, last]
 
     def fails(self, totals: list[float]) -> bool:
-        """A spring always acts."""
+        """Return that a spring always acts."""
         del totals
         return False
 

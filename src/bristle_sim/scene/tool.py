@@ -49,6 +49,10 @@ SLOWEST = 1e-100
 
 def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
     """The tool's scene with exactly the effects its parameters call for, and the units it runs in."""
+    if tool.bristle.links != 1:
+        raise ValueError(
+            f"wire_links = {tool.bristle.links}: must be 1, as only a rigid bristle can be simulated (dimensionless)"
+        )
     units = tool_units(tool)
     mechanism = Mechanism(
         (_link(tool.bristle),), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start

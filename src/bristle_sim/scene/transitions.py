@@ -58,10 +58,10 @@ def _after_touch(progress: Progress, obstacle: Obstacle, *, rests: bool) -> Cont
     first = not any(each.obstacle == obstacle.name for each in progress.recording.contacts)
     try:
         record = _resolve(progress, obstacle, rests=rests or left <= STILL)
-    except ValueError:
+    except ValueError as error:
         if first:
             raise
-        progress.stop(StopReason.UNRESOLVED)
+        progress.stop(StopReason.UNRESOLVED, str(error))
         return InFlight(progress, progress.first_interval)
     jams = record.outcome == "jam" or left < -STILL
     if jams:

@@ -35,7 +35,7 @@ SAME_SUM = 1e-9
 
 
 def constant_row(crater: Crater, depth: float) -> Quantity:
-    """C in degrees: by root finding on the printed sum (4.57), and in closed form; empty where no C gives the depth."""
+    """Return C in degrees, by root finding on the printed sum (4.57) and in closed form; empty where there is none."""
     name = "constant_for_measured_depth_deg"
     theory, found = _closed_form_deg(crater, depth), _root_deg(crater, depth)
     if theory is None:
@@ -53,7 +53,7 @@ def constants_over(
     frictions: Iterable[float] = FRICTIONS,
     impact_angles_deg: Iterable[float] = IMPACT_ANGLES_DEG,
 ) -> list[dict[str, Any]]:
-    """C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
+    """Return C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
     rows, frictions = [], tuple(frictions)
     for gamma in impact_angles_deg:
         for friction in frictions:
@@ -69,12 +69,12 @@ def constants_over(
 
 
 def least_constant_deg(crater: Crater) -> float:
-    """Least C with eta >= gamma, arccot(mu) + gamma, degrees; above 90 there is none."""
+    """Return the least C with eta >= gamma, arccot(mu) + gamma, degrees; above 90 there is none."""
     return math.degrees(math.atan2(1.0, crater.friction)) + crater.impact_angle_deg
 
 
 def constant_in_words(crater: Crater, depth: float) -> str:
-    """What the row says, for the terminal."""
+    """Describe the constant for the terminal."""
     constant, least = _closed_form_deg(crater, depth), least_constant_deg(crater)
     wanted = f"a crater of {1e6 * depth:.0f} um"
     if constant is None:
@@ -86,7 +86,7 @@ def constant_in_words(crater: Crater, depth: float) -> str:
 
 
 def _resultant_angle(crater: Crater) -> float:
-    """x = beta - alpha = arccot(mu) - gamma, rad."""
+    """Return x = beta - alpha = arccot(mu) - gamma, rad."""
     return math.atan2(1.0, crater.friction) - math.radians(crater.impact_angle_deg)
 
 
@@ -106,7 +106,7 @@ def _closed_form_deg(crater: Crater, depth: float) -> float | None:
 
 
 def _root_deg(crater: Crater, depth: float) -> float | None:
-    """Where the printed sum with C in place of 90 degrees is as deep; the depth rises with C, from 0 at C = x."""
+    """Return the C for which the printed sum is as deep; the depth rises with C, from 0 at C = x."""
     from scipy.optimize import brentq
 
     def excess(constant: float) -> float:

@@ -26,12 +26,15 @@ from bristle_sim.studies.crater_sums import (
     merchant_depth_sum,
 )
 from bristle_sim.studies.timed_contact import timed_contact
-from bristle_sim.theory.crater import merchant_crater_depth_limit
-from bristle_sim.theory.crater_contact import ContactCrater, crater_depth_from_contact
-from bristle_sim.theory.crater_cutting import Surface as SurfaceKind
-from bristle_sim.theory.crater_cutting import depth_from_energy, depth_from_force, specific_cutting_energy
-from bristle_sim.theory.crater_energy import energy_crater_depth, energy_crater_depth_ratio
-from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles
+from bristle_sim.theory.crater import energy_crater_depth, energy_crater_depth_ratio, merchant_crater_depth_limit
+from bristle_sim.theory.crater_cutting import (
+    ContactCrater,
+    crater_depth_from_contact,
+    depth_from_energy,
+    depth_from_force,
+)
+from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles, specific_cutting_energy
+from bristle_sim.theory.merchant import Surface as SurfaceKind
 from bristle_sim.theory.monofilament import tip_speed
 
 __all__ = [
@@ -74,7 +77,7 @@ class CraterStudy:
 
     @property
     def impact_angle(self) -> float:
-        """gamma, rad."""
+        """Return gamma, rad."""
         return math.radians(self.crater.impact_angle_deg)
 
 
@@ -119,7 +122,7 @@ def _with_angles(crater: Crater) -> CraterStudy:
 
 
 def _with_contact(study: CraterStudy, hub: Hub, bristle: Bristle, settings: Settings) -> CraterStudy:
-    """Compression only: what the tip cuts, it cuts until it is deepest."""
+    """Simulate the contact's compression only: what the tip cuts, it cuts until it is deepest."""
     crater, surface = study.crater, Surface(friction=study.crater.friction, restitution=0.0)
     try:
         contact = timed_contact(
@@ -156,7 +159,7 @@ def _crater_of(contact: TimedContact, study: CraterStudy, surface: SurfaceKind) 
 
 
 def _merchant_rows(study: CraterStudy) -> tuple[Quantity, ...]:
-    """Formulas alone: nothing is simulated; empty where there is no chip."""
+    """Return rows of formulas alone, with nothing simulated; empty where there is no chip."""
     crater = study.crater
     names = ("merchant_crater_depth", "merchant_crater_depth_limit")
     if study.angles is None:
@@ -213,7 +216,7 @@ def _work_rows(contact: TimedContact) -> tuple[Quantity, ...]:
 
 
 def _rigid_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[float, float, float]:
-    """Depths from the force and energy of an impact without duration: m v/3 along the path, m v^2/6."""
+    """Return the depths from the force and energy of an impact without duration: m v/3 along the path, m v^2/6."""
     crater, gamma = study.crater, study.impact_angle
     force = 0.5 * math.pi * bristle.mass * speed / 3.0 / crater.compression_time
     energy = bristle.mass * speed**2 / 6.0
@@ -234,7 +237,7 @@ def _remarks(study: CraterStudy) -> tuple[str, ...]:
 
 
 def _second_reckoning(study: CraterStudy) -> tuple[str, ...]:
-    """How far the printed sums, number by number, and their extrapolated limit are from the theory."""
+    """Say how far the printed sums, number by number, and their extrapolated limit are from the theory."""
     crater, pairs = study.crater, []
     if study.angles is not None:
         stress, time = crater.shear_yield_stress, crater.compression_time
@@ -281,7 +284,7 @@ def _contact_lines(study: CraterStudy) -> tuple[str, ...]:
     force = f"{parallel.peak_cutting_force:.2f} N"
     path, depth = (f"{1e6 * each:.0f} um" for each in (parallel.path, parallel.penetration))
     return (
-        f"contact: tip at {contact.tip_speed:.2f} m/s, compressed for {time} by a spring as stiff as that asks for; largest",
+        f"contact: tip at {contact.tip_speed:.2f} m/s, compressed for {time} by a spring as stiff as that needs; largest",
         f"  force along the path {force}, path {path}, deepest {depth}: the spring's, not the crater's",
         "contact depths: all of this force, or all of this energy, cuts a chip by Merchant's relation on a straight path,",
         "  its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it",

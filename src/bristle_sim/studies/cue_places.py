@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.strike_results import state_at_strike
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
@@ -62,22 +63,28 @@ class BarPlace(NamedTuple):
 
 
 class FullPass(NamedTuple):
-    """The strike at the end of a whole pass: retraction in rad and relative speed in rad/s, None if there is none.
+    """The strike at the end of a whole pass: lag in deg and relative speed in rad/s, None if there is none.
 
     ``failure`` is what the pass does instead of striking.
     """
 
-    retraction: float | None
+    lag_deg: float | None
     relative_speed: float | None
     failure: str = ""
 
+    @property
+    def retraction(self) -> float | None:
+        """The lag in rad."""
+        return None if self.lag_deg is None else math.radians(self.lag_deg)
+
     def __str__(self) -> str:
-        """In words that end a sentence."""
-        if self.retraction is None:
+        """Say what the pass gives, as the end of a sentence."""
+        if self.lag_deg is None:
             return self.failure
-        short = math.degrees(self.retraction)
-        side = "short of" if short >= 0.0 else "beyond"
-        return f"strikes {abs(short):.2f} deg {side} radial at {self.relative_speed:.1f} rad/s relative to the hub"
+        side = "short of" if self.lag_deg >= 0.0 else "beyond"
+        return (
+            f"strikes {abs(self.lag_deg):.2f} deg {side} radial at {self.relative_speed:.1f} rad/s relative to the hub"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +109,49 @@ class ReadingPlaces:
     formula: BarPlace | None
     passed: FullPass | None
     passed_as_given: FullPass
+
+    @classmethod
+    def of(
+        cls, reading: str, tool: Tool, retraction: float, run: Trajectory, given: Bar, settings: Settings
+    ) -> ReadingPlaces:
+        """Place the bar by a simulated release and by formula, and simulate whole passes."""
+        needed = place_of(tool, retraction, run)
+        return cls(
+            reading,
+            tool.belt.stiffness,
+            needed,
+            formula_place(tool, retraction),
+            None if needed is None else full_pass(tool, given, needed, settings),
+            full_pass(tool, given, BarPlace.of(given), settings),
+        )
+
+    def pass_rows(self, given: Bar) -> list[dict[str, str | float | None]]:
+        """Return the whole passes as plain numbers, None for the strike of a pass that has none."""
+        pairs = ((self.simulated, self.passed), (BarPlace.of(given), self.passed_as_given))
+        return [
+            {
+                "belt_stiffness": self.stiffness,
+                "bar_direction_deg": math.degrees(place.direction),
+                "lag_deg_at_contact": passed.lag_deg,
+                "relative_speed_at_contact": passed.relative_speed,
+            }
+            for place, passed in pairs
+            if place is not None and passed is not None
+        ]
+
+    def in_words(self, given: Bar) -> tuple[str, ...]:
+        """Say where the belt stiffness needs the bar, and what whole passes give."""
+        words = f"belt stiffness {self.reading.replace('_', ' ')} ({self.stiffness:.5g} N m/rad): "
+        stands = math.degrees(BarPlace.of(given).direction)
+        as_given = f"  a full pass with the bar as it stands {self.passed_as_given}"
+        if self.simulated is None:
+            return words + "never reaches a highest speed; cannot be cued by any bar", as_given
+        needed = math.degrees(self.simulated.direction)
+        return (
+            f"{words}bar needed at {needed:.2f} deg, {needed - stands:+.2f} deg from where it stands ({stands:.2f} deg)",
+            f"  a full pass with the bar at {needed:.2f} deg {self.passed}",
+            as_given,
+        )
 
 
 def stiffness_readings(tool: Tool) -> dict[str, float]:
@@ -136,7 +186,7 @@ def formula_place(tool: Tool, retraction: float) -> BarPlace | None:
 
 
 def full_pass(tool: Tool, bar: Bar, place: BarPlace, settings: Settings) -> FullPass:
-    """Simulate a pass up to the strike with a bar at a place; what forbids it is the reason why there is no strike."""
+    """Simulate a pass up to the strike with a bar at a place; an error becomes the reason why there is no strike."""
     turning = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
     try:
         placed = dataclasses.replace(bar, horizontal=place.horizontal, vertical=place.vertical)
@@ -147,8 +197,8 @@ def full_pass(tool: Tool, bar: Bar, place: BarPlace, settings: Settings) -> Full
     contact = run.first_contact("workpart")
     if contact is None:
         return FullPass(None, None, f"ends without a strike ({run.stop_reason})")
-    retraction = start + tool.hub.speed * contact.time - contact.angles[0]
-    return FullPass(retraction, contact.rates_before[0] - tool.hub.speed)
+    state = state_at_strike(tool, run, contact)
+    return FullPass(state["lag_deg_at_contact"], state["relative_speed_at_contact"])
 
 
 def formula_motion(tool: Tool, retraction: float, time: ArrayLike) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""How well the quasi-static cue formulas place the bar: release from rest, simulated, beside them.
+"""How well the quasi-static cue formulas place the bar: compared with a simulated release from rest.
 
 The formulas let an undamped belt swing the bristle a quarter period while the hub turns. They leave out the rotating
 root's centrifugal stiffening and everything the bar does: the tap of first touch, the swing that goes on after the last
@@ -22,14 +22,12 @@ from bristle_sim.studies.cue_places import (
     BarPlace,
     ReadingPlaces,
     Release,
-    formula_place,
     formula_release,
-    full_pass,
     place_of,
     seen_at_strike,
     stiffness_readings,
 )
-from bristle_sim.studies.whole_pass import require_result
+from bristle_sim.studies.strike_results import require_result
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
@@ -61,7 +59,7 @@ PRINTED = {
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release beside the formula's, and the bars that they need.
+    """A simulated release, that of the formula, and the bars that they need.
 
     Attributes:
         tool, retraction: what was released, and from where, rad.
@@ -117,10 +115,10 @@ def cue_timing(
         sides = _sides(read, retraction, released, settings, with_reference=with_reference)
         printed = _at_print(read, retraction, any_belt=True)
         rows += [_row(f"{name}_{reading}", name, sides, printed) for name in ("cue_time", "bar_direction_deg")]
-        places[reading] = _places(reading, read, retraction, released, given, settings)
+        places[reading] = ReadingPlaces.of(reading, read, retraction, released, given, settings)
     mine = next((name for name, each in places.items() if each.stiffness == tool.belt.stiffness), OWN)
     if mine == OWN:
-        places = {OWN: _places(OWN, tool, retraction, run, given, settings), **places}
+        places = {OWN: ReadingPlaces.of(OWN, tool, retraction, run, given, settings), **places}
     reached = places[mine].simulated is not None
     released_line, fastest_line = seen_at_strike(tool, run) if reached else (None, None)
     return Report(
@@ -131,9 +129,9 @@ def cue_timing(
         steps=run.cost.steps,
         extra={
             "bar_stands_at_deg": math.degrees(BarPlace.of(given).direction),
-            "full_passes": [row for each in places.values() for row in _pass_rows(each, given)],
+            "full_passes": [row for each in places.values() for row in each.pass_rows(given)],
         },
-        remarks=(*(line for each in places.values() for line in _verdict(each, given)), *LEFT_OUT),
+        remarks=(*(line for each in places.values() for line in each.in_words(given)), *LEFT_OUT),
         subject=CueTiming(
             tool,
             retraction,
@@ -183,7 +181,7 @@ def _conditioning(name: str, values: dict[str, float | None], tool: Tool) -> flo
 def _bare(tool: Tool) -> Tool:
     """The tool without the bar and the workpart that it must have."""
     if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: a tool that has both is allowed")
+        raise ValueError("bar, workpart: must both be parts of the tool")
     return dataclasses.replace(tool, bar=None, workpart=None)
 
 
@@ -193,10 +191,10 @@ def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
     run = simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
     require_result(run, settings)
-    estimate, allowed = run.cost.error_estimate, _tolerance(settings)
-    if estimate is not None and estimate > allowed:
+    estimate = run.cost.error_estimate
+    if estimate is not None and estimate > _tolerance(settings):
         raise ValueError(
-            f"accuracy = {settings.accuracy:g}: at least {0.1 * estimate:.2g} is allowed for this release, in whose"
+            f"accuracy = {settings.accuracy:g}: must be at least {0.1 * estimate:.2g} for this release, in whose"
             f" {math.degrees(tool.hub.speed * run.time[-1]):.3g} deg of hub turn errors of {estimate:.2g} add up"
             " (dimensionless)"
         )
@@ -275,46 +273,3 @@ def _formulas(tool: Tool, retraction: float) -> dict[str, float | None]:
         cue.bar_vertical,
     )
     return dict(zip(UNITS, values, strict=True))
-
-
-def _places(name: str, tool: Tool, retraction: float, run: Trajectory, given: Bar, settings: Settings) -> ReadingPlaces:
-    """Bars of one belt stiffness, with whole passes over the needed one and the given one."""
-    needed = place_of(tool, retraction, run)
-    return ReadingPlaces(
-        name,
-        tool.belt.stiffness,
-        needed,
-        formula_place(tool, retraction),
-        None if needed is None else full_pass(tool, given, needed, settings),
-        full_pass(tool, given, BarPlace.of(given), settings),
-    )
-
-
-def _pass_rows(places: ReadingPlaces, given: Bar) -> list[dict[str, str | float | None]]:
-    """The whole passes of one belt stiffness for the JSON, None for the strike of a pass that has none."""
-    pairs = ((places.simulated, places.passed), (BarPlace.of(given), places.passed_as_given))
-    return [
-        {
-            "belt_stiffness": places.stiffness,
-            "bar_direction_deg": math.degrees(place.direction),
-            "lag_deg_at_contact": None if passed.retraction is None else math.degrees(passed.retraction),
-            "relative_speed_at_contact": passed.relative_speed,
-        }
-        for place, passed in pairs
-        if place is not None and passed is not None
-    ]
-
-
-def _verdict(places: ReadingPlaces, given: Bar) -> tuple[str, ...]:
-    """Where a belt stiffness needs the bar, and what whole passes make of it."""
-    words = f"belt stiffness {places.reading.replace('_', ' ')} ({places.stiffness:.5g} N m/rad): "
-    stands = math.degrees(BarPlace.of(given).direction)
-    as_given = f"  a full pass with the bar as it stands {places.passed_as_given}"
-    if places.simulated is None:
-        return words + "never reaches a highest speed; cannot be cued by any bar", as_given
-    needed = math.degrees(places.simulated.direction)
-    return (
-        f"{words}bar needed at {needed:.2f} deg, {needed - stands:+.2f} deg from where it stands ({stands:.2f} deg)",
-        f"  a full pass with the bar at {needed:.2f} deg {places.passed}",
-        as_given,
-    )

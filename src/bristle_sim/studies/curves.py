@@ -1,14 +1,20 @@
-"""What a panel of curves holds: closed forms over a parameter, points that check them, and what is marked."""
+"""Panels of curves: closed forms over a parameter, simulated or printed points that check them, and marks."""
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["SOURCES", "Axis", "Curve", "Level", "Mark", "Panel", "Source", "curve_of"]
+from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import ContactRecord
+
+__all__ = ["SOURCES", "Axis", "Curve", "Level", "Mark", "Panel", "Source", "curve_of", "impact_curve"]
 
 Array = NDArray[np.float64]
 
@@ -93,8 +99,8 @@ class Panel:
 
     Attributes:
         x, y: the axes.
-        curves: a family, told apart by ``family``, e.g. the symbol of what varies.
-        marks, levels: what is pointed out.
+        curves: a family, distinguished by ``family``, e.g. the symbol of what varies.
+        marks, levels: points and lines of note.
         top: largest y shown, SI, where curves grow without bound; None for all there is.
     """
 
@@ -113,7 +119,38 @@ def curve_of(
     x: ArrayLike,
     points: Mapping[str, tuple[ArrayLike, ArrayLike]] | None = None,
 ) -> Curve:
-    """A curve on a grid that holds the x of all its points too, so that each has a value of the curve beside it."""
+    """Return a curve on a grid that includes the x of all its points, so that each can be compared with the curve."""
     given = {law: (np.asarray(at, float), np.asarray(y, float)) for law, (at, y) in (points or {}).items()}
     grid = np.unique(np.concatenate([np.asarray(x, dtype=float), *(at for at, _ in given.values())]))
     return Curve(name, grid, np.asarray(formula(grid), dtype=float), given)
+
+
+def impact_curve(
+    name: str,
+    formula: Callable[[Array], ArrayLike],
+    x: Array,
+    impact: Callable[[float], tuple[Chain, Surface]],
+    read: Callable[[ContactRecord], float | None],
+    places: Mapping[str, Array],
+) -> Curve:
+    """Return a closed form over x, and what is read from simulated impacts at some places by law.
+
+    An impact without an end, or without the quantity, is left out.
+    """
+    points: dict[str, Array] = {}
+    for law, at in places.items():
+        records = ((each, _struck(*impact(each), law)) for each in at.tolist())
+        found = [(each, read(record)) for each, record in records if record is not None]
+        found = [pair for pair in found if pair[1] is not None]
+        if found:
+            points[law] = np.array(found, dtype=float).T
+    return curve_of(name, formula, x, {law: (pairs[0], pairs[1]) for law, pairs in points.items()})
+
+
+@functools.cache
+def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord | None:
+    """Return the contact of a strike through the scene; None for one that comes to no end."""
+    try:
+        return strike(chain, surface, Contact(law), Settings()).contact
+    except ValueError:
+        return None

@@ -1,6 +1,6 @@
-"""Chapter 3 beside a simulated contact: the assumed force curve and the force that braking the bristle takes.
+"""Compare chapter 3 with a simulated contact: the assumed force curve and the force that braking the bristle takes.
 
-The curve (3.19) is a ball's on a plate, its shape carried over to the bristle. Beside it stands the bristle's own contact
+The curve (3.19) is a ball's on a plate, its shape carried over to the bristle. It is compared with the bristle's own contact
 in the scene, on a spring, with the same compressive impulse and compression time. The fit of section 3.1 is tried on
 points of the curve, exact and noisy.
 """
@@ -49,7 +49,7 @@ SEGMENTS = 10
 """Equal parts of the compression (Zhang 2020, table 3.1)."""
 
 SOURCES = ("printed", "scaled", "curve", "simulated")
-"""Of a segment's impulse: table 3.1, the ball's share of the printed impulse (3.15), the curve, the contact."""
+"""Of a segment's impulse: table 3.1, the ball's fraction of the printed impulse (3.15), the curve, the contact."""
 
 OPERATING_SPEED = float(tip_speed(Bristle().length, Hub().radius, Hub().speed, Strike().speed_ratio))
 """Of the tip, m/s: 845.6 rad/s as an absolute rate (Zhang 2020, eq. 4.3)."""
@@ -130,7 +130,7 @@ def _with_course(report: Report, contact: TimedContact) -> Report:
 def _contact(
     hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, settings: Settings, curve: ForceCurve
 ) -> TimedContact:
-    """With the curve's impulse and compression time where nothing else is asked for."""
+    """Simulate the contact, with the curve's impulse and compression time unless others are requested."""
     peak = curve.peak_time()
     rate = None if history.speed_ratio is None else history.speed_ratio * hub.speed
     return timed_contact(
@@ -146,13 +146,13 @@ def _contact(
 
 
 def segment_table(contact: TimedContact) -> Array:
-    """Impulse of the simulated contact in each of ten equal parts of its compression, N s."""
+    """Return the impulse of the simulated contact in each of ten equal parts of its compression, N s."""
     edges = np.linspace(0.0, contact.compression_time, SEGMENTS + 1)
     return np.array([contact.resultant.integral(*pair) for pair in pairwise(edges.tolist())])
 
 
 def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float) -> tuple[Quantity, ...]:
-    """The force is the finding; time and impulse are the same by construction where they are taken from the curve."""
+    """Compare force, time and impulse; the last two agree by construction where they are taken from the curve."""
     curve, contact = subject.curve, subject.contact
     peak = curve.peak_time()
     sides = (
@@ -169,7 +169,7 @@ def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float
 
 
 def _check_rows(subject: ForceComparison) -> tuple[Quantity, ...]:
-    """The simulated force by its work over the path, the fit of a file by the points, and the fit by known points."""
+    """Check the force by its work over the path, the fit of a file by its points, and the fit by known points."""
     contact, measured = subject.contact, subject.measured
     works = () if contact is None else (
         Quantity("contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE),
@@ -179,7 +179,7 @@ def _check_rows(subject: ForceComparison) -> tuple[Quantity, ...]:
 
 
 def _table_3_1(subject: ForceComparison) -> list[dict[str, Any]]:
-    """The ten segments by print, by the ball's curve as printed (3.15), by the curve, and simulated; N s."""
+    """Return the ten segments by print, by the ball's curve as printed (3.15), by the curve, and simulated; N s."""
     curve, contact = subject.curve, subject.contact
     nothing: list[float | None] = [None] * SEGMENTS
     columns: tuple[list[float | None], ...] = (

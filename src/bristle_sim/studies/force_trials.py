@@ -54,18 +54,18 @@ class FitTrial:
 
     @property
     def peak_force(self) -> float | None:
-        """Of the fitted curve, N."""
+        """Return the largest force of the fitted curve, N."""
         return None if self.fit is None else peak_of(self.fit.curve)
 
 
 def noisy_points(curve: ForceCurve, points: int, noise: float) -> tuple[Array, Array]:
-    """Points of a curve at equal steps of time, s, with normal errors of one standard deviation, N."""
+    """Return the points of a curve at equal steps of time, s, with normal errors of one standard deviation, N."""
     time = np.linspace(0.0, curve.duration, points)
     return time, np.asarray(curve(time)) + noise * np.random.default_rng(SEED).standard_normal(points)
 
 
 def peak_of(curve: ForceCurve) -> float | None:
-    """Largest force, N; None for a curve that does not rise and fall."""
+    """Return the largest force, N; None for a curve that does not rise and fall."""
     try:
         return curve.peak_force()
     except ValueError:
@@ -73,7 +73,7 @@ def peak_of(curve: ForceCurve) -> float | None:
 
 
 def fit_trials(curve: ForceCurve, points: int, noise: float) -> tuple[FitTrial, ...]:
-    """With the curve's own F* and t_f, as the dissertation reads them off."""
+    """Fit exact and noisy points with the curve's own F* and t_f, as the dissertation reads them off."""
     found = []
     for name, spread in (("exact", 0.0), ("noisy", noise)):
         time, force = noisy_points(curve, points, spread)
@@ -86,7 +86,7 @@ def fit_trials(curve: ForceCurve, points: int, noise: float) -> tuple[FitTrial, 
 
 
 def trial_row(trial: FitTrial, curve: ForceCurve) -> Quantity:
-    """The peak of a fit beside the peak of what it was fitted to.
+    """Compare the peak of a fit with the peak of what it was fitted to.
 
     Errors of n points leave a fit with p unknowns, here at most three, a mean variance of noise^2 p/n; the tolerance is
     five of its roots. Where that exceeds the peak itself the points say nothing, and there is nothing to check; elsewhere a
@@ -99,12 +99,12 @@ def trial_row(trial: FitTrial, curve: ForceCurve) -> Quantity:
 
 
 def trial_as_dict(trial: FitTrial) -> dict[str, Any]:
-    """The trial as plain values; without the fit's where there is none."""
+    """Return the trial as plain values; without the fit's where there is none."""
     return {"points": trial.name, "noise": trial.noise, **({} if trial.fit is None else fit_as_dict(trial.fit))}
 
 
 def fit_as_dict(fit: ForceFit) -> dict[str, Any]:
-    """Values and standard errors by name, start in s, baseline and the residuals' root mean square in N."""
+    """Return the values and standard errors by name, start in s, baseline and the residuals' root mean square in N."""
     return {
         "start": fit.start,
         "baseline": fit.baseline,
@@ -115,14 +115,14 @@ def fit_as_dict(fit: ForceFit) -> dict[str, Any]:
 
 
 def trial_in_words(trial: FitTrial) -> str:
-    """One line for the terminal."""
+    """Describe the trial in one line for the terminal."""
     if trial.fit is None:
         return f"  {trial.name}, noise {trial.noise:g} N: no curve"
     return f"  {trial.name}, noise {trial.noise:g} N: {fit_in_words(trial.fit)}"
 
 
 def fit_in_words(fit: ForceFit) -> str:
-    """Values, standard errors and residuals for the terminal."""
+    """Describe a fit for the terminal by its values, standard errors and residuals."""
     pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
     shown = ", ".join(f"{name} = {value:.6g} +- {error:.1g}" for name, value, error in pairs)
     return f"{shown}; residuals {fit.root_mean_square:.2g} N"

@@ -14,7 +14,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import UNITS, contact_quantities
+from bristle_sim.studies.strike_results import CONTACT_UNITS, contact_quantities
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
@@ -80,7 +80,7 @@ def oblique_impact(
         else:
             rounding = ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
         value, other = _settled(simulated, least), _settled(expected, least)
-        rows.append(Quantity(name, UNITS[name], value, other, tolerance=_widened(tolerance, rounding)))
+        rows.append(Quantity(name, CONTACT_UNITS[name], value, other, tolerance=_widened(tolerance, rounding)))
     return _report(impacts, rows, lambda one: one.contact.rates_after[0], "final_bristle_rate rad/s")
 
 

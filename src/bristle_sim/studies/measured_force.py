@@ -59,7 +59,7 @@ class MeasuredForce:
 
     @property
     def noise(self) -> float:
-        """Standard deviation of a point, N, from second differences, whose variance is 6 times a point's."""
+        """Return the standard deviation of a point, N, from second differences, whose variance is 6 times a point's."""
         second = np.diff(self.force, 2)
         return math.sqrt(float(second @ second) / 6.0 / second.size)
 
@@ -95,7 +95,7 @@ def measured_force(measurement: Measurement) -> MeasuredForce | None:
 
 
 def _pulled(time: Array, force: Array) -> MeasuredForce | None:
-    """The contact in a record with the opposite sign; None where there is none of the curve's form."""
+    """Return the contact in a record with the opposite sign; None where there is none of the curve's form."""
     try:
         found = dataclasses.replace(_fitted(time, -force), inverted=True)
     except ValueError:
@@ -111,7 +111,7 @@ def _fitted(time: Array, force: Array) -> MeasuredForce:
 
 
 def measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
-    """Impulse of the fit and its force near the peak beside those of the points, and the misfit beyond the noise."""
+    """Compare the fit's impulse and its force near the peak with those of the points, and its misfit with the noise."""
     curve, noise, peak = measured.fit.curve, measured.noise, measured.fit.curve.peak_force()
     length = curve.duration
     inside = (measured.time >= -MARGIN * length) & (measured.time <= (1.0 + MARGIN) * length)
@@ -137,7 +137,7 @@ def measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
 
 
 def measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
-    """What was found in the file, for the terminal."""
+    """Describe for the terminal what was found in the file."""
     fit = measured.fit
     level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
     sign = ("the file's force is negative in the contact: taken with the opposite sign",) if measured.inverted else ()

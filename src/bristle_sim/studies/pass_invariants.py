@@ -174,7 +174,9 @@ def _flights(run: Trajectory) -> list[Array]:
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
     """Whether the law of instantaneous impacts holds: not in a sustained contact, one as long as requested, or a jam."""
     return (
-        contact.law != "hold" and contact.outcome != "jam" and (not contact.duration or tool.contact.duration is None)
+        contact.law != "sustained"
+        and contact.outcome != "jam"
+        and (not contact.duration or tool.contact.duration is None)
     )
 
 

@@ -7,12 +7,12 @@ import math
 from typing import Any
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
-from bristle_sim.quantity import Choice, Range, shown
+from bristle_sim.quantity import Choice, Range
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_pass import contact_quantities, require_result
-from bristle_sim.theory.crater_cutting import depth_from_energy, specific_cutting_energy
-from bristle_sim.theory.merchant import API_5L
+from bristle_sim.studies.strike_results import STATE_UNITS, contact_quantities, require_result, state_at_strike
+from bristle_sim.theory.crater_cutting import depth_from_energy
+from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 __all__ = [
@@ -36,9 +36,7 @@ PARTS: dict[str, type] = {
 }
 
 STRIKE_UNITS = {
-    "lag_deg_at_contact": "deg",
-    "relative_speed_at_contact": "rad/s",
-    "tip_speed_at_contact": "m/s",
+    **STATE_UNITS,
     "normal_final_impulse": "N s",
     "normal_compressive_work": "J",
     "crater_depth": "m",
@@ -126,9 +124,7 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     contact = cued_contact(run)
     measured = contact_quantities(contact)
     return {
-        "lag_deg_at_contact": math.degrees(run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]),
-        "relative_speed_at_contact": contact.rates_before[0] - tool.hub.speed,
-        "tip_speed_at_contact": math.hypot(*contact.velocity_before),
+        **state_at_strike(tool, run, contact),
         "normal_final_impulse": measured["normal_final_impulse"],
         "normal_compressive_work": measured["normal_compressive_work"],
         "crater_depth": crater_depth(tool, contact),
@@ -143,7 +139,7 @@ def cued_contact(run: Trajectory) -> ContactRecord:
     """
     strike = run.first_contact("workpart")
     if strike is None:
-        raise NotCuedError(f"the bristle must strike the workpart, it does not: {shown(run.stop_reason)}")
+        raise NotCuedError(f"the bristle must strike the workpart, it does not: {run.stop_reason}")
     touch = run.first_contact("bar")
     if touch is None or touch.time > strike.time:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")

@@ -1,8 +1,8 @@
-"""A bristle's contact of a given compression time, and of a given impulse if that is asked for.
+"""A bristle's contact of a given compression time, and perhaps of a given impulse.
 
 A contact of 50 us is not the instant of chapter 2: meanwhile the hub turns by 0.75 deg and the bristle by more, so its
 impulse and duration part from the rigid-body limit by some per cent. Speed and stiffness are therefore adjusted until
-the contact in the scene has what is asked for.
+the contact in the scene has what is requested.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["radial_chain", "resultant_impulse", "timed_contact", "with_visible_c
 Array = NDArray[np.float64]
 
 CLOSE = 1e-6
-"""Least relative difference from what was asked for at which the adjustment ends, or the accuracy if that is coarser."""
+"""Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser."""
 
 ROUNDS = 30
 """Rounds of adjustment; five to ten are usual."""
@@ -40,12 +40,12 @@ LARGEST_STEP = 0.5
 
 
 def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
-    """A bristle that stands radially at the impact angle, rad, and turns at a rate, rad/s."""
+    """Return a bristle that stands radially at the impact angle, rad, and turns at a rate, rad/s."""
     return Chain((bristle.mass,), (bristle.length,), (-impact_angle,), (rate,), hub.radius, hub.speed, -impact_angle)
 
 
 def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
-    """p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
+    """Return p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
     strike = (mass, tip_speed, impact_angle, friction)
     return math.hypot(
         float(monofilament.normal_compressive_impulse(*strike)),
@@ -78,7 +78,7 @@ def timed_contact(
         ValueError: if there is no such contact.
     """
     if (rate is None) == (impulse is None):
-        raise ValueError("rate, impulse: exactly one of the two is allowed")
+        raise ValueError("rate, impulse: must be exactly one of the two")
     duration = compression_time * _whole_over_compression(surface, impact_angle)
     speed = _first_speed(hub, bristle, surface, impact_angle, rate, impulse)
     asked = np.array([compression_time] if impulse is None else [compression_time, impulse])
@@ -105,7 +105,7 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
 
 
 def _visible(impacts: Impacts, settings: Settings) -> ChainStrike | None:
-    """The impact with the printed compression time; None where that is none for these rods."""
+    """Return the impact with the printed compression time; None where that is none for these rods."""
     found, duration = impacts.strikes.get("compliant"), 2.0 * PRINTED_COMPRESSION
     if found is None or math.hypot(*found.contact.velocity_before) * duration > min(impacts.chain.lengths):
         return None
@@ -124,12 +124,12 @@ def _visible(impacts: Impacts, settings: Settings) -> ChainStrike | None:
 
 
 def _compression_time(history: ContactHistory) -> float:
-    """Time from the first touch to the deepest penetration, s; it is a sample."""
+    """Return the time from the first touch to the deepest penetration, s; it is a sample."""
     return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 
 def _adjusted(struck: Callable[[float, float], TimedContact], given: Array, asked: Array, close: float) -> TimedContact:
-    """Change duration, and speed if an impulse is asked for too, by Broyden's method in their logarithms."""
+    """Change duration, and speed if an impulse is requested too, by Broyden's method in their logarithms."""
     free, slopes, before = len(asked), np.eye(len(asked)), None
     for _ in range(ROUNDS):
         found = struck(*given.tolist())
@@ -141,20 +141,18 @@ def _adjusted(struck: Callable[[float, float], TimedContact], given: Array, aske
         step = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP)
         given[:free] *= np.exp(step)
         before = step, missing
-    raise ValueError(
-        f"compression_time = {asked[0]:g}: a shorter one is allowed, the hub turns too far meanwhile (in s)"
-    )
+    raise ValueError(f"compression_time = {asked[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)")
 
 
 def _correction(slopes: Array, step: Array, missing: Array, still_missing: Array) -> Array:
-    """Broyden's correction of the slopes from what the last step has reached."""
+    """Return Broyden's correction of the slopes from what the last step has reached."""
     return np.outer(missing - still_missing - slopes @ step, step) / float(step @ step)
 
 
 def _first_speed(
     hub: Hub, bristle: Bristle, surface: Surface, impact_angle: float, rate: float | None, impulse: float | None
 ) -> float:
-    """Speed of the tip, m/s; that of the rigid-body limit for an impulse."""
+    """Return the speed of the tip, m/s; that of the rigid-body limit for an impulse."""
     if impulse is not None:
         return impulse / resultant_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
     assert rate is not None
@@ -162,7 +160,7 @@ def _first_speed(
 
 
 def _whole_over_compression(surface: Surface, impact_angle: float) -> float:
-    """Duration of a short contact over that of its compression, 1 + e* sqrt(s_1/s_2).
+    """Return the duration of a short contact over that of its compression, 1 + e* sqrt(s_1/s_2).
 
     The spring is 1/e*^2 stiffer in restitution, and the tip yields to it in proportion to s_2 instead of s_1.
     """
@@ -185,14 +183,14 @@ def _struck(
     chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
     if not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length) <= bristle.length:
         raise ValueError(
-            f"compression_time: a shorter one is allowed, in {duration:g} s of contact tip or hub move by more than"
+            f"compression_time: must be shorter; in {duration:g} s of contact tip or hub move by more than"
             " the bristle's length"
         )
     found = strike(chain, surface, Contact("compliant", duration), settings)
     record = found.contact
     if record.history is None or record.compressive_impulse is None or not record.history.normal_force.max() > 0.0:
-        raise ValueError(f"speed_ratio: a tip that strikes is allowed, this one approaches at {speed:g} m/s")
+        raise ValueError(f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s")
     contact = TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)
     if not (contact.compression_time > 0.0 and contact.compressive_impulse > 0.0):
-        raise ValueError(f"speed_ratio: a tip that strikes is allowed, this one barely touches at {speed:g} m/s")
+        raise ValueError(f"speed_ratio: must let the tip strike; this one barely touches at {speed:g} m/s")
     return contact

@@ -1,26 +1,33 @@
-"""The whole pass beside the dissertation's chain of formulas: cue geometry, cue time, highest speed, oblique impact.
+"""The whole pass compared with the dissertation's chain of formulas: cue geometry, cue time, highest speed, oblique impact.
 
-The formulas are fed as the dissertation feeds them: the bar lets go at the retraction its position allows, the bristle
-flies a quarter period of its undamped belt and strikes radially, at its highest speed. Where the simulation differs,
-that is the finding; only the independent reference is held to a tolerance.
+The formulas are applied as in the dissertation: the bar releases the bristle at the retraction that its position permits,
+the bristle flies a quarter period of its undamped belt and strikes radially, at its highest speed. Where the simulation
+differs from them, that is the finding; only the independent reference has to agree within a tolerance.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.pass_invariants import invariant_rows
+from bristle_sim.studies.strike_results import (
+    CONTACT_UNITS,
+    STATE_UNITS,
+    contact_quantities,
+    require_result,
+    state_at_strike,
+    stopped,
+)
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["WholePass", "contact_quantities", "require_result", "stopped", "whole_pass"]
+__all__ = ["WholePass", "whole_pass"]
 
 PRINTED = {
     "release_retraction_deg": 44.5,
@@ -30,7 +37,7 @@ PRINTED = {
 """Zhang 2020, eq. 2.2, caption of fig. 2.30, and eq. 4.5."""
 
 LEAST_TOLERANCE = 1e-8
-"""The reference is good to this: its own accuracy is asked a tenth finer than the scene's, down to 1e-10."""
+"""Least relative tolerance: the reference runs at a tenth of the scene's accuracy, 1e-10 at best."""
 
 ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
 """By how much these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
@@ -42,7 +49,7 @@ ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contac
 
 @dataclass(frozen=True, slots=True)
 class WholePass:
-    """A simulated pass, the tool, and the reference's pass if it was asked for."""
+    """A simulated pass, the tool, and the reference's pass if it was requested."""
 
     tool: Tool
     trajectory: Trajectory
@@ -50,7 +57,7 @@ class WholePass:
 
 
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
-    """Simulate a pass and lay it beside the formulas.
+    """Simulate a pass and compare it with the formulas.
 
     Raises:
         ValueError: if the bristle overlaps an obstacle at the start, a fixed step is too short for the run, or the run is
@@ -82,22 +89,6 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         extra={"stopped": stopped(trajectory)},
         subject=WholePass(tool, trajectory, reference),
     )
-
-
-def require_result(trajectory: Trajectory, settings: Settings) -> None:
-    """Raise ValueError for a run that was given up."""
-    if trajectory.stop_reason.gives_up:
-        raise ValueError(
-            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
-            f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; {trajectory.stop_advice}"
-        )
-
-
-def stopped(trajectory: Trajectory) -> dict[str, Any]:
-    """Return why and when a run stopped, and what would let it go further, for the JSON; time in s."""
-    reason = trajectory.stop_reason
-    found = {"reason": str(reason), "time": float(trajectory.time[-1]), "complete": not reason.gives_up}
-    return {**found, "remedy": trajectory.stop_advice}
 
 
 def _outcome(contact: ContactRecord | None) -> str:
@@ -133,61 +124,34 @@ UNITS = {
     "release_retraction_deg": "deg",
     "largest_retraction_deg": "deg",
     "contact_time": "s",
-    "lag_deg_at_contact": "deg",
-    "relative_speed_at_contact": "rad/s",
-    "tip_speed_at_contact": "m/s",
-    "normal_compressive_impulse": "N s",
-    "normal_final_impulse": "N s",
-    "tangential_compressive_impulse": "N s",
-    "normal_compressive_work": "J",
-    "tangential_compressive_work": "J",
-    "final_bristle_rate": "rad/s",
-    "rebound_ratio": "1",
+    **STATE_UNITS,
+    **CONTACT_UNITS,
 }
 
 
 def _measured(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """The quantities of a run; None for what did not happen."""
+    """Quantities of a run; None for what did not happen."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
     touches = [each.time + each.duration for each in run.contacts if each.obstacle == "bar" and each.time <= until]
     release = max(touches, default=None)
-    values: dict[str, float | None] = {
+    return {
         "release_time": release,
         "release_retraction_deg": None if release is None else -math.degrees(_relative_angle_at(run, release)),
         "largest_retraction_deg": _largest_retraction(run, until),
-        "contact_time": None,
-        "lag_deg_at_contact": None,
-        "relative_speed_at_contact": None,
-        "tip_speed_at_contact": None,
+        "contact_time": None if contact is None else contact.time,
+        **state_at_strike(tool, run, contact),
+        **contact_quantities(contact),
     }
-    if contact is not None:
-        lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
-        values["contact_time"] = contact.time
-        values["lag_deg_at_contact"] = math.degrees(lag)
-        values["relative_speed_at_contact"] = contact.rates_before[0] - tool.hub.speed
-        values["tip_speed_at_contact"] = math.hypot(*contact.velocity_before)
-    return values | contact_quantities(contact)
-
-
-def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
-    """Impulses, works and rates of a strike by their names in a report; None where the law does not know them."""
-    names = list(UNITS)[7:]
-    if contact is None:
-        return dict.fromkeys(names)
-    impulse, work = contact.compressive_impulse or (None, None), contact.compressive_work or (None, None)
-    before, after = contact.rates_before[0], contact.rates_after[0]
-    values = (impulse[0], contact.impulse[0], impulse[1], *work, after, after / before if before else None)
-    return dict(zip(names, values, strict=True))
 
 
 def _relative_angle_at(run: Trajectory, time: float) -> float:
-    """The sample at an event: events are samples."""
+    """Relative angle at an event, rad: events are samples."""
     return float(run.relative_angle[int(abs(run.time - time).argmin())])
 
 
 def _largest_retraction(run: Trajectory, until: float) -> float:
-    """Largest lag before an instant; extremes are samples."""
+    """Largest lag before an instant, deg: extremes are samples."""
     return -math.degrees(float(run.relative_angle[run.time <= until].min()))
 
 
@@ -231,8 +195,7 @@ def _formulas(tool: Tool) -> dict[str, float | None]:
         "tip_speed_at_contact": tool.bristle.length * rate + tool.hub.radius * tool.hub.speed,
     }
     if impact is not None:
-        for name in list(UNITS)[7:]:
-            values[name] = float(getattr(impact, name))
+        values |= {name: float(getattr(impact, name)) for name in CONTACT_UNITS}
     return values
 
 

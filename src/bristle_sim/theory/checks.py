@@ -1,4 +1,4 @@
-"""One line of refusal for arguments that may be arrays."""
+"""Check arguments that may be arrays, and refuse them in one line."""
 
 from __future__ import annotations
 
@@ -14,23 +14,28 @@ from numpy.typing import NDArray
 
 from bristle_sim.quantity import Range, shown
 
-__all__ = ["checked", "finite", "not_negative", "numbers", "positive", "ranges", "require", "single", "whole"]
+__all__ = ["checked", "finite", "numbers", "positive", "ranges", "require", "single", "whole"]
 
 P = ParamSpec("P")
 T = TypeVar("T")
 
 
-def ranges(*allowed: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
+def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """Decorate a function to check its arguments before it runs, and to get them as floats or arrays of floats.
 
-    A quantity is for the argument of its key; an argument that is None by default may be None.
+    A range is for the argument of its key; an argument that is None by default may be None, and one that is a function by
+    default, such as a force over time, is no number and is left as it is.
     """
-    by_key = {each.key: each for each in allowed}
+    by_key = {each.key: each for each in declared}
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
         signature = inspect.signature(function)
-        given = {name: by_key[name] for name in signature.parameters if name in by_key}
-        optional = {name for name in given if signature.parameters[name].default is None}
+        defaults = {name: parameter.default for name, parameter in signature.parameters.items()}
+        numeric = {
+            name for name, default in defaults.items() if default is inspect.Parameter.empty or not callable(default)
+        }
+        given = {name: by_key[name] for name in numeric if name in by_key}
+        optional = {name for name in given if defaults[name] is None}
 
         @functools.wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> T:
@@ -46,7 +51,7 @@ def ranges(*allowed: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
 
 def checked(declared: Range, value: Any) -> Any:
-    """The value as a float or an array of floats, or ValueError for the first that is out of range."""
+    """Return the value as a float or an array of floats, or raise ValueError for the first that is out of range."""
     number = _floats(value)
     if number is None or value is None:
         raise declared.refusal(value)
@@ -57,59 +62,52 @@ def checked(declared: Range, value: Any) -> Any:
     return number[()]
 
 
-def numbers(name: str, value: Any, allowed: str) -> NDArray[np.float64]:
-    """The value as an array of floats, infinities and NaN included, or ValueError."""
+def numbers(name: str, value: Any, rule: str) -> NDArray[np.float64]:
+    """Return the value as an array of floats, infinities and NaN included, or raise ValueError with the rule."""
     found = _floats(value)
     if found is None:
-        raise ValueError(f"{name} = {shown(value)}: {allowed}")
+        raise ValueError(f"{name} = {shown(value)}: {rule}")
     return found
 
 
-def require(name: str, value: Any, holds: Any, allowed: str) -> None:
-    """Raise ValueError with the first value for which ``holds`` is false; value and holds broadcast."""
-    values, passed = np.broadcast_arrays(numbers(name, value, allowed), np.asarray(holds, dtype=bool))
+def require(name: str, value: Any, holds: Any, rule: str) -> None:
+    """Raise ValueError with the rule and the first value for which ``holds`` is false; value and holds broadcast."""
+    values, passed = np.broadcast_arrays(numbers(name, value, rule), np.asarray(holds, dtype=bool))
     if not passed.all():
-        raise ValueError(f"{name} = {values[~passed][0]:g}: {allowed}")
+        raise ValueError(f"{name} = {values[~passed][0]:g}: {rule}")
 
 
 def finite(name: str, value: Any, unit: str) -> None:
     """Refuse infinities and NaN."""
-    allowed = f"finite numbers are allowed ({_in(unit)})"
-    array = numbers(name, value, allowed)
-    require(name, array, np.isfinite(array), allowed)
+    rule = f"must be finite ({_in(unit)})"
+    array = numbers(name, value, rule)
+    require(name, array, np.isfinite(array), rule)
 
 
 def positive(name: str, value: Any, unit: str) -> None:
     """Refuse what is not finite and above zero."""
-    allowed = f"a finite number with {name} > 0 is allowed ({_in(unit)})"
-    array = numbers(name, value, allowed)
-    require(name, array, np.isfinite(array) & (array > 0.0), allowed)
-
-
-def not_negative(name: str, value: Any, unit: str) -> None:
-    """Refuse what is not finite and at least zero."""
-    allowed = f"a finite number with {name} >= 0 is allowed ({_in(unit)})"
-    array = numbers(name, value, allowed)
-    require(name, array, np.isfinite(array) & (array >= 0.0), allowed)
+    rule = f"must be a finite number with {name} > 0 ({_in(unit)})"
+    array = numbers(name, value, rule)
+    require(name, array, np.isfinite(array) & (array > 0.0), rule)
 
 
 def single(name: str, value: Any) -> float:
-    """Refuse what is not one number."""
+    """Return the value as a float, or refuse what is not one number."""
     if np.ndim(value):
-        raise ValueError(f"{name} = {shown(value)}: a single number is allowed")
+        raise ValueError(f"{name} = {shown(value)}: must be a single number")
     return float(np.asarray(value).item())
 
 
 def whole(name: str, value: Any, highest: int) -> None:
     """Refuse what is not a whole number from 1 on."""
-    allowed = f"a whole number with 1 <= {name} <= {highest} is allowed"
-    array = numbers(name, value, allowed)
+    rule = f"must be a whole number with 1 <= {name} <= {highest}"
+    array = numbers(name, value, rule)
     holds = (array >= 1) & (array <= highest) & (array == np.floor(array))
-    require(name, array, holds, allowed)
+    require(name, array, holds, rule)
 
 
 def _floats(value: Any) -> NDArray[np.float64] | None:
-    """An array of floats; None for what does not consist of real numbers: text, truth values, complex numbers, ragged lists."""
+    """Return an array of floats; None for what does not consist of real numbers: text, truth values, complex numbers, ragged lists."""
     if _has_truth_value(value):
         return None
     try:
@@ -126,7 +124,7 @@ def _floats(value: Any) -> NDArray[np.float64] | None:
 
 
 def _has_truth_value(value: Any) -> bool:
-    """Whether True or False is among the values; an array of NumPy would turn them into 1 and 0 beside numbers."""
+    """Tell whether True or False is among the values; an array of NumPy would turn them into 1 and 0 beside numbers."""
     if isinstance(value, list | tuple):
         return any(map(_has_truth_value, value))
     return isinstance(value, bool) or (isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "b")

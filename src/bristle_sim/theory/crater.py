@@ -1,12 +1,25 @@
-"""Crater depth by Merchant's modified circle, summed over plies of equal time (Zhang 2020, eqs. 4.48-4.57).
+"""Crater depth as sums over plies of equal time, by Merchant's circle and by energy (Zhang 2020, eqs. 4.48-4.66).
 
-Each ply adds the depth that the growth of the cutting force shears off at the width the tip has then,
+Merchant's sum adds, ply by ply, the depth that the growth of the cutting force shears off at the width the tip has then,
 
     depth = cos(gamma) sum_i [F_c(t_i) - F_c(t_{i-1})] sin(eta) cos(eta + beta - alpha)/(b(t_i) tau_s cos(beta - alpha)).
 
 As n grows this is the integral of F_c'(t)/b(t). The width starts like sqrt(t), so the integrand has an inverse square
 root at t = 0 and the sum, a rule of right end points, falls short of the limit by -zeta(1/2) = 1.4604 times the
 coefficient of 1/sqrt(t) times sqrt(t_c/n) (Navot 1961): order one half, not one.
+
+The work-energy estimate divides, ply by ply, the kinetic energy given up by the force, d_i = [E(t_{i-1}) - E(t_i)]/R(t_i)
+(4.62), and adds the d_i up. It fails for three reasons:
+
+* the postulated motion brakes hardest at t = 0, where the force of (3.19) begins near zero, so the first quotients are
+  huge: as written the sum is 9.65 mm at 300 plies, and with F(0) = 0, as (3.3) has it, it grows without end, by
+  cos(gamma) |E'(0)|/F'(0) ln 10 = 6.9 mm for each tenfold n;
+* read as a ratio of two sums, as (4.66) is set in print, the divisor grows with n and the depth tends to zero;
+* force and motion belong to two different events: over the printed path the printed force does 4.05 mJ of work, while the
+  kinetic energy falls by 15.6 mJ.
+
+Of these 15.6 mJ only 12.6 mJ are work at the tip. The hub keeps its speed, so the root's bearing brakes the bristle
+too: its work, m r_h w (L/6) times the change of the rate, is the 3.0 mJ of the term in e^(-lambda t).
 """
 
 from __future__ import annotations
@@ -17,19 +30,30 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import finite, positive, ranges, require, single, whole
-from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, IMPACT_ANGLE, PRINTED_WIDTH
+from bristle_sim.theory.checks import positive, require, single, whole
+from bristle_sim.theory.crater_kinematics import (
+    COMPRESSION_TIME,
+    IMPACT_ANGLE,
+    PRINTED_ENERGY,
+    PRINTED_KINEMATICS,
+    PRINTED_WIDTH,
+    CraterKinematics,
+    kinetic_energy,
+)
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = [
     "CUTTING_FRICTION",
     "PLIES",
     "constant_for_crater_depth",
+    "energy_crater_depth",
+    "energy_crater_depth_ratio",
     "friction_for_crater_depth",
     "merchant_crater_depth",
     "merchant_crater_depth_limit",
+    "work_along_path",
 ]
 
 Number = Any
@@ -44,27 +68,17 @@ CUTTING_FRICTION = 0.5
 PLIES = 300
 """Number of plies of the dissertation's depths (Zhang 2020, below eq. 4.56)."""
 
-NODES = 64
-"""Gauss-Legendre nodes; the integrand is smooth once the root is substituted away, 20 would reach rounding."""
-
-LEAST = 1e-60
-"""Of a yield stress, Pa: less makes depths that are no number."""
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
+"""Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression; 20 nodes would reach rounding."""
 
 MOST_PLIES = 10_000_000
 """Plies are summed in one array."""
 
-
-_arguments = ranges(
-    Range("depth", "m", -1e6, 1e6, True, "Zhang 2020, fig. 4.16"),
-    Range("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
-    Range("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
-    Range("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
-    Range("compression_time", "s", 1e-30, 1e-2, True, "Zhang 2020, eq. 3.20"),
-)
-"""What is allowed for the arguments of these names; functions narrow it where they must."""
+ROUNDING = 1e-12
+"""Relative error that must not refuse the depth at the end of its range."""
 
 
-@_arguments
+@checked_arguments
 def merchant_crater_depth(
     friction: ArrayLike = CUTTING_FRICTION,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -76,7 +90,7 @@ def merchant_crater_depth(
     width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Crater depth as a sum over n plies of equal time (4.50), m.
+    """Return the crater depth as a sum over n plies of equal time (4.50), m.
 
     Args:
         friction: mu while cutting.
@@ -99,7 +113,7 @@ def merchant_crater_depth(
     return ratio * sums
 
 
-@_arguments
+@checked_arguments
 def merchant_crater_depth_limit(
     friction: ArrayLike = CUTTING_FRICTION,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -110,19 +124,18 @@ def merchant_crater_depth_limit(
     width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """What merchant_crater_depth tends to as the plies grow in number, m; arguments as there.
+    """Return the limit of merchant_crater_depth for infinitely many plies, m; arguments as there.
 
     t = t_c u^2 turns the integrand R'(t)/b(t), which is like 1/sqrt(t), into a smooth one.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(NODES)
-    u = 0.5 * (nodes + 1.0)
+    u = 0.5 * (NODES + 1.0)
     end = single("compression_time", compression_time)
     time = end * u**2
-    growth = float(np.sum(weights * end * u * force.rate(time) / width(time)))
+    growth = float(np.sum(WEIGHTS * end * u * force.rate(time) / width(time)))
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
 
 
-@_arguments
+@checked_arguments
 def friction_for_crater_depth(
     depth: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -133,27 +146,26 @@ def friction_for_crater_depth(
     width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Friction that makes the crater ``depth`` deep (Zhang 2020, fig. 4.16): merchant_crater_depth solved for mu.
+    """Return the friction that makes the crater ``depth`` deep (Zhang 2020, fig. 4.16): (4.50) solved for mu.
 
     With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) - gamma)]/2.
 
     Raises:
         ValueError: for a depth that no mu >= tan(gamma) gives.
     """
-    gamma, stress = np.asarray(impact_angle, dtype=float), np.asarray(shear_yield_stress, dtype=float)
+    gamma = np.asarray(impact_angle)
     whole("plies", plies, MOST_PLIES)
     single("plies", plies)
-    _check_stress(stress)
-    deepest = np.cos(gamma) / stress * _ply_sum(plies, force, width, compression_time)
-    sine = 1.0 - 2.0 * np.asarray(depth, dtype=float) / deepest
+    deepest = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, force, width, compression_time)
+    sine = 1.0 - 2.0 * np.asarray(depth) / deepest
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
-    given = (sine <= np.cos(2.0 * gamma) + 1e-12) & (sine > -np.sin(gamma))
-    require("depth", depth, given, "a depth that some friction >= tan(impact_angle) gives is allowed (in m)")
+    given = (sine <= np.cos(2.0 * gamma) + ROUNDING) & (sine > -np.sin(gamma))
+    require("depth", depth, given, "must be the depth for some friction >= tan(impact_angle) (in m)")
     # arcsin(1 - 2 x) = pi/2 - 2 arcsin(sqrt(x)) keeps the digits of a small depth.
-    return np.tan(2.0 * np.arcsin(np.sqrt(np.maximum(depth / deepest, 0.0))) - gamma)
+    return np.tan(2.0 * np.arcsin(np.sqrt(depth / deepest)) - gamma)
 
 
-@_arguments
+@checked_arguments
 def constant_for_crater_depth(
     depth: ArrayLike,
     friction: ArrayLike = CUTTING_FRICTION,
@@ -165,7 +177,7 @@ def constant_for_crater_depth(
     width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """The constant C of (4.45), rad, that makes the crater ``depth`` deep, m: merchant_crater_depth solved for C.
+    """Return the constant C of (4.45), rad, that makes the crater ``depth`` deep, m: (4.50) solved for C.
 
     With x = beta - alpha = arccot(mu) - gamma and eta = (C - x)/2, the angles enter the depth by sin(eta) cos(eta + x) =
     [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The deepest crater is that of
@@ -175,17 +187,15 @@ def constant_for_crater_depth(
     Raises:
         ValueError: for a depth that no C within 0 < C <= pi/2 gives.
     """
-    gamma, stress = np.asarray(impact_angle, dtype=float), np.asarray(shear_yield_stress, dtype=float)
+    gamma = np.asarray(impact_angle)
     whole("plies", plies, MOST_PLIES)
     single("plies", plies)
-    _check_stress(stress)
     positive("depth", depth, "m")
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
-    require("impact_angle", gamma, (gamma >= 0.0) & (gamma < 0.5 * np.pi), "must be at least 0, below pi/2 (in rad)")
-    scale = np.cos(gamma) / stress * _ply_sum(plies, force, width, compression_time)
-    sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth, dtype=float) / scale
-    # Rounding must not refuse the depth of least work itself.
-    given = (sine > 0.0) & (sine <= 1.0 + 1e-12)
+    require("impact_angle", gamma, gamma < 0.5 * np.pi, "must be below pi/2 (in rad)")
+    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, force, width, compression_time)
+    sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth) / scale
+    given = (sine > 0.0) & (sine <= 1.0 + ROUNDING)
     require("depth", depth, given, "must be the depth for some C, 0 < C <= pi/2, the deepest being that of pi/2 (in m)")
     return np.arcsin(np.minimum(sine, 1.0))
 
@@ -193,20 +203,68 @@ def constant_for_crater_depth(
 def _depth_ratio(
     friction: ArrayLike, impact_angle: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles | None
 ) -> Number:
-    """Crater depth per sum of dR/b, 1/Pa; cos(beta - alpha) of F_c cancels against the one below (4.50)."""
-    stress = np.asarray(shear_yield_stress, dtype=float)
-    _check_stress(stress)
-    finite("impact_angle", impact_angle, "rad")
+    """Return the crater depth per sum of dR/b, 1/Pa; cos(beta - alpha) of F_c cancels against the one below (4.50)."""
     chosen = oblique_angles(friction, impact_angle) if angles is None else angles
-    return chosen.resultant_ratio * np.cos(impact_angle) / stress
-
-
-def _check_stress(stress: Number) -> None:
-    positive("shear_yield_stress", stress, "Pa")
-    require("shear_yield_stress", stress, stress > LEAST, f"more than {LEAST:g} is allowed (in Pa)")
+    return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
 
 
 def _ply_sum(plies: int, force: ForceCurve, width: Width, compression_time: float) -> float:
-    """Sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
+    """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
     time: NDArray[np.float64] = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
     return float(np.sum(np.diff(force(time)) / width(time[1:])))
+
+
+@checked_arguments
+def energy_crater_depth(
+    plies: int = PLIES,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    *,
+    force: ForceCurve = BRISTLE,
+    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
+    decay: float = PRINTED_KINEMATICS.decay,
+    compression_time: float = COMPRESSION_TIME,
+) -> Number:
+    """Return the sum of energy quotients as derived, cos(gamma) sum_i dE_i/R(t_i) (4.62-4.65), m; it grows with n."""
+    lost, resisted = _energy_plies(plies, force, coefficients, decay, compression_time)
+    return np.cos(impact_angle) * np.sum(lost / resisted)
+
+
+@checked_arguments
+def energy_crater_depth_ratio(
+    plies: int = PLIES,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    *,
+    force: ForceCurve = BRISTLE,
+    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
+    decay: float = PRINTED_KINEMATICS.decay,
+    compression_time: float = COMPRESSION_TIME,
+) -> Number:
+    """Return the ratio of two sums, cos(gamma) sum_i dE_i / sum_i R(t_i) (4.66 as set), m; it falls like 1/n."""
+    lost, resisted = _energy_plies(plies, force, coefficients, decay, compression_time)
+    return np.cos(impact_angle) * np.sum(lost) / np.sum(resisted)
+
+
+@checked_arguments
+def work_along_path(
+    force: ForceCurve = BRISTLE,
+    kinematics: CraterKinematics = PRINTED_KINEMATICS,
+    compression_time: float = COMPRESSION_TIME,
+) -> float:
+    """Return the integral of R v_C over the compression, J: an upper bound of the force's work along that motion."""
+    single("compression_time", compression_time)
+    time = 0.5 * compression_time * (NODES + 1.0)
+    return float(0.5 * compression_time * np.sum(WEIGHTS * force(time) * kinematics.tip_velocity(time)))
+
+
+def _energy_plies(
+    plies: int,
+    force: ForceCurve,
+    coefficients: tuple[float, float, float],
+    decay: float,
+    compression_time: float,
+) -> tuple[Any, Any]:
+    """Return the energy given up in each ply, J, and the force at its end, N."""
+    whole("plies", plies, MOST_PLIES)
+    single("plies", plies)
+    time = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
+    return -np.diff(kinetic_energy(time, coefficients, decay)), force(time[1:])

@@ -1,4 +1,4 @@
-"""Cutting as one statement of force, energy and depth: what Merchant's relation says of a tip that dives in obliquely.
+"""Crater depth from one statement of cutting force, energy and depth, also for a contact resolved in time.
 
 Merchant's relation (4.31) says that a tip which cuts a chip of depth d_u and width b feels F_c = u b d_u along its path,
 with the specific cutting energy u = tau_s cos(beta - alpha)/(sin(eta) cos(eta + beta - alpha)) fixed by the angles. On a
@@ -13,17 +13,14 @@ lets cutting alone stop the tip. The sum over plies of (4.50) differs from the f
 the time, although (4.31) ties the whole force to the width that is there last. The work-energy estimate (4.62) has the
 energy right in kind, but divides it by the force of another event.
 
+A contact resolved in time gives both: its compression ends where the tip is deepest; up to there the force along the path,
+N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip is W. The two depths agree only if the contact is
+as stiff as the chip is: the energy does not depend on how long the contact lasts, but a force is inversely proportional to
+it. The impact of a bristle on a hub that keeps its speed gives the energy m v^2/6 whatever gamma and mu (Zhang 2020, eqs. 2.40,
+2.58 added), and the impulse m v/3 along the path.
+
 Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back, compression only, and a
 face longer than the cut is deep.
-
-``surface="parallel"`` measures the shear plane as (4.28) does, d_u/sin(eta) long, which is right for a surface parallel to
-the path. The real surface rises from the path at gamma, so a shear plane at eta meets it after d_u cos(gamma)/sin(eta -
-gamma). ``surface="inclined"`` takes that: least work then asks for eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
-
-    R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
-
-and the shear plane comes out of the surface for every mu > 0: the contradiction between mu >= tan(gamma) for the chip and
-mu < tan(gamma) for the rebound (4.43) is one of where the shear plane ends.
 """
 
 from __future__ import annotations
@@ -31,55 +28,42 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import not_negative, positive, ranges, require, single
+from bristle_sim.theory.checks import require, single
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, TipFace
-from bristle_sim.theory.merchant import API_5L, oblique_angles
+from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = [
+    "ContactCrater",
     "CuttingStroke",
-    "Surface",
+    "crater_depth_from_contact",
     "cutting_stroke",
     "depth_from_energy",
     "depth_from_force",
-    "specific_cutting_energy",
     "swept_volume",
 ]
 
+Array = NDArray[np.float64]
 Number = Any
 """A float where the arguments are, else an array of their broadcast shape."""
-
-Surface = Literal["parallel", "inclined"]
-"""How the surface lies to the path where the shear plane ends."""
 
 _RULE = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]
 """Gauss-Legendre rule on (0, 1); the width is smooth in the substituted path up to the full depth and constant beyond."""
 
 NEWTON_STEPS = 60
-"""Steps allowed; from the start values given, about ten suffice."""
+"""At most; from the start values given, about ten suffice."""
 
+LEAST_ANGLE = 1e-60
+"""In rad: a path that descends by less has no depth that is a float."""
 
-_arguments = ranges(
-    Range("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.51"),
-    Range("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.51"),
-    Range("shear_yield_stress", "Pa", -1e30, 1e30, True, "Zhang 2020, eq. 4.53"),
-    Range("path", "m", -1e30, 1e30, True, "Zhang 2020, eq. 4.4"),
-    Range("energy", "J", -1e30, 1e30, True, "Zhang 2020, eq. 4.59"),
-    Range("cutting_force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.31"),
-    Range("specific_energy", "J/m^3", -1e60, 1e60, True, "Zhang 2020, eq. 4.46"),
-    Range("speed", "m/s", -1e15, 1e15, True, "Zhang 2020, eq. 4.5"),
-    Range("effective_mass", "kg", -1e30, 1e30, True, "I/L^2"),
-)
-"""What is allowed for the arguments of these names; functions narrow it where they must."""
-
-LEAST = 1e-60
-"""Of angles, stresses, masses, speeds and specific energies: less makes depths that are no number."""
+COLUMNS = ("time", "normal_force", "tangential_force", "penetration", "normal_velocity", "tangential_velocity")
+"""Of a contact resolved in time."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,45 +76,43 @@ class CuttingStroke:
     peak_cutting_force: float
 
 
-@_arguments
-def specific_cutting_energy(
-    friction: ArrayLike,
-    impact_angle: ArrayLike = IMPACT_ANGLE,
-    shear_yield_stress: ArrayLike = API_5L,
-    surface: Surface = "parallel",
-) -> Number:
-    """Specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path or inclined to it.
+@dataclass(frozen=True, slots=True)
+class ContactCrater:
+    """What a contact's compression did and the craters that follow.
 
-    Raises:
-        ValueError: if friction <= 0, gamma is not within 0 <= gamma < pi/2, the stress is not positive, or surface is not
-            one of the two words.
+    Attributes:
+        compression_time: from first touch to deepest penetration, s.
+        peak_cutting_force: largest force along the path, N.
+        friction: tangential over normal force at that instant.
+        path_impulse: integral of the force along the path, N s.
+        normal_work, tangential_work: of the force on the tip in compression, J; negative.
+        path: length of the tip's path in compression, m.
+        penetration: deepest, of the contact itself, m.
+        depth_from_force, depth_from_energy: of the crater, m.
+        shear_plane_emerges: whether eta >= gamma with the friction used; where not, ``parallel`` depths are formal.
     """
-    positive("shear_yield_stress", shear_yield_stress, "Pa")
-    require(
-        "shear_yield_stress",
-        shear_yield_stress,
-        np.greater(shear_yield_stress, LEAST),
-        f"more than {LEAST:g} is allowed (in Pa)",
-    )
-    angles = oblique_angles(friction, impact_angle, check=False)
-    if surface == "parallel":
-        return np.asarray(shear_yield_stress, dtype=float) / angles.cutting_ratio
-    if surface != "inclined":
-        raise ValueError(f"surface = {surface!r}: one word of parallel | inclined is allowed")
-    # [1 - sin(arccot mu)]/2 = [1 - cos(arctan mu)]/2, in the form that does not cancel.
-    room = np.sin(0.5 * np.arctan(np.asarray(friction, dtype=float))) ** 2
-    return np.asarray(shear_yield_stress) * np.cos(impact_angle) * np.cos(angles.resultant_angle) / room
+
+    compression_time: float
+    peak_cutting_force: float
+    friction: float
+    path_impulse: float
+    normal_work: float
+    tangential_work: float
+    path: float
+    penetration: float
+    depth_from_force: float
+    depth_from_energy: float
+    shear_plane_emerges: bool
 
 
-@_arguments
+@checked_arguments
 def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace | None = None) -> Number:
-    """Volume V(S) that the face sweeps below the surface, integral of b(S' sin(gamma)) S' tan(gamma) dS', m^3.
+    """Return the volume V(S) that the face sweeps below the surface, integral of b(S' sin(gamma)) S' tan(gamma) dS', m^3.
 
     Up to the full depth the substitution S' = S u^2 makes the integrand smooth; from there on the width is constant.
     """
     face = TipFace() if face is None else face
-    path, gamma = np.asarray(path, dtype=float), np.asarray(impact_angle, dtype=float)
-    not_negative("path", path, "m")
+    gamma = np.asarray(impact_angle)
     _check_angle(gamma)
     full = face.full_depth / np.sin(gamma)
     narrow = np.minimum(path, full)[..., np.newaxis]
@@ -140,14 +122,14 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: 
     return (inner + outer) * np.tan(gamma)
 
 
-@_arguments
+@checked_arguments
 def depth_from_energy(
     energy: ArrayLike,
     specific_energy: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace | None = None,
 ) -> Number:
-    """Crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
+    """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
     Args:
         energy: W, work that the tip does on the workpart along its path, J.
@@ -159,16 +141,8 @@ def depth_from_energy(
         ValueError: if energy is negative, u not positive or gamma not within 0 < gamma < pi/2.
     """
     face = TipFace() if face is None else face
-    not_negative("energy", energy, "J")
-    positive("specific_energy", specific_energy, "J/m^3")
-    require(
-        "specific_energy",
-        specific_energy,
-        np.greater(specific_energy, LEAST),
-        f"more than {LEAST:g} is allowed (in J/m^3)",
-    )
     _check_angle(impact_angle)
-    volume, slope = np.asarray(energy, dtype=float) / specific_energy, np.tan(impact_angle)
+    volume, slope = np.divide(energy, specific_energy), np.tan(impact_angle)
 
     def excess(path: Number) -> tuple[Number, Number]:
         width = face.width(path * np.sin(impact_angle))
@@ -178,42 +152,36 @@ def depth_from_energy(
     return np.sin(impact_angle) * _root(excess, np.sqrt(2.0 * volume / (face.short_axis * slope)))
 
 
-@_arguments
+@checked_arguments
 def depth_from_force(
     cutting_force: ArrayLike,
     specific_energy: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
     face: TipFace | None = None,
 ) -> Number:
-    """Crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m; no plies, no b(t).
+    """Return the crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m.
+
+    There are no plies and no b(t).
 
     Args and errors as for depth_from_energy; cutting_force is that along the path, N.
     """
     face = TipFace() if face is None else face
-    not_negative("cutting_force", cutting_force, "N")
-    positive("specific_energy", specific_energy, "J/m^3")
-    require(
-        "specific_energy",
-        specific_energy,
-        np.greater(specific_energy, LEAST),
-        f"more than {LEAST:g} is allowed (in J/m^3)",
-    )
     _check_angle(impact_angle)
-    area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / np.asarray(specific_energy, dtype=float)
+    area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / specific_energy
     # Beyond the full depth the width is constant, and b(depth) depth = area is linear.
     wide = area / face.short_axis
-    share = np.minimum(wide / face.full_depth, 1.0)
+    fraction = np.minimum(wide / face.full_depth, 1.0)
 
     def excess(root: Number) -> tuple[Number, Number]:
         # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y = 1.22.
         rest = np.sqrt(2.0 - root**2)
-        return root**3 * rest - share, 3.0 * root**2 * rest - root**4 / rest
+        return root**3 * rest - fraction, 3.0 * root**2 * rest - root**4 / rest
 
-    narrow = face.full_depth * _root(excess, np.cbrt(share / math.sqrt(2.0))) ** 2
+    narrow = face.full_depth * _root(excess, np.cbrt(fraction / math.sqrt(2.0))) ** 2
     return np.where(wide >= face.full_depth, wide, narrow)[()]
 
 
-@_arguments
+@checked_arguments
 def cutting_stroke(
     speed: float,
     effective_mass: float,
@@ -234,9 +202,6 @@ def cutting_stroke(
         ValueError: if speed, mass or u is not positive or gamma not within 0 < gamma < pi/2.
     """
     face = TipFace() if face is None else face
-    for name, value, unit in (("speed", speed, "m/s"), ("effective_mass", effective_mass, "kg")):
-        positive(name, value, unit)
-        require(name, value, value > LEAST, f"more than {LEAST:g} is allowed (in {unit})")
     for name, value in (("speed", speed), ("effective_mass", effective_mass), ("specific_energy", specific_energy)):
         single(name, value)
     single("impact_angle", impact_angle)
@@ -251,14 +216,13 @@ def cutting_stroke(
 
 
 def _check_angle(impact_angle: ArrayLike) -> None:
-    gamma = np.asarray(impact_angle, dtype=float)
-    require(
-        "impact_angle", gamma, (gamma > LEAST) & (gamma < 0.5 * math.pi), "0 < impact_angle < pi/2 is allowed (in rad)"
-    )
+    gamma = np.asarray(impact_angle)
+    inside = (gamma > LEAST_ANGLE) & (gamma < 0.5 * math.pi)
+    require("impact_angle", gamma, inside, "must be 0 < impact_angle < pi/2 (in rad)")
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
-    """Newton's method for a rising function from a start close below its root; where the start is 0 so is the root."""
+    """Find the root by Newton's method for a rising function from a start close below its root; where the start is 0 so is the root."""
     root = np.asarray(start, dtype=float)
     for _ in range(NEWTON_STEPS):
         value, slope = excess(root)
@@ -267,3 +231,77 @@ def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> N
         if np.all(np.abs(step) <= 1e-14 * np.abs(root)):
             break
     return root[()]
+
+
+@checked_arguments
+def crater_depth_from_contact(
+    time: ArrayLike,
+    normal_force: ArrayLike,
+    tangential_force: ArrayLike,
+    penetration: ArrayLike,
+    normal_velocity: ArrayLike,
+    tangential_velocity: ArrayLike,
+    *,
+    impact_angle: float = IMPACT_ANGLE,
+    shear_yield_stress: float = API_5L,
+    friction: float | None = None,
+    face: TipFace | None = None,
+    surface: Surface = "parallel",
+) -> ContactCrater:
+    """Return the craters that follow from a contact resolved in time, up to its deepest penetration.
+
+    Args:
+        time: s, increasing, shape (n,); n >= 2.
+        normal_force, tangential_force: on the tip, shape (n,), N.
+        penetration: of the tip, positive inside the workpart, shape (n,), m.
+        normal_velocity, tangential_velocity: of the tip, shape (n,), m/s.
+        impact_angle: gamma, rad.
+        shear_yield_stress: tau_s, Pa.
+        friction: mu while cutting; by default the contact's own at its peak. Chapter 4 of the dissertation cuts with 0.5
+            where chapter 2 strikes with 0.31.
+        face: of the tip.
+        surface: where the shear plane ends, ``parallel`` or ``inclined``.
+
+    Raises:
+        ValueError: for arrays of unequal length, values that are not finite, times that do not increase, or a contact
+            without a pressing force.
+    """
+    for name, value in {"impact_angle": impact_angle, "shear_yield_stress": shear_yield_stress}.items():
+        single(name, value)
+    if friction is not None:
+        single("friction", friction)
+    _check_angle(impact_angle)
+    given = (time, normal_force, tangential_force, penetration, normal_velocity, tangential_velocity)
+    t, normal, tangential, inside, v_n, v_t = _compression(given)
+    along = math.sin(impact_angle) * normal + math.cos(impact_angle) * np.abs(tangential)
+    peak = int(np.argmax(along))
+    require("normal_force", normal[peak], normal[peak] > 0.0, "must press at its peak (in N)")
+    ratio = float(abs(tangential[peak]) / normal[peak])
+    cutting = ratio if friction is None else friction
+    u = specific_cutting_energy(cutting, impact_angle, shear_yield_stress, surface)
+    works = [float(np.trapezoid(force * speed, t)) for force, speed in ((normal, v_n), (tangential, v_t))]
+    return ContactCrater(
+        compression_time=float(t[-1] - t[0]),
+        peak_cutting_force=float(along[peak]),
+        friction=ratio,
+        path_impulse=float(np.trapezoid(along, t)),
+        normal_work=works[0],
+        tangential_work=works[1],
+        path=float(np.trapezoid(np.hypot(v_n, v_t), t)),
+        penetration=float(inside[-1]),
+        depth_from_force=float(depth_from_force(along[peak], u, impact_angle, face)),
+        depth_from_energy=float(depth_from_energy(max(-sum(works), 0.0), u, impact_angle, face)),
+        shear_plane_emerges=surface == "inclined" or cutting >= math.tan(impact_angle),
+    )
+
+
+def _compression(values: tuple[ArrayLike, ...]) -> list[Array]:
+    """Return the columns up to the deepest penetration, once they are rows of one length and times that increase."""
+    columns = [np.asarray(value) for value in values]
+    shape = columns[0].shape
+    if len(shape) != 1 or shape[0] < 2 or any(column.shape != shape for column in columns):
+        shapes = ", ".join(f"{name} {column.shape}" for name, column in zip(COLUMNS, columns, strict=True))
+        raise ValueError(f"{shapes}: must be rows of equal lengths, of two samples or more")
+    require("time", columns[0][1:], np.diff(columns[0]) >= 0.0, "must be times that do not decrease (in s)")
+    deepest = max(int(np.argmax(columns[3])), 1)
+    return [column[: deepest + 1] for column in columns]

@@ -1,4 +1,4 @@
-"""Motion of the bristle while its tip cuts, and the width of the cut (Zhang 2020, section 4.1, compression only).
+"""Motion of the bristle while its tip cuts, its energy, and the width of the cut (Zhang 2020, section 4.1, compression only).
 
 The dissertation postulates that the tip's excursion along its path grows as S = c_1 (1 - e^(-lambda t)) (4.1) and takes
 c_1 from a micrograph, lambda c_1 from the tip's speed. Everything else follows from the bristle's geometry. The printed
@@ -15,9 +15,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Bristle, Tool
+from bristle_sim.theory.checks import require
+from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = ["PRINTED_KINEMATICS", "PRINTED_WIDTH", "CraterKinematics", "CuttingWidth", "TipFace"]
+__all__ = [
+    "PRINTED_ENERGY",
+    "PRINTED_KINEMATICS",
+    "PRINTED_WIDTH",
+    "CraterKinematics",
+    "CuttingWidth",
+    "TipFace",
+    "energy_coefficients",
+    "kinetic_energy",
+    "path_force",
+]
 
 Number = Any
 """A float where the argument is one, else an array of its shape."""
@@ -62,7 +74,7 @@ class CraterKinematics:
         impact_angle: float = IMPACT_ANGLE,
         face_angle: float | None = None,
     ) -> CraterKinematics:
-        """The same relations unrounded, for a radial bristle that arrives at ``bristle_rate`` (rad/s, absolute).
+        """Work the relations out unrounded for a radial bristle that arrives at ``bristle_rate`` (rad/s, absolute).
 
         The tip arrives with v = r_h w + L rate (2.24), so lambda = v/c_1 (4.3); at rest the tip leaves the bristle with
         the rate -r_h w/L (2.36) and its centre with half the rim's speed.
@@ -84,27 +96,27 @@ class CraterKinematics:
         )
 
     def tip_displacement(self, time: ArrayLike) -> Number:
-        """S along the path (4.4a), m."""
+        """Return S along the path (4.4a), m."""
         return self.excursion * self._grown(time)
 
     def tip_velocity(self, time: ArrayLike) -> Number:
-        """v_C along the path (4.4b), m/s."""
+        """Return v_C along the path (4.4b), m/s."""
         return self.tip_speed * self._left(time)
 
     def bristle_rate(self, time: ArrayLike) -> Number:
-        """Absolute rate of the bristle (4.6), rad/s."""
+        """Return the absolute rate of the bristle (4.6), rad/s."""
         return self.rate * self._left(time) - self.final_rate
 
     def centre_velocity(self, time: ArrayLike) -> Number:
-        """v_G (4.7), m/s."""
+        """Return v_G (4.7), m/s."""
         return self.centre_speed * self._left(time) + self.final_centre_speed
 
     def crater_depth(self, time: ArrayLike) -> Number:
-        """Depth below the surface, S sin(gamma) (4.8), m."""
+        """Return the depth below the surface, S sin(gamma) (4.8), m."""
         return self.depth * self._grown(time)
 
     def crater_face_depth(self, time: ArrayLike) -> Number:
-        """Trace of the depth on the tip's face (4.10), m."""
+        """Return the trace of the depth on the tip's face (4.10), m."""
         return self.face_depth * self._grown(time)
 
     def _left(self, time: ArrayLike) -> Number:
@@ -132,23 +144,23 @@ class TipFace:
 
     @property
     def short_axis(self) -> float:
-        """a_2 = d (4.11), m."""
+        """Return a_2 = d (4.11), m."""
         return self.wire_diameter
 
     @property
     def long_axis(self) -> float:
-        """a_1 = d/cos(tilt) (4.12), m."""
+        """Return a_1 = d/cos(tilt) (4.12), m."""
         return self.wire_diameter / math.cos(self.tilt)
 
     @property
     def full_depth(self) -> float:
-        """Depth below the surface at which the cut is as wide as the wire, (a_1/2) sin(face_angle), m."""
+        """Return the depth below the surface at which the cut is as wide as the wire, (a_1/2) sin(face_angle), m."""
         return 0.5 * self.long_axis * math.sin(self.face_angle)
 
     def width(self, depth: ArrayLike) -> Number:
-        """Width of the cut at a depth below the surface (4.9, 4.14), m; the wire's diameter from the centre line on."""
-        share = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
-        return self.short_axis * np.sqrt(share * (2.0 - share))
+        """Return the width of the cut at a depth below the surface (4.9, 4.14), m; d from the centre line on."""
+        fraction = np.clip(np.asarray(depth, dtype=float) / self.full_depth, 0.0, 1.0)
+        return self.short_axis * np.sqrt(fraction * (2.0 - fraction))
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,17 +184,17 @@ class CuttingWidth:
         if not (0.0 < self.swing <= self.half_width and self.decay > 0.0):
             raise ValueError(
                 f"swing, half_width, decay = {self.swing:g}, {self.half_width:g}, {self.decay:g}:"
-                " 0 < swing <= half_width and decay > 0 is allowed (in m, m, 1/s)"
+                " must be 0 < swing <= half_width and decay > 0 (in m, m, 1/s)"
             )
 
     @classmethod
     def of_face(cls, face: TipFace, kinematics: CraterKinematics) -> CuttingWidth:
-        """The width unrounded, from the face and the motion (4.13-4.15)."""
+        """Return the width unrounded, from the face and the motion (4.13-4.15)."""
         swing = kinematics.face_depth * face.short_axis / face.long_axis
         return cls(0.5 * face.short_axis, swing, kinematics.decay)
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Width at times of any shape, m; the difference of squares is factored so that it is exact near t = 0."""
+        """Return the width at times of any shape, m; the factored difference of squares is exact near t = 0."""
         gone = -self.swing * np.expm1(-self.decay * np.asarray(time, dtype=float))
         return 2.0 * np.sqrt(gone * (2.0 * self.half_width - gone))
 
@@ -192,3 +204,53 @@ PRINTED_KINEMATICS = CraterKinematics()
 
 PRINTED_WIDTH = CuttingWidth()
 """Width with the printed constants (Zhang 2020, eq. 4.16)."""
+
+PRINTED_ENERGY = (0.0126, 0.00303, 7.25e-4)
+"""Coefficients of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J (Zhang 2020, eq. 4.59)."""
+
+
+def energy_coefficients(
+    kinematics: CraterKinematics = PRINTED_KINEMATICS, bristle: Bristle | None = None
+) -> tuple[float, float, float]:
+    """Return the coefficients of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J.
+
+    E_k = m v_G^2/2 + (m L^2/12) rate^2/2 (4.58-4.59).
+    """
+    wire = Bristle() if bristle is None else bristle
+    half_mass, half_inertia = 0.5 * wire.mass, 0.5 * wire.inertia_about_centre
+    k = kinematics
+    return (
+        half_mass * k.centre_speed**2 + half_inertia * k.rate**2,
+        2.0 * (half_mass * k.centre_speed * k.final_centre_speed - half_inertia * k.rate * k.final_rate),
+        half_mass * k.final_centre_speed**2 + half_inertia * k.final_rate**2,
+    )
+
+
+@checked_arguments
+def kinetic_energy(
+    time: ArrayLike,
+    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
+    decay: float = PRINTED_KINEMATICS.decay,
+) -> Number:
+    """Return the kinetic energy of the bristle (4.59), J, at times >= 0 in s; coefficients as printed by default."""
+    _check_since_touch(time)
+    left = np.exp(-decay * np.asarray(time))
+    return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]
+
+
+@checked_arguments
+def path_force(
+    time: ArrayLike, kinematics: CraterKinematics = PRINTED_KINEMATICS, bristle: Bristle | None = None
+) -> Number:
+    """Return the force along the path that the postulated motion takes, (m/3) lambda v_C(t), N.
+
+    The root moves with the hub at constant speed, so the force at the tip turns the bristle alone: its effective mass
+    along the path is I/L^2 = m/3, and v_C falls like e^(-lambda t). Largest at first touch, where (3.19) has nothing.
+    """
+    _check_since_touch(time)
+    wire = Bristle() if bristle is None else bristle
+    return wire.inertia_about_root / wire.length**2 * kinematics.decay * kinematics.tip_velocity(time)
+
+
+def _check_since_touch(time: ArrayLike) -> None:
+    require("time", time, np.greater_equal(time, 0.0), "must be at least 0, the first touch (in s)")

@@ -26,8 +26,9 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
-from bristle_sim.quantity import Range, shown
-from bristle_sim.theory.checks import not_negative, positive, ranges, require
+from bristle_sim.quantity import shown
+from bristle_sim.theory.checks import positive, require
+from bristle_sim.theory.ranges import RANGES, checked_arguments
 
 __all__ = [
     "Cue",
@@ -54,132 +55,101 @@ __all__ = [
 Number = Any
 """A float or an array of floats; results have the arguments' broadcast shape."""
 
-_RETRACTION = Range("retraction", "rad", -2.0 * np.pi, 2.0 * np.pi, True, "Zhang 2020, eq. 2.2: theta_p")
-_arguments = ranges(
-    _RETRACTION,
-    Range("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, fig. 2.2"),
-    Range("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
-    Range("penetration", "m", -2e3, 2e3, True, "Zhang 2020, eq. 2.2: Delta"),
-    Range("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
-    Range("tip_radius", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
-    Range("distance", "m", 0.0, 1e5, True, "Zhang 2020, eq. 2.1: S"),
-    Range("direction", "rad", -1e300, 1e300, True, "Zhang 2020, eq. 2.1: A + theta_1 + gamma"),
-    Range("mass", "kg", 0.0, 1e6, False, "Zhang 2020, eq. 2.20"),
-    Range("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.2"),
-    Range("stiffness", "N m/rad", 0.0, 1e100, True, "Zhang 2020, eq. 2.2: k_T"),
-    Range("centrifugal", "N m/rad", 0.0, 1e100, True, "g"),
-    Range("inertia", "kg m^2", -1e100, 1e100, True, "about the root"),
-    Range("natural_rate", "rad/s", 1e-150, 1e150, True, "sqrt(k/I)"),
-    Range("damping_ratio", "1", -1e9, 1e9, True, "zeta"),
-    Range("speed_share", "1", -1e9, 1e9, True, "of the undamped speed"),
-)
-"""What is allowed for the arguments of these names; functions narrow it where they must."""
-
-_bar_arguments = ranges(
-    Range("bar_horizontal", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_H"),
-    Range("bar_vertical", "m", -1e4, 1e4, True, "Zhang 2020, eq. 2.3: S_V"),
-    Range("bar_reach", "m", 0.0, 1e4, True, "Zhang 2020, eq. 2.1"),
-    Range("hub_radius", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
-    Range("length", "m", 0.0, 1e3, False, "Zhang 2020, fig. 2.2"),
-)
-"""On a hub without radius any retraction reaches as far."""
-
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""
 
 
-@_arguments
+@checked_arguments
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
-    """gamma of a radial bristle whose tip touches the workpart: cos gamma = (r_h + L - Delta)/(r_h + L), rad."""
+    """Return gamma of a radial bristle whose tip touches the workpart: cos gamma = (r_h + L - Delta)/(r_h + L), rad."""
     reach = hub_radius + length
     inside = (penetration >= 0.0) & (penetration <= reach)
-    require("penetration", penetration, inside, "0 to hub_radius + length is allowed (in m)")
+    require("penetration", penetration, inside, "must be 0 to hub_radius + length (in m)")
     # arccos of nearly 1 loses half of the digits; 1 - cos gamma = 2 sin^2(gamma/2) keeps them.
     return 2.0 * np.arcsin(np.sqrt(penetration / (2.0 * reach)))
 
 
-@_arguments
+@checked_arguments
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """Distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos theta_p), m."""
+    """Return the distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos theta_p), m."""
     return np.hypot(hub_radius + length * np.cos(retraction), length * np.sin(retraction))
 
 
-@_arguments
+@checked_arguments
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
-    """A, the angle by which the tip lags the root as seen from the hub's centre, rad (fig. 2.3)."""
+    """Return A, the angle by which the tip lags the root as seen from the hub's centre, rad (fig. 2.3)."""
     return np.arctan2(length * np.sin(retraction), hub_radius + length * np.cos(retraction))
 
 
-@_arguments
+@checked_arguments
 def bar_distance(bar_reach: Number, tip_radius: Number) -> Number:
-    """Distance S of the bar's centre from the hub's, m (2.1).
+    """Return the distance S of the bar's centre from the hub's, m (2.1).
 
     The bar's reach is its radius and half of the wire's, which the dissertation neglects.
     """
     return bar_reach + tip_radius
 
 
-@_arguments
+@checked_arguments
 def bar_position(distance: Number, direction: Number) -> tuple[Number, Number]:
-    """(S_H, S_V) = S (sin, cos)(A + theta_1 + gamma), m, along and normal to the workpart (2.1)."""
+    """Return (S_H, S_V) = S (sin, cos)(A + theta_1 + gamma), m, along and normal to the workpart (2.1)."""
     return distance * np.sin(direction), distance * np.cos(direction)
 
 
-@_bar_arguments
+@checked_arguments
 def retraction_at_bar(
     bar_horizontal: Number, bar_vertical: Number, bar_reach: Number, hub_radius: Number, length: Number
 ) -> Number:
-    """theta_p at which the tip slips off a bar that stands at (S_H, S_V): the inverse of tip_radius, rad."""
+    """Return theta_p at which the tip slips off a bar that stands at (S_H, S_V): the inverse of tip_radius, rad."""
+    positive("hub_radius", hub_radius, "m")
     radius = np.hypot(bar_horizontal, bar_vertical) - bar_reach
     reaches = (radius <= hub_radius + length) & (radius >= np.abs(hub_radius - length))
-    allowed = "|hub_radius - length| to hub_radius + length is allowed (in m)"
-    require("bar_horizontal, bar_vertical: tip radius", radius, reaches, allowed)
+    rule = "must be |hub_radius - length| to hub_radius + length (in m)"
+    require("bar_horizontal, bar_vertical: tip radius", radius, reaches, rule)
     # Half-angle form of the law of cosines, exact also near the radial bristle.
     beyond = (hub_radius + length - radius) * (hub_radius + length + radius)
     half = np.sqrt(beyond / (4.0 * hub_radius) / length)
     return 2.0 * np.arcsin(np.minimum(half, 1.0))
 
 
-@_arguments
+@checked_arguments
 def natural_rate(stiffness: Number, inertia: Number) -> Number:
-    """sqrt(k/I), rad/s, of a belt stiffness in N m/rad and the inertia about the root in kg m^2.
+    """Return sqrt(k/I), rad/s, of a belt stiffness in N m/rad and the inertia about the root in kg m^2.
 
     With ``stiffness`` k + g it is the stiffened bristle's, for small angles.
     """
     positive("stiffness", stiffness, "N m/rad")
-    positive("inertia", inertia, "kg m^2")
     return np.sqrt(stiffness) / np.sqrt(inertia)
 
 
-@_arguments
+@checked_arguments
 def centrifugal_stiffness(mass: Number, hub_radius: Number, length: Number, hub_speed: Number) -> Number:
-    """g = m r_h (L/2) omega^2, N m/rad."""
+    """Return g = m r_h (L/2) omega^2, N m/rad."""
     return 0.5 * mass * hub_radius * length * hub_speed**2
 
 
-@_arguments
+@checked_arguments
 def cue_time(natural_rate: Number) -> Number:
-    """t_c, a quarter of the oscillation's period, s."""
+    """Return t_c, a quarter of the oscillation's period, s."""
     return 0.5 * np.pi / natural_rate
 
 
-@_arguments
+@checked_arguments
 def highest_relative_speed(retraction: Number, natural_rate: Number) -> Number:
-    """Speed of the bristle relative to the hub as it passes the radial direction, theta_p sqrt(k/I), rad/s."""
+    """Return the speed of the bristle relative to the hub when it is radial, theta_p sqrt(k/I), rad/s."""
     return retraction * natural_rate
 
 
-@_arguments
+@checked_arguments
 def stiffened_highest_speed(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
-    """sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), rad/s: the energy integral of the undamped motion."""
+    """Return sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), rad/s: the energy integral of the undamped motion."""
     chord = 2.0 * np.sin(0.5 * retraction)
-    positive("inertia", inertia, "kg m^2")
     return np.sqrt(stiffness * retraction**2 + centrifugal * chord**2) / np.sqrt(inertia)
 
 
-@_arguments
+@checked_arguments
 def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
-    """Time from rest at theta_p to the radial direction, undamped, s; |theta_p| < pi.
+    """Return the time from rest at theta_p to the radial direction, undamped, s; |theta_p| < pi.
 
     With alpha = theta_p sin u the energy integral becomes, without a singularity at the start,
 
@@ -187,7 +157,7 @@ def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Numbe
 
     where sinc x = sin x/x, since cos alpha - cos theta_p = 2 sin((theta_p + alpha)/2) sin((theta_p - alpha)/2).
     """
-    require("retraction", retraction, np.abs(retraction) < np.pi, "less than pi in magnitude is allowed (in rad)")
+    require("retraction", retraction, np.abs(retraction) < np.pi, "must be less than pi in magnitude (in rad)")
     natural_rate(stiffness + centrifugal, inertia)
     amplitude, stiff, extra, heavy = (
         np.asarray(each)[..., np.newaxis] for each in (retraction, stiffness, centrifugal, inertia)
@@ -197,9 +167,9 @@ def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Numbe
     return np.pi / 4.0 * np.sum(_WEIGHTS * np.sqrt(heavy) / np.sqrt(stiff + extra * shape), axis=-1)
 
 
-@_arguments
+@checked_arguments
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
-    """Time from release at rest to the highest speed, s, without g.
+    """Return the time from release at rest to the highest speed, s, without g.
 
         t = f(zeta)/Omega,    f = arccos(zeta)/sqrt(1 - zeta^2), or arccosh(zeta)/sqrt(zeta^2 - 1) for zeta > 1
 
@@ -209,34 +179,34 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
     return _phase(damping_ratio) / natural_rate
 
 
-@_arguments
+@checked_arguments
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
-    """The speed relative to the hub at that time, theta_p Omega e^(-zeta f(zeta)), rad/s."""
+    """Return the highest speed relative to the hub, theta_p Omega e^(-zeta f(zeta)), rad/s."""
     return highest_relative_speed(retraction, natural_rate) * np.exp(-_phase(damping_ratio) * damping_ratio)
 
 
-@_arguments
+@checked_arguments
 def damped_radial_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
-    """The speed relative to the hub as the bristle passes the radial direction, rad/s; 0 <= zeta < 1.
+    """Return the speed relative to the hub as the bristle passes the radial direction, rad/s; 0 <= zeta < 1.
 
     Radial is where tan(Omega_d t) = -sqrt(1 - zeta^2)/zeta: f(zeta) as above with pi - arccos(zeta).
     """
-    require("damping_ratio", damping_ratio, np.less(damping_ratio, 1.0), "less than 1 is allowed (dimensionless)")
+    require("damping_ratio", damping_ratio, np.less(damping_ratio, 1.0), "must be less than 1 (dimensionless)")
     phase = _phase(damping_ratio)
     half_turn = np.pi / np.sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio))
     return highest_relative_speed(retraction, natural_rate) * np.exp((phase - half_turn) * damping_ratio)
 
 
-@_arguments
+@checked_arguments
 def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
-    """zeta with which the highest speed, or the speed at the radial direction, is this share of the undamped one.
+    """Return zeta for which the highest speed, or that at the radial direction, is this fraction of the undamped one.
 
-    With zeta = x/sqrt(1 + x^2) the share is e^(-x (pi/2 -+ arctan x)); Newton's method for x is monotone from where it
-    starts. Shares from 0.368 (1/e at zeta = 1), radial ones from 0.001, to 1 are allowed.
+    With zeta = x/sqrt(1 + x^2) the fraction is e^(-x (pi/2 -+ arctan x)); Newton's method for x is monotone from where it
+    starts. Fractions must be from 0.368 (1/e at zeta = 1), radial ones from 0.001, to 1.
     """
     least, sign = (0.001, 1.0) if radial else (0.368, -1.0)
     inside = (speed_share >= least) & (speed_share <= 1.0)
-    require("speed_share", speed_share, inside, f"{least:g} to 1 is allowed (dimensionless)")
+    require("speed_share", speed_share, inside, f"must be {least:g} to 1 (dimensionless)")
     loss = -np.log(speed_share)
     x = loss * 2.0 / np.pi if radial else np.zeros_like(loss)
     for _ in range(60):
@@ -246,8 +216,7 @@ def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
 
 
 def _phase(damping_ratio: Number) -> Number:
-    """f(zeta); 1 at zeta = 1."""
-    not_negative("damping_ratio", damping_ratio, "1")
+    """Return f(zeta); 1 at zeta = 1."""
     zeta = damping_ratio
     root = np.sqrt(np.abs((1.0 - zeta) * (1.0 + zeta)))
     angle = np.arccos(np.minimum(zeta, 1.0)) + np.arccosh(np.maximum(zeta, 1.0))
@@ -284,7 +253,7 @@ class Cue:
 
 
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """The dissertation's cue of a tool, without g but with the belt's damping if there is any; retraction in rad.
+    """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad.
 
     Raises:
         ValueError: if the tool lacks bar, workpart or belt stiffness.
@@ -296,7 +265,7 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """The cue with centrifugal stiffening, exact for an undamped belt, whose damping is left out; retraction in rad.
+    """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad.
 
     Raises:
         ValueError: if the tool lacks bar or workpart, or nothing drives the bristle.
@@ -309,16 +278,16 @@ def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 
 def _retraction(tool: Tool, retraction: float) -> float:
-    """The retraction, once the arguments of a cue are such."""
+    """Return the retraction, once the arguments of a cue are checked."""
     if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: a Tool is allowed")
-    return _RETRACTION.check(retraction)
+        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
+    return RANGES["retraction"].check(retraction)
 
 
 def _placed(tool: Tool, retraction: float, time: Number, speed: Number) -> Cue:
-    """The bar's place for a cue time and what goes with it."""
+    """Place the bar for a cue time."""
     if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: a tool that has both is allowed")
+        raise ValueError("bar, workpart: must both be there")
     geometry, turn = (tool.hub.radius, tool.bristle.length), tool.hub.speed * time
     angle = impact_angle(*geometry, tool.workpart.penetration)
     lag, radius = tip_lag(*geometry, retraction), tip_radius(*geometry, retraction)

@@ -13,17 +13,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import numbers, positive, ranges, require, single, whole
+from bristle_sim.theory.checks import single, whole
 from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 from bristle_sim.theory.force_record import find_contact
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = ["ForceFit", "fit_force_history"]
 
 Array = NDArray[np.float64]
-
-MOST_FORCE = 1e30
-"""Beyond this squares of residuals overflow; likewise times."""
 
 MOST_TERMS = 10
 """Sums of exponentials are ill-conditioned; two terms already require very good points."""
@@ -52,12 +49,7 @@ MISSING_START = 0.1
 """Part of the duration by which a contact may begin before the record does: the curve is extrapolated there."""
 
 
-@ranges(
-    Range("duration", "s", -1e30, 1e30, True, "given"),
-    Range("peak_force", "N", -1e30, 1e30, True, "given"),
-    Range("noise", "N", -1e30, 1e30, True, "given"),
-    Range("start", "s", -1e30, 1e30, True, "given"),
-)
+@checked_arguments
 def fit_force_history(
     time: ArrayLike,
     force: ArrayLike,
@@ -162,14 +154,10 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
 
 
 def _checked_points(time: ArrayLike, force: ArrayLike) -> tuple[Array, Array]:
-    time = numbers("time", time, "must be increasing numbers (in s)")
-    force = numbers("force", force, "must be numbers, the largest above 0 (in N)")
+    """Return the points as arrays, once they are one row of increasing times."""
+    time, force = np.asarray(time), np.asarray(force)
     if time.ndim != 1 or time.shape != force.shape:
         raise ValueError(f"time, force of shapes {time.shape}, {force.shape}: must be one row of equal lengths")
-    if not (np.isfinite(time).all() and np.isfinite(force).all()):
-        raise ValueError("time, force: must be finite numbers (in s, N)")
-    require("force", force, np.abs(force) <= MOST_FORCE, f"must be at most {MOST_FORCE:g} (in N)")
-    require("time", time, np.abs(time) <= MOST_FORCE, f"must be at most {MOST_FORCE:g} (in s)")
     if (np.diff(time) <= 0.0).any():
         raise ValueError("time: must be increasing values (in s)")
     return time, force
@@ -185,18 +173,20 @@ def _check_settings(
     start: float | None,
 ) -> None:
     whole("terms", terms, MOST_TERMS)
-    single("terms", terms)
-    for name, value, unit in (("duration", duration, "s"), ("peak_force", peak_force, "N"), ("noise", noise, "N")):
+    for name, value in {
+        "terms": terms,
+        "duration": duration,
+        "peak_force": peak_force,
+        "noise": noise,
+        "start": start,
+    }.items():
         if value is not None:
-            positive(name, value, unit)
-            require(name, value, value > 1e-30, f"must be more than 1e-30 (in {unit})")
             single(name, value)
     unknowns = 2 * terms + (duration is None) + (start is None)
     if force.size <= unknowns:
         raise ValueError(f"force: {force.size} points; there must be more than the {unknowns} unknowns")
     if start is None:
         return
-    single("start", start)
     if not (force > 0.0).any():
         raise ValueError("force: the largest value must be above 0 (in N)")
     if time[0] < start:

@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import finite, positive, ranges, single, whole
+from bristle_sim.theory.checks import finite, positive, single, whole
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "TABLE_3_1", "ForceCurve", "segment_impulses"]
 
@@ -71,18 +71,18 @@ class ForceCurve:
     def __post_init__(self) -> None:
         if not self.amplitude or len(self.amplitude) != len(self.decay):
             raise ValueError(
-                f"amplitude, decay of lengths {len(self.amplitude)}, {len(self.decay)}: equal numbers, at least one"
+                f"amplitude, decay of lengths {len(self.amplitude)}, {len(self.decay)}: must be equal numbers, at least one"
             )
         for name, unit in (("amplitude", "1"), ("decay", "1/s"), ("offset", "N"), ("lead", "s")):
             finite(name, getattr(self, name), unit)
         positive("swing", self.swing, "N")
         positive("period", self.period, "s")
         if not 0.0 <= self.lead < self.period / 2.0:
-            raise ValueError(f"lead = {self.lead:g}: 0 <= lead < period/2 = {self.period / 2.0:g} is allowed (in s)")
+            raise ValueError(f"lead = {self.lead:g}: must be 0 <= lead < period/2 = {self.period / 2.0:g} (in s)")
 
     @classmethod
     def of_impact(cls, amplitude: ArrayLike, decay: ArrayLike, peak_force: float, duration: float) -> ForceCurve:
-        """The curve (3.3) of an impact with F* in N and t_f in s; it vanishes at both ends."""
+        """Return the curve (3.3) of an impact with F* in N and t_f in s; it vanishes at both ends."""
         positive("peak_force", peak_force, "N")
         positive("duration", duration, "s")
         lead = LEAD_SHARE * duration
@@ -94,35 +94,35 @@ class ForceCurve:
 
     @property
     def duration(self) -> float:
-        """t_f = T - 2 t_o, s."""
+        """Return t_f = T - 2 t_o, s."""
         return self.period - 2.0 * self.lead
 
     def __call__(self, time: ArrayLike) -> Number:
-        """Force, N, at times in s of any shape."""
+        """Return the force, N, at times in s of any shape."""
         return self._derivative(time, 0)
 
     def rate(self, time: ArrayLike) -> Number:
-        """dF/dt, N/s."""
+        """Return dF/dt, N/s."""
         return self._derivative(time, 1)
 
     def impulse(self, end: ArrayLike, start: ArrayLike = 0.0) -> Number:
-        """Integral of F from start to end, N s (3.1); start and end in s, broadcast."""
+        """Return the integral of F from start to end, N s (3.1); start and end in s, broadcast."""
         return self._integral(end) - self._integral(start)
 
     def peak_time(self) -> float:
-        """Time of the largest force, F' = 0 (3.6), s: the end of compression t_c."""
+        """Return the time of the largest force, F' = 0 (3.6), s: the end of compression t_c."""
         return self._crest(0)
 
     def inflection_time(self) -> float:
-        """Time before the peak at which the force rises fastest, F'' = 0 (Zhang 2020, fig. 3.2), s."""
+        """Return the time before the peak at which the force rises fastest, F'' = 0 (Zhang 2020, fig. 3.2), s."""
         return self._crest(1)
 
     def peak_force(self) -> float:
-        """Largest force, N."""
+        """Return the largest force, N."""
         return float(self(self.peak_time()))
 
     def rescaled(self, impulse: float, compression_time: float) -> ForceCurve:
-        """The same shape with another compressive impulse (N s) and compression time (s).
+        """Return the same shape with another compressive impulse (N s) and compression time (s).
 
         Equal shares of the compression time carry equal shares of the impulse (3.14), so with k the ratio of the
         compression times F_new(t) = (impulse / (k p_c)) F(t/k): lengths stretch by k, rates shrink by it.
@@ -166,13 +166,15 @@ class ForceCurve:
         return decay, -decay + 2j * math.pi / self.period
 
     def _crest(self, order: int) -> float:
-        """Where the derivative of that order is largest in the contact: the next derivative's root."""
+        """Return where the derivative of that order is largest in the contact: the next derivative's root."""
         from scipy.optimize import brentq
 
         grid = np.linspace(0.0, self.duration, SCAN + 1)
         top = int(np.argmax(self._derivative(grid, order)))
         if not 0 < top < SCAN:
-            raise ValueError(f"decay = {self.decay}: a curve that rises and falls within its duration is allowed")
+            raise ValueError(
+                f"decay = {self.decay}: must give a curve that rises and falls within its duration (in 1/s)"
+            )
         low, high = grid[top - 1], grid[top + 1]
         return float(brentq(lambda t: self._derivative(t, order + 1), low, high, xtol=1e-15 * self.duration))
 
@@ -184,11 +186,11 @@ BRISTLE = ForceCurve((1.0160,), (5.4990,), offset=26.0, swing=30.0, lead=1e-5, p
 """Resultant force on the bristle tip (Zhang 2020, eq. 3.19): t_f = 0.1 ms, F* = 60 N."""
 
 
-@ranges(Range("compression_time", "s", 1e-30, 1e3, True, "Zhang 2020, eq. 3.15"))
+@checked_arguments
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> NDArray[np.float64]:
-    """Share an impulse out as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
+    """Divide an impulse as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
 
     Args:
         curve: of the impact whose shape is taken over.
@@ -204,7 +206,6 @@ def segment_impulses(
     """
     whole("segments", segments, MOST_SEGMENTS)
     single("segments", segments)
-    finite("impulse", impulse, "N s")
     end = curve.peak_time() if compression_time is None else single("compression_time", compression_time)
     edges = np.linspace(0.0, end, int(segments) + 1)
     parts = curve.impulse(edges[1:], edges[:-1])

@@ -56,12 +56,12 @@ class ForceFit:
 
     @property
     def standard_errors(self) -> Array:
-        """Standard deviations of the values, shape (p,)."""
+        """Return the standard deviations of the values, shape (p,)."""
         return np.sqrt(np.diag(self.covariance))
 
     @property
     def root_mean_square(self) -> float:
-        """Root mean square of the residuals, N."""
+        """Return the root mean square of the residuals, N."""
         return float(np.sqrt(np.mean(self.residuals**2)))
 
 
@@ -108,14 +108,14 @@ class FitProblem:
             raise ValueError("force: no curve of (3.3) fits; it must be a force that rises and falls once") from None
 
     def residuals(self, unknowns: Array) -> Array:
-        """Fitted minus measured force, N."""
+        """Return the fitted minus measured force, N."""
         curve, start, baseline = self.model(unknowns)
         # (3.3) vanishes at both ends, and so the force does beyond them.
         later = np.clip(self.time - start, 0.0, curve.duration) if self.shifted else self.time
         return np.asarray(curve(later)) + baseline - self.force
 
     def model(self, unknowns: Array) -> tuple[ForceCurve, float, float]:
-        """Curve, start in s and baseline in N."""
+        """Return the curve, start in s and baseline in N."""
         values = (unknowns * self.units).tolist()
         amplitude, decay, rest = values[: self.terms], values[self.terms : 2 * self.terms], values[2 * self.terms :]
         duration = abs(rest.pop(0)) if self.duration is None else self.duration
@@ -123,7 +123,7 @@ class FitProblem:
         return ForceCurve.of_impact(amplitude, decay, self.peak_force, duration), start, rest[0] if self.based else 0.0
 
     def first(self, duration: float, baseline: float) -> Array:
-        """Start values: a straight line through ln(F/bracket), its slope spread over the terms."""
+        """Return start values: a straight line through ln(F/bracket), its slope spread over the terms."""
         bracket = np.asarray(ForceCurve.of_impact(1.0, 0.0, self.peak_force, duration)(self.time))
         if self.shifted:
             bracket = np.where((self.time > 0.0) & (self.time < duration), bracket, 0.0)
@@ -148,7 +148,7 @@ class FitProblem:
         return np.concatenate([amplitudes, decays, rest]) / self.units
 
     def report(self, unknowns: Array, jacobian: Array, noise: float | None, origin: float) -> ForceFit:
-        """The fit with its covariance, from the normal equations at the solution."""
+        """Return the fit with its covariance, from the normal equations at the solution."""
         residuals = self.residuals(unknowns)
         freedom = residuals.size - unknowns.size
         spread = math.sqrt(float(residuals @ residuals) / freedom) if noise is None else noise
@@ -162,7 +162,7 @@ class FitProblem:
         return ForceFit(curve, self.names, values, covariance, residuals, spread, start + origin, baseline)
 
     def _inverse_normal(self, jacobian: Array) -> Array:
-        """(J^T J)^-1 through the singular values of J with its columns scaled to length one."""
+        """Return (J^T J)^-1 through the singular values of J with its columns scaled to length one."""
         lengths = np.linalg.norm(jacobian, axis=0)
         if not lengths.all():
             raise self._indistinct()
@@ -179,7 +179,7 @@ class FitProblem:
 
     @property
     def units(self) -> Array:
-        """What each unknown is measured in."""
+        """Return the size that each unknown is measured in."""
         rest = [
             *([] if self.duration is not None else [self.unit]),
             *([self.unit] if self.shifted else []),
@@ -189,7 +189,7 @@ class FitProblem:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the unknowns, in order."""
+        """Return the names of the unknowns, in order."""
         numbered = [f"{name} {i + 1}" for name in ("amplitude", "decay") for i in range(self.terms)]
         unknown = (("duration", self.duration is None), ("start", self.shifted), ("baseline", self.based))
         return (*numbered, *(name for name, fitted in unknown if fitted))

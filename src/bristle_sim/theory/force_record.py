@@ -76,7 +76,7 @@ def find_contact(time: Array, force: Array) -> FoundContact | None:
 
 
 def _best(time: Array, integral: Array, duration: float) -> tuple[float, FoundContact] | None:
-    """The best start of a pulse of that duration, with its score, N^2 s."""
+    """Return the best start of a pulse of that duration, with its score, N^2 s."""
     width = duration / BINS
     bins = int((time[-1] - time[0]) / width * (1.0 + 1e-9))
     if bins < LEAST_BINS:
@@ -98,7 +98,7 @@ def _best(time: Array, integral: Array, duration: float) -> tuple[float, FoundCo
 
 
 def _sums(average: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Sums over a pulse and its surroundings that starts at each average: of 1, F, g, F g and g^2.
+    """Return the sums over a pulse and its surroundings that starts at each average: of 1, F, g, F g and g^2.
 
     Outside the record there is nothing to sum.
     """

@@ -81,7 +81,7 @@ def energetic_impact(
     restitution_friction: ArrayLike | None = None,
     stick_compliance: ArrayLike | None = None,
 ) -> Impact:
-    """Impact with Stronge's energetic coefficient of restitution, W_r = -e*^2 W_c (Zhang 2020, eq. 2.46).
+    """Resolve an impact with Stronge's energetic coefficient of restitution, W_r = -e*^2 W_c (Zhang 2020, eq. 2.46).
 
     It never gains energy, whatever K, slip and friction.
 
@@ -114,7 +114,7 @@ def poisson_impact(
     restitution_friction: ArrayLike | None = None,
     stick_compliance: ArrayLike | None = None,
 ) -> Impact:
-    """Impact with Poisson's coefficient e: restitution ends at the normal impulse p_r = e p_c (Wang and Mason 1992).
+    """Resolve an impact with Poisson's coefficient e: restitution ends at p_r = e p_c (Wang and Mason 1992).
 
     Arguments, result and errors are those of ``energetic_impact``. Where slip stops or reverses, restitution can give
     back more normal work than compression took. With one coefficient of friction the impact as a whole gains no energy;
@@ -131,7 +131,7 @@ def newton_impact(
     restitution_friction: ArrayLike | None = None,
     stick_compliance: ArrayLike | None = None,
 ) -> Impact:
-    """Impact with Newton's coefficient e: restitution ends at the normal velocity v_n = -e v_n(0).
+    """Resolve an impact with Newton's coefficient e: restitution ends at the normal velocity v_n = -e v_n(0).
 
     Arguments, result and errors are those of ``energetic_impact``. Where slip stops or reverses it can gain energy, as in
     Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985); it is here to be compared.
@@ -151,13 +151,13 @@ They differ in one function, the normal impulse at which restitution ends. To ad
 
 
 def stick_threshold(inverse_mass: ArrayLike) -> Number:
-    """Least friction at which a point that has stopped sticks, mu_bar = |K_nt| / K_tt (Zhang 2020, eq. 2.90)."""
-    matrix = numbers("inverse_mass", inverse_mass, "real numbers are allowed (1/kg)")
+    """Return the least friction with which a stopped point sticks, mu_bar = |K_nt| / K_tt (Zhang 2020, eq. 2.90)."""
+    matrix = numbers("inverse_mass", inverse_mass, "must be real numbers (1/kg)")
     if matrix.shape[-2:] != (2, 2):
-        raise ValueError(f"inverse_mass of shape {matrix.shape}: (..., 2, 2) is allowed")
+        raise ValueError(f"inverse_mass of shape {matrix.shape}: must be (..., 2, 2)")
     coupling, tangential = np.abs(matrix[..., 0, 1]), matrix[..., 1, 1]
     holds = np.isfinite(matrix).all(axis=(-2, -1)) & (tangential > sys.float_info.min * coupling) & (tangential > 0.0)
-    require("inverse_mass", tangential, holds, "finite entries, the tangential one above 0, are allowed (1/kg)")
+    require("inverse_mass", tangential, holds, "must have finite entries, the tangential one above 0 (1/kg)")
     return coupling / tangential
 
 
@@ -212,11 +212,11 @@ def _resolve(
 def _unpack(
     inverse_mass: ArrayLike, velocity: ArrayLike, *others: ArrayLike
 ) -> tuple[list[Number], tuple[int, ...] | None]:
-    """K's entries, the velocities and all other arguments: floats for one impact (shape None), else broadcast arrays."""
+    """Return K's entries, velocities and coefficients: floats for one impact (shape None), else broadcast arrays."""
     matrix, velocity, *coefficients = _arrays(inverse_mass, velocity, *others)
     if matrix.shape[-2:] != (2, 2) or velocity.shape[-1:] != (2,):
         raise ValueError(
-            f"inverse_mass, velocity of shapes {matrix.shape}, {velocity.shape}: (..., 2, 2) and (..., 2) are allowed"
+            f"inverse_mass, velocity of shapes {matrix.shape}, {velocity.shape}: must be (..., 2, 2) and (..., 2)"
         )
     shape: tuple[int, ...] | None = None
     if matrix.ndim == 2 and velocity.ndim == 1 and not any(each.ndim for each in coefficients):
@@ -235,11 +235,11 @@ NAMES = ("inverse_mass", "velocity", "friction", "restitution", "restitution_fri
 
 
 def _arrays(*arguments: ArrayLike) -> list[NDArray[np.float64]]:
-    """All of them as floats; what is a float or an array of floats already needs no check."""
+    """Return all arguments as floats; what is a float or an array of floats already needs no check."""
     return [
         np.asarray(each)
         if type(each) is float or (type(each) is np.ndarray and each.dtype == np.float64)
-        else numbers(name, each, "real numbers are allowed")
+        else numbers(name, each, "must be real numbers")
         for name, each in zip(NAMES, arguments, strict=False)
     ]
 
@@ -253,23 +253,30 @@ def _check(values: list[Number], k_tn: Number) -> None:
     mean = square_root(magnitude(k_nn)) * square_root(magnitude(k_tt))
     symmetric = magnitude(k_nt - k_tn) <= 1e-9 * mean
     rules = [
-        ("inverse_mass", "finite entries", finite, matrix),
-        ("inverse_mass", "a symmetric matrix", symmetric, matrix),
+        ("inverse_mass", "have finite entries (1/kg)", finite, matrix),
+        ("inverse_mass", "be symmetric (1/kg)", symmetric, matrix),
         (
             "inverse_mass",
-            "a positive semidefinite matrix (1/kg)",
+            "be positive semidefinite (1/kg)",
             positive & (magnitude(k_nt) <= mean * (1.0 + 5e-10)),
             matrix,
         ),
-        ("velocity", "finite components (m/s)", isfinite(normal) & isfinite(tangential), (normal, tangential)),
-        ("friction", "finite and >= 0 (dimensionless)", (mu_1 >= 0.0) & (mu_1 <= MOST_FRICTION), (mu_1,)),
-        ("restitution_friction", "finite and >= 0 (dimensionless)", (mu_2 >= 0.0) & (mu_2 <= MOST_FRICTION), (mu_2,)),
-        ("restitution", "0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0), (e,)),
+        ("velocity", "have finite components (m/s)", isfinite(normal) & isfinite(tangential), (normal, tangential)),
+        ("friction", "be finite and >= 0 (dimensionless)", (mu_1 >= 0.0) & (mu_1 <= MOST_FRICTION), (mu_1,)),
+        (
+            "restitution_friction",
+            "be finite and >= 0 (dimensionless)",
+            (mu_2 >= 0.0) & (mu_2 <= MOST_FRICTION),
+            (mu_2,),
+        ),
+        ("restitution", "be 0 <= restitution <= 1 (dimensionless)", (e >= 0.0) & (e <= 1.0), (e,)),
     ]
-    rules += [("stick_compliance", "finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)) for each in given]
-    for name, allowed, holds, told in rules:
+    rules += [
+        ("stick_compliance", "be finite and >= 0 (1/kg)", isfinite(each) & (each >= 0.0), (each,)) for each in given
+    ]
+    for name, rule, holds, told in rules:
         if not _all(holds):
-            raise ValueError(f"{name} = {_first(told, holds)}: {allowed} is allowed")
+            raise ValueError(f"{name} = {_first(told, holds)}: must {rule}")
 
 
 def _all(holds: Number) -> bool:
@@ -277,7 +284,7 @@ def _all(holds: Number) -> bool:
 
 
 def _first(values: tuple[Number, ...], holds: Number) -> str:
-    """The first of the values for which a rule does not hold, for a message."""
+    """Return the first of the values for which a rule does not hold, for a message."""
     chosen = values if isinstance(holds, bool) else [np.broadcast_to(each, holds.shape)[~holds][0] for each in values]
     text = ", ".join(f"{float(each):g}" for each in chosen)
     return text if len(values) == 1 else f"({text})"
@@ -295,5 +302,5 @@ def _check_result(impact: Impact, arguments: list[Number]) -> None:
         k_nn, _, k_tt, normal, tangential, *_ = arguments
         raise ValueError(
             f"velocity = {_first((normal, tangential), holds)} with inverse_mass of diagonal {_first((k_nn, k_tt), holds)}:"
-            " values are allowed whose impulse p = v/K and work v^2/K are finite numbers (m/s, 1/kg)"
+            " must be values whose impulse p = v/K and work v^2/K are finite numbers (m/s, 1/kg)"
         )

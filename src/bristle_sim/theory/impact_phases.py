@@ -34,12 +34,12 @@ __all__ = ["INFINITE", "End", "Target", "isfinite", "magnitude", "quotient", "se
 INFINITE = math.inf
 
 KNIFE_EDGE = 1e-6
-"""One degree of freedom that sticks with less than this share of its approach left, or already regained, is at rest: a
+"""One degree of freedom that sticks with less than this fraction of its approach left, or already regained, is at rest: a
 radial bristle, up to rounding and to where its strike was located. It is neither a jam, nor has it a rebound, for which the
 work rule would ask an impulse of W/v_n, without bound."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon
-"""A normal compliance in stick below this share of K_nn is rounding: the contact has one degree of freedom."""
+"""A normal compliance in stick below this fraction of K_nn is rounding: the contact has one degree of freedom."""
 
 
 @dataclass(slots=True)
@@ -53,7 +53,7 @@ class _State:
 
 
 class _Mass(NamedTuple):
-    """K by its entries, its normal compliance in stick rid of rounding, and the tangential share of stick."""
+    """K by its entries, its normal compliance in stick rid of rounding, and the tangential impulse of stick per normal one."""
 
     normal: Number
     coupling: Number
@@ -101,7 +101,7 @@ def walk(
     mu_2: Number,
     stick: Number | None = None,
 ) -> Impact:
-    """The four phases in order."""
+    """Go through the four phases in order."""
     mass = _mass(k_nn, k_nt, k_tt, stick)
     approaching = normal < 0.0
     state = _State(select(approaching, normal, 0.0), tangential, 0.0 * normal, 0.0 * normal)
@@ -152,13 +152,13 @@ def _mass(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> _Ma
 
 
 def _settled(mass: _Mass, mu: Number) -> Number:
-    """Direction of slip once it has stopped: none where friction holds the point, else the way K drives it."""
+    """Return the direction of slip once it has stopped: 0 where friction holds the point, else as K drives it."""
     holds = mu * mass.tangential >= magnitude(mass.coupling)
     return select(holds, 0.0, _sign(mass.coupling))
 
 
 def _slip_rates(mass: _Mass, mu: Number, slip: Number) -> tuple[Number, Number]:
-    """Gains of v_n and v_t per unit normal impulse in slip, K_nn - mu sign(v_t) K_nt and K_nt - mu sign(v_t) K_tt.
+    """Return the gains of v_n and v_t per normal impulse in slip, K_nn - mu sign(v_t) K_nt and K_nt - mu sign(v_t) K_tt.
 
     The first by way of the second: where rounding decides both, they are still those of one mu, and no energy is gained.
     """
@@ -226,7 +226,7 @@ def _advance(
 
 
 def _slip_stop(initial: Number, rows: tuple[_Phase, ...]) -> Number:
-    """p_s: where the initial slip stops; 0 if there is none, inf if it lasts."""
+    """Return p_s, where the initial slip stops; 0 if there is none, inf if it lasts."""
     first, second, third, _ = rows
     late = first.impulse + second.impulse + third.impulse
     stop = select(first.stopped, first.impulse, select(third.stopped, late, INFINITE))
@@ -266,14 +266,14 @@ def isfinite(value: Number) -> Number:
 
 
 def _inverse(value: Number) -> Number:
-    """1/value, infinite at zero."""
+    """Return 1/value, infinite at zero."""
     if isinstance(value, float):
         return 1.0 / value if value else INFINITE
     return 1.0 / value
 
 
 def quotient(value: Number, divisor: Number) -> Number:
-    """value/divisor where the divisor is positive, else infinite."""
+    """Return value/divisor where the divisor is positive, else infinite."""
     if isinstance(divisor, float):
         return value / divisor if divisor > 0.0 else INFINITE
     quotient = np.full_like(divisor, INFINITE)

@@ -57,7 +57,7 @@ class Impact:
 
     @property
     def compressive_work_normal(self) -> Number:
-        """W_c, normal work of compression, J (negative)."""
+        """Return W_c, normal work of compression, J (negative)."""
         return self.phase_work_normal[..., 0] + self.phase_work_normal[..., 1]
 
     @property
@@ -67,7 +67,7 @@ class Impact:
 
     @property
     def restitutive_work_normal(self) -> Number:
-        """W_r, normal work of restitution, J (positive)."""
+        """Return W_r, normal work of restitution, J (positive)."""
         return self.phase_work_normal[..., 2] + self.phase_work_normal[..., 3]
 
     @property
@@ -82,12 +82,12 @@ class Impact:
 
     @property
     def outcome_name(self) -> str:
-        """The outcome of a single impact in words."""
+        """Return the outcome of a single impact in words."""
         return OUTCOMES[int(self.outcome)]
 
     @property
     def phases(self) -> tuple[str, ...]:
-        """Phases of a single impact in order, e.g. ``("compression slip", "restitution reverse slip")``."""
+        """Return the phases of a single impact in order, e.g. ``("compression slip", "restitution reverse slip")``."""
         initial = self.phase_slip[0]
         names = []
         for name, impulse, slip in zip(PHASES, self.phase_impulse, self.phase_slip, strict=True):

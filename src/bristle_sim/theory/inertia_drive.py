@@ -18,36 +18,29 @@ import math
 
 import numpy as np
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import ranges, require, single
+from bristle_sim.theory.checks import require, single
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = ["hub_speed_for_tip_speed", "largest_retraction", "radial_tip_speed", "time_to_radial"]
 
-_arguments = ranges(
-    Range("hub_speed", "rad/s", 1e-100, 1e6, True, "US 10925386"),
-    Range("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, fig. 2.2"),
-    Range("length", "m", 1e-30, 1e3, True, "Zhang 2020, fig. 2.2"),
-    Range("inertia", "kg m^2", 1e-60, 1e6, True, "m L^2/3"),
-    Range("stiffness", "N m/rad", 0.0, 1e12, True, "Zhang 2020, sec. 2.2"),
-    Range("centrifugal", "N m/rad", 0.0, 1e12, True, "m r_h (L/2) omega^2"),
-    Range("tip_speed", "m/s", 0.0, 1e12, True, "asked for"),
-)
-"""What the arguments of these names must be."""
+LEAST_SPEED = 1e-100
+"""In rad/s: the squares of smaller speeds vanish beside the least inertia."""
 
 _RULE = np.polynomial.legendre.leggauss(60)
 NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]
 """Gauss-Legendre rule on (0, pi/2); the integrand is analytic there."""
 
 
-@_arguments
+@checked_arguments
 def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
-    """Largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
+    """Return the largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
 
     Raises:
         ValueError: if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
     """
     for name, value in (("inertia", inertia), ("stiffness", stiffness), ("hub_speed", hub_speed)):
         single(name, value)
+    require("hub_speed", hub_speed, hub_speed >= LEAST_SPEED, f"must be at least {LEAST_SPEED:g} (in rad/s)")
     from scipy.optimize import brentq
 
     energy = 0.5 * inertia * hub_speed**2
@@ -63,9 +56,9 @@ def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub
     return float(brentq(excess, 0.9 * min(flat, math.sqrt(2.0 * energy / (stiffness + centrifugal))), flat, xtol=1e-16))
 
 
-@_arguments
+@checked_arguments
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
-    """Time from the pulley's tangent point until the bristle is radial again, T = 2 int_0^A d alpha/alpha', s.
+    """Return the time from the pulley's tangent point to the radial direction, T = 2 int_0^A d alpha/alpha', s.
 
     With alpha = A sin(u) the inverse root at the turning point goes away: d alpha/alpha' = du/sqrt(k/I + (2 g/I) [cos alpha -
     cos A]/(A cos u)^2), and cos alpha - cos A = 2 sin((A + alpha)/2) sin((A - alpha)/2) with A - alpha = A cos(u)^2/(1 + sin u).
@@ -77,13 +70,14 @@ def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_spe
     return 2.0 * float(np.sum(WEIGHTS / np.sqrt((stiffness + 2.0 * centrifugal * field) / inertia)))
 
 
-@_arguments
+@checked_arguments
 def radial_tip_speed(hub_speed: float, hub_radius: float, length: float) -> float:
-    """Speed of the tip when the bristle is radial again, (2 L + r_h) omega, m/s."""
+    """Return the speed of the tip when the bristle is radial again, (2 L + r_h) omega, m/s."""
     return (2.0 * length + hub_radius) * hub_speed
 
 
-@_arguments
+@checked_arguments
 def hub_speed_for_tip_speed(tip_speed: float, hub_radius: float, length: float) -> float:
-    """Speed of the pulley for a speed of the tip when radial, rad/s."""
+    """Return the speed of the pulley for a speed of the tip when radial, rad/s."""
+    require("tip_speed", tip_speed, tip_speed >= 0.0, "must be at least 0, as the hub turns forward (in m/s)")
     return tip_speed / (2.0 * length + hub_radius)

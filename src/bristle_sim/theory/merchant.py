@@ -5,6 +5,15 @@ angle, alpha: rake angle); the chip shears off along a plane at the shear angle 
 stress tau_s acts over b d_u/sin(eta). The modified circle measures the uncut depth d_u normal to a path that descends at
 the impact angle gamma, so that R makes arccot(mu) with the workpart whatever the rake: beta - alpha = arccot(mu) - gamma.
 
+``surface="parallel"`` measures the shear plane as (4.28) does, d_u/sin(eta) long, which is right for a surface parallel to
+the path. The real surface rises from the path at gamma, so a shear plane at eta meets it after d_u cos(gamma)/sin(eta -
+gamma). ``surface="inclined"`` takes that: least work then gives eta - gamma = pi/4 - arccot(mu)/2, whatever gamma,
+
+    R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
+
+and the shear plane comes out of the surface for every mu > 0: the contradiction between mu >= tan(gamma) for the chip and
+mu < tan(gamma) for the rebound (4.43) is one of where the shear plane ends.
+
 Forces in N, widths and depths in m, stresses in Pa, angles in rad; everything broadcasts.
 """
 
@@ -12,19 +21,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import ranges, require
+from bristle_sim.theory.checks import require
+from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = [
     "API_5L",
     "PRINTED_ANGLES",
     "CuttingAngles",
     "ShearAngleError",
+    "Surface",
     "cutting_force",
     "depth_of_cut",
     "oblique_angles",
@@ -32,10 +43,14 @@ __all__ = [
     "resultant_force",
     "shear_angle",
     "shear_constant",
+    "specific_cutting_energy",
 ]
 
 Number = Any
 """A float where the arguments are, else an array of their broadcast shape."""
+
+Surface = Literal["parallel", "inclined"]
+"""How the surface lies to the path where the shear plane ends."""
 
 API_5L = 1.2e8
 """Shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)."""
@@ -43,26 +58,8 @@ API_5L = 1.2e8
 RAKE_OFFSET = math.radians(11.5)
 """Rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36)."""
 
-GAMMA_ALLOWED = "0 <= impact_angle < pi/2 is allowed (in rad)"
-
 LEAST_WORK = 0.5 * math.pi
 """The constant C of (4.45) for which it is the shear angle of least work (4.25)."""
-
-
-_arguments = ranges(
-    Range("resultant_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.25"),
-    Range("constant", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.45"),
-    Range("slope", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.44"),
-    Range("rake", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
-    Range("friction", "1", -1e300, 1e300, True, "Zhang 2020, eq. 4.40"),
-    Range("impact_angle", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
-    Range("rake_offset", "rad", -1e6, 1e6, True, "Zhang 2020, eq. 4.36"),
-    Range("depth", "m", 0.0, 1e6, True, "Zhang 2020, eq. 4.30"),
-    Range("width", "m", 1e-30, 1e6, True, "Zhang 2020, eq. 4.16"),
-    Range("shear_yield_stress", "Pa", 1e-30, 1e30, True, "Zhang 2020, eq. 4.53"),
-    Range("force", "N", -1e30, 1e30, True, "Zhang 2020, eq. 4.46"),
-)
-"""What is allowed for the arguments of these names; functions narrow it where they must."""
 
 
 class ShearAngleError(ValueError):
@@ -79,17 +76,17 @@ class CuttingAngles:
 
     @property
     def resultant_angle(self) -> Number:
-        """Angle between the resultant and the cutting velocity, beta - alpha."""
+        """Return the angle between the resultant and the cutting velocity, beta - alpha."""
         return self.friction - self.rake
 
     @property
     def resultant_ratio(self) -> Number:
-        """tau_s b d_u/R = sin(eta) cos(eta + beta - alpha) (4.20)."""
+        """Return tau_s b d_u/R = sin(eta) cos(eta + beta - alpha) (4.20)."""
         return np.sin(self.shear) * np.cos(self.shear + self.resultant_angle)
 
     @property
     def cutting_ratio(self) -> Number:
-        """tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha) (4.46); 1 over it is u/tau_s.
+        """Return tau_s b d_u/F_c = sin(eta) cos(eta + beta - alpha)/cos(beta - alpha) (4.46); 1 over it is u/tau_s.
 
         u = F_c/(b d_u) is the specific cutting energy, J per m^3 of chip.
         """
@@ -100,46 +97,42 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 """Angles at mu = 0.5, gamma = 23.4 deg as rounded in print (Zhang 2020, eqs. 4.36, 4.52)."""
 
 
-@_arguments
+@checked_arguments
 def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) -> Number:
-    """Shear angle eta = (C - (beta - alpha))/2 (4.45); by default that of least work, pi/4 - (beta - alpha)/2 (4.25).
+    """Return the shear angle eta = (C - (beta - alpha))/2 (4.45); by default pi/4 - (beta - alpha)/2 (4.25).
 
     Raises:
         ValueError: if C is not within 0 < C <= pi/2, or beta - alpha >= C, which pushes the chip into the work.
     """
-    constant, angle = np.asarray(constant, dtype=float), np.asarray(resultant_angle, dtype=float)
-    require("constant", constant, (constant > 0.0) & (constant <= LEAST_WORK), "0 < C <= pi/2 is allowed (in rad)")
-    require("resultant_angle", angle, angle < constant, "beta - alpha < C is allowed, or nothing is cut (in rad)")
-    return 0.5 * (constant - angle)
+    rule = "must be beta - alpha < C, or nothing is cut (in rad)"
+    require("resultant_angle", resultant_angle, np.less(resultant_angle, constant), rule)
+    return 0.5 * np.subtract(constant, resultant_angle)
 
 
-@_arguments
+@checked_arguments
 def shear_constant(slope: ArrayLike) -> Number:
-    """The constant C of (4.45) for tau_s = tau_o + k sigma_s (4.44), k = ``slope``: C = arccot k (Merchant 1951).
+    """Return the constant C of (4.45) for tau_s = tau_o + k sigma_s (4.44), k = ``slope``: C = arccot k.
 
     With sigma_s = R sin(eta + beta - alpha)/A_s the resultant is tau_o b d_u/(sin(eta) [cos(x) - k sin(x)]),
     x = eta + beta - alpha, and cos(x) - k sin(x) ~ cos(x + arctan k); its least value is at 2 eta + beta - alpha =
     pi/2 - arctan k.
     """
-    require("slope", slope, np.asarray(slope) >= 0.0, "slope >= 0 is allowed (dimensionless)")
     return LEAST_WORK - np.arctan(slope)
 
 
-@_arguments
+@checked_arguments
 def orthogonal_angles(rake: ArrayLike, friction: ArrayLike, constant: ArrayLike = LEAST_WORK) -> CuttingAngles:
-    """Classical circle: rake angle and Coulomb's friction coefficient on the rake face, beta = arctan(friction) (4.25).
+    """Return the classical circle's angles for Coulomb's friction on the rake face, beta = arctan(friction) (4.25).
 
     Raises:
         ValueError: if friction < 0, rake is not within -pi/2 < rake < pi/2, or the tool cuts nothing.
     """
-    rake, friction = np.asarray(rake, dtype=float), np.asarray(friction, dtype=float)
-    require("rake", rake, np.abs(rake) < 0.5 * math.pi, "-pi/2 < rake < pi/2 is allowed (in rad)")
-    require("friction", friction, friction >= 0.0, "friction >= 0 is allowed (dimensionless)")
+    require("rake", rake, np.abs(rake) < 0.5 * math.pi, "must be -pi/2 < rake < pi/2 (in rad)")
     angle = np.arctan(friction)
     return CuttingAngles(rake, angle, shear_angle(angle - rake, constant))
 
 
-@_arguments
+@checked_arguments
 def oblique_angles(
     friction: ArrayLike,
     impact_angle: ArrayLike,
@@ -148,7 +141,7 @@ def oblique_angles(
     rake_offset: ArrayLike = RAKE_OFFSET,
     check: bool = True,
 ) -> CuttingAngles:
-    """Modified circle: alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45) (Zhang 2020, eqs. 4.36-4.40).
+    """Return the modified circle's angles, alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45).
 
     Args:
         friction: mu, ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives.
@@ -162,12 +155,10 @@ def oblique_angles(
         ShearAngleError: where eta < gamma and check is set.
         ValueError: if friction <= 0 or gamma is not within 0 <= gamma < pi/2.
     """
-    friction, gamma = np.asarray(friction, dtype=float), np.asarray(impact_angle, dtype=float)
-    require("friction", friction, friction > 0.0, "friction > 0 is allowed (dimensionless)")
-    require("impact_angle", gamma, (gamma >= 0.0) & (gamma < 0.5 * math.pi), GAMMA_ALLOWED)
-    offset = np.asarray(rake_offset, dtype=float)
-    upright = np.arctan2(1.0, friction)
-    angles = CuttingAngles(gamma + offset, offset + upright, shear_angle(upright - gamma, constant))
+    gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
+    require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
+    require("impact_angle", gamma, gamma < 0.5 * math.pi, "must be below pi/2 (in rad)")
+    angles = CuttingAngles(gamma + rake_offset, rake_offset + upright, shear_angle(upright - gamma, constant))
     # The rounding of arccot must not refuse mu = tan(gamma) itself.
     buried = angles.shear < gamma - 1e-12
     if check and np.any(buried):
@@ -175,35 +166,54 @@ def oblique_angles(
             float(np.broadcast_to(each, buried.shape)[buried][0]) for each in (friction, _least(gamma, constant))
         )
         raise ShearAngleError(
-            f"friction = {worst:g}: friction >= cot(C - impact_angle) = {least:g} is allowed, or the shear plane does"
-            " not come out of the surface (dimensionless)"
+            f"friction = {worst:g}: must be friction >= cot(C - impact_angle) = {least:g}, or the shear plane does not"
+            " come out of the surface (dimensionless)"
         )
     return angles
 
 
 def _least(impact_angle: Number, constant: ArrayLike) -> Number:
-    """Least friction with eta >= gamma, cot(C - gamma): tan(gamma) for C = pi/2 (4.42); infinite for gamma >= C."""
+    """Return the least friction with eta >= gamma, cot(C - gamma), tan(gamma) for C = pi/2 (4.42); inf for gamma >= C."""
     room = np.maximum(np.asarray(constant, dtype=float) - impact_angle, 0.0)
     return np.divide(1.0, np.tan(room), out=np.full(np.shape(room), np.inf), where=room > 0.0)
 
 
-@_arguments
+@checked_arguments
 def resultant_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Resultant R = tau_s b d_u/(sin(eta) cos(eta + beta - alpha)) (4.20, 4.30), N."""
-    pressed = (
-        np.asarray(depth, dtype=float) * np.asarray(width, dtype=float) * np.asarray(shear_yield_stress, dtype=float)
-    )
-    return pressed / angles.resultant_ratio
+    """Return the resultant R = tau_s b d_u/(sin(eta) cos(eta + beta - alpha)) (4.20, 4.30), N."""
+    return np.multiply(depth, width) * shear_yield_stress / angles.resultant_ratio
 
 
-@_arguments
+@checked_arguments
 def cutting_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Force along the cutting velocity, F_c = R cos(beta - alpha) (4.17a, 4.21, 4.31), N."""
+    """Return the force along the cutting velocity, F_c = R cos(beta - alpha) (4.17a, 4.21, 4.31), N."""
     return resultant_force(depth, width, shear_yield_stress, angles) * np.cos(angles.resultant_angle)
 
 
-@_arguments
+@checked_arguments
 def depth_of_cut(force: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Uncut depth d_u that a cutting force F_c shears off at a width b (4.46), m."""
-    yielding = np.asarray(width, dtype=float) * np.asarray(shear_yield_stress, dtype=float)
-    return np.asarray(force, dtype=float) * angles.cutting_ratio / yielding
+    """Return the uncut depth d_u that a cutting force F_c shears off at a width b (4.46), m."""
+    return force * angles.cutting_ratio / np.multiply(width, shear_yield_stress)
+
+
+@checked_arguments
+def specific_cutting_energy(
+    friction: ArrayLike,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    shear_yield_stress: ArrayLike = API_5L,
+    surface: Surface = "parallel",
+) -> Number:
+    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path or inclined to it.
+
+    Raises:
+        ValueError: if friction <= 0, gamma is not within 0 <= gamma < pi/2, the stress is not positive, or surface is not
+            one of the two words.
+    """
+    angles = oblique_angles(friction, impact_angle, check=False)
+    if surface == "parallel":
+        return shear_yield_stress / angles.cutting_ratio
+    if surface != "inclined":
+        raise ValueError(f"surface = {surface!r}: must be one of parallel | inclined")
+    # [1 - sin(arccot mu)]/2 = [1 - cos(arctan mu)]/2, in the form that does not cancel.
+    ratio = np.sin(0.5 * np.arctan(friction)) ** 2
+    return shear_yield_stress * np.cos(impact_angle) * np.cos(angles.resultant_angle) / ratio

@@ -22,15 +22,14 @@ rotation. Every function raises ValueError for an argument outside its range, an
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from bristle_sim.quantity import Range
-from bristle_sim.theory.checks import ranges
+from bristle_sim.theory.checks import require
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
+from bristle_sim.theory.ranges import checked_arguments
 
 __all__ = [
     "MonofilamentImpact",
@@ -53,23 +52,7 @@ Number = Any
 """A float, or an array of the arguments' broadcast shape."""
 
 LEAST_ANGLE = 1e-150
-"""In rad: impulses grow as its inverse, and the smaller ones are no numbers for a tip without friction."""
-
-_arguments = ranges(
-    Range("mass", "kg", 1e-30, 1e6, True, "Zhang 2020, eq. 2.20"),
-    Range("length", "m", 1e-9, 1e3, True, "Zhang 2020, eq. 2.19"),
-    Range("impulse", "N s", -1e30, 1e30, True, "Zhang 2020, eq. 2.34"),
-    Range("initial_rate", "rad/s", -1e15, 1e15, True, "Zhang 2020, eq. 2.34"),
-    Range("hub_radius", "m", 0.0, 1e3, True, "Zhang 2020, eq. 2.19"),
-    Range("hub_speed", "rad/s", 0.0, 1e6, True, "Zhang 2020, eq. 2.19"),
-    Range("speed_ratio", "1", -1e9, 1e9, True, "Zhang 2020, eq. 2.33"),
-    Range("tip_speed", "m/s", -1e12, 1e12, True, "Zhang 2020, eq. 2.24"),
-    Range("impact_angle", "rad", LEAST_ANGLE, math.pi / 2.0, True, "Zhang 2020, fig. 2.5"),
-    Range("friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
-    Range("restitution_friction", "1", 0.0, 1e9, True, "Zhang 2020, eq. 2.28"),
-    Range("restitution", "1", 0.0, 1.0, True, "Zhang 2020, eq. 2.47"),
-)
-"""What is allowed for the arguments of these names."""
+"""In rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,18 +78,18 @@ class MonofilamentImpact:
 
     @property
     def rebound_ratio(self) -> Number:
-        """phi' after the impact over phi' before it (2.65); ValueError where the bristle was at rest before it."""
+        """Return phi' after the impact over that before it (2.65); ValueError where the latter is 0."""
         if np.any(np.equal(self.initial_bristle_rate, 0.0)):
-            raise ValueError("speed_ratio * hub_speed = 0: not 0 is allowed where a rebound ratio is asked for (rad/s)")
+            raise ValueError("speed_ratio * hub_speed = 0: must not be 0 where a rebound ratio is requested (in rad/s)")
         return self.final_bristle_rate / self.initial_bristle_rate
 
     @property
     def outcome_name(self) -> str:
-        """The outcome of a single strike in words."""
+        """Return the outcome of a single strike in words."""
         return OUTCOMES[int(self.outcome)]
 
 
-@_arguments
+@checked_arguments
 def monofilament_impact(
     mass: Number,
     length: Number,
@@ -118,7 +101,7 @@ def monofilament_impact(
     restitution: Number,
     restitution_friction: Number | None = None,
 ) -> MonofilamentImpact:
-    """All results of one strike; kg, m, rad/s, rad.
+    """Resolve one strike; kg, m, rad/s, rad.
 
     The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
     """
@@ -139,28 +122,28 @@ def monofilament_impact(
     )
 
 
-@_arguments
+@checked_arguments
 def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
-    """Speed of the tip towards the workpart before the impact, v_C = (R L + r_h) omega, m/s (2.24, 2.33)."""
+    """Return the speed of the tip towards the workpart before the impact, v_C = (R L + r_h) omega, m/s (2.24, 2.33)."""
     reach = speed_ratio * length + hub_radius
     return hub_speed * reach
 
 
-@_arguments
+@checked_arguments
 def stiction_friction(impact_angle: Number) -> Number:
-    """Least mu_2 with which no impulse can part the tip from the workpart, tan gamma (2.51)."""
+    """Return the least mu_2 with which no impulse can part the tip from the workpart, tan gamma (2.51)."""
     # The tangent of the float next to pi/2 is 1.6e16: more than any friction allowed.
     return np.tan(impact_angle)
 
 
-@_arguments
+@checked_arguments
 def rest_rate(length: Number, hub_radius: Number, hub_speed: Number) -> Number:
-    """phi'(p_cy) = -(r_h/L) omega, the rate at which the tip is at rest, rad/s (2.36)."""
+    """Return phi'(p_cy) = -(r_h/L) omega, the rate at which the tip is at rest, rad/s (2.36)."""
     radius_ratio = hub_radius / length
     return -radius_ratio * hub_speed
 
 
-@_arguments
+@checked_arguments
 def rate_in_compression(
     impulse: Number,
     initial_rate: Number,
@@ -169,12 +152,12 @@ def rate_in_compression(
     impact_angle: Number,
     friction: Number,
 ) -> Number:
-    """phi'(p) = R omega - 3 s_1 p/(m L), rad/s, after a normal impulse 0 <= p <= p_cy in N s (2.34)."""
+    """Return phi'(p) = R omega - 3 s_1 p/(m L), rad/s, after a normal impulse 0 <= p <= p_cy in N s (2.34)."""
     inertia = mass * length
     return initial_rate - 3.0 * _lever(impact_angle, friction) * impulse / inertia
 
 
-@_arguments
+@checked_arguments
 def rate_in_restitution(
     impulse: Number,
     mass: Number,
@@ -184,7 +167,7 @@ def rate_in_restitution(
     impact_angle: Number,
     restitution_friction: Number,
 ) -> Number:
-    """phi' = -(r_h/L) omega - 3 s_2 p/(m L), rad/s, after a normal impulse p = p_y - p_cy in N s (2.43).
+    """Return phi' = -(r_h/L) omega - 3 s_2 p/(m L), rad/s, after a normal impulse p = p_y - p_cy in N s (2.43).
 
     For mu_2 < tan gamma; beyond that the tip stays at rest whatever the impulse.
     """
@@ -193,43 +176,43 @@ def rate_in_restitution(
     return rest_rate(length, hub_radius, hub_speed) - 3.0 * lever * impulse / inertia
 
 
-@_arguments
+@checked_arguments
 def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
-    """p_cy = m v_C/(3 s_1), N s (2.37)."""
+    """Return p_cy = m v_C/(3 s_1), N s (2.37)."""
     momentum = mass * np.maximum(tip_speed, 0.0)
     return momentum / (3.0 * _lever(impact_angle, friction))
 
 
-@_arguments
+@checked_arguments
 def normal_work_in_compression(
     impulse: Number, mass: Number, tip_speed: Number, impact_angle: Number, friction: Number
 ) -> Number:
-    """W_y(p) = -v_C sin gamma p + 3 s_1 sin gamma p^2/(2 m), J, for a normal impulse 0 <= p <= p_cy in N s (2.40)."""
+    """Return W_y(p) = -v_C sin gamma p + 3 s_1 sin gamma p^2/(2 m), J, for 0 <= p <= p_cy in N s (2.40)."""
     slowing = 3.0 * _lever(impact_angle, friction) * impulse / (2.0 * mass)
     return (slowing - tip_speed) * np.sin(impact_angle) * impulse
 
 
-@_arguments
+@checked_arguments
 def normal_compressive_work(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
-    """W_y(p_cy) = -v_C sin gamma p_cy/2, J (2.40)."""
+    """Return W_y(p_cy) = -v_C sin gamma p_cy/2, J (2.40)."""
     impulse = normal_compressive_impulse(mass, tip_speed, impact_angle, friction)
     return -0.5 * np.multiply(tip_speed, np.sin(impact_angle)) * impulse
 
 
-@_arguments
+@checked_arguments
 def tangential_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
-    """p_cx = -m v_C/(3 (cos gamma + sin gamma/mu_1)) = -mu_1 p_cy, N s (2.56); zero for mu_1 = 0."""
+    """Return p_cx = -m v_C/(3 (cos gamma + sin gamma/mu_1)) = -mu_1 p_cy, N s (2.56); zero for mu_1 = 0."""
     return 0.0 - np.multiply(friction, normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
 
 
-@_arguments
+@checked_arguments
 def tangential_compressive_work(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
-    """W_x(p_cx) = v_C cos gamma p_cx/2, J (2.58)."""
+    """Return W_x(p_cx) = v_C cos gamma p_cx/2, J (2.58)."""
     impulse = tangential_compressive_impulse(mass, tip_speed, impact_angle, friction)
     return 0.5 * np.multiply(tip_speed, np.cos(impact_angle)) * impulse
 
 
-@_arguments
+@checked_arguments
 def normal_final_impulse(
     mass: Number,
     tip_speed: Number,
@@ -238,7 +221,7 @@ def normal_final_impulse(
     restitution: Number,
     restitution_friction: Number | None = None,
 ) -> Number:
-    """p_fy = (m v_C/3) (s_2 + e* sqrt(s_1 s_2))/(s_1 s_2) = p_cy (1 + e* sqrt(s_1/s_2)), N s (2.48, 2.64).
+    """Return p_fy = (m v_C/3) (s_2 + e* sqrt(s_1 s_2))/(s_1 s_2) = p_cy (1 + e* sqrt(s_1/s_2)), N s (2.48, 2.64).
 
     It grows without bound as mu_2 approaches tan gamma. From there on there is no restitution: p_fy = p_cy, as for
     e* = 0.
@@ -249,7 +232,7 @@ def normal_final_impulse(
     return impulse * (1.0 + restitution * root)
 
 
-@_arguments
+@checked_arguments
 def final_rate(
     tip_speed: Number,
     length: Number,
@@ -260,22 +243,24 @@ def final_rate(
     restitution: Number,
     restitution_friction: Number | None = None,
 ) -> Number:
-    """phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1), rad/s: eq. 2.43 at the p_fy of eq. 2.48, as in eq. 2.65.
+    """Return phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1), rad/s: (2.43) at the p_fy of (2.48), as in (2.65).
 
     With mu_2 >= tan gamma or e* = 0 the tip stays at rest, phi'_f = -(r_h/L) omega; where v_C <= 0 it keeps its rate.
     """
     later = _later_lever(impact_angle, friction if restitution_friction is None else restitution_friction)
     thrown = restitution * np.sqrt(later / _lever(impact_angle, friction))
-    share = np.where(tip_speed > 0.0, -thrown, 1.0)
-    return rest_rate(length, hub_radius, hub_speed) + share * tip_speed / length
+    factor = np.where(tip_speed > 0.0, -thrown, 1.0)
+    return rest_rate(length, hub_radius, hub_speed) + factor * tip_speed / length
 
 
 def _lever(impact_angle: Number, friction: Number) -> Number:
-    """s_1."""
+    """Return s_1; impulses divide by it."""
+    least = f"must be at least {LEAST_ANGLE:g}, as impulses grow as its inverse (in rad)"
+    require("impact_angle", impact_angle, np.greater_equal(impact_angle, LEAST_ANGLE), least)
     return np.sin(impact_angle) + friction * np.cos(impact_angle)
 
 
 def _later_lever(impact_angle: Number, friction: Number) -> Number:
-    """s_2, zero from the stiction friction on."""
+    """Return s_2, zero from the stiction friction on."""
     lever = np.sin(impact_angle) - friction * np.cos(impact_angle)
     return np.where(friction < stiction_friction(impact_angle), np.maximum(lever, 0.0), 0.0)[()]

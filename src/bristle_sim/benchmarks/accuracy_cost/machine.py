@@ -1,4 +1,4 @@
-"""What was measured on and with, and the command that measures it again."""
+"""What was measured on and with: processor, system, load and the versions of the packages."""
 
 from __future__ import annotations
 
@@ -9,42 +9,39 @@ import platform
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.benchmarks.accuracy_cost.measure import Effort
-
-__all__ = ["PACKAGES", "installed", "machine", "surroundings"]
+__all__ = ["PACKAGES", "installed", "surroundings"]
 
 PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn", "pybullet")
 
 
 def installed() -> set[str]:
-    """The packages that can be imported."""
+    """Return the packages that are there to be imported."""
     return {name for name in PACKAGES if importlib.util.find_spec(name) is not None}
 
 
-def machine(effort: Effort) -> dict[str, Any]:
-    """Processor, system, load, versions and command, as plain values."""
-    return {
-        **surroundings(),
-        "clock": f"process CPU time, the least of {effort.rounds} interleaved rounds",
-        "command": f"python scenarios/accuracy_cost.py --set effort={effort.effort} --set peers={effort.peers}",
-    }
-
-
 def surroundings() -> dict[str, Any]:
-    """Processor, system, load and versions, whatever is measured."""
-    here = installed()
-    versions = {name: importlib.metadata.version(name) for name in PACKAGES if name in here}
+    """Return processor, system, load and versions, whatever is measured."""
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "system": f"{platform.system()} {platform.machine()}",
         "load_average": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
-        "versions": {"python": platform.python_version(), **versions},
+        "versions": {
+            "python": platform.python_version(),
+            **{name: _version(name) for name in PACKAGES if name in installed()},
+        },
     }
 
 
+def _version(package: str) -> str:
+    try:
+        return importlib.metadata.version(package)
+    except importlib.metadata.PackageNotFoundError:
+        return "unknown"
+
+
 def _processor() -> str:
-    """The processor's name where the system tells it."""
+    """Return the processor's name where the system tells it."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:

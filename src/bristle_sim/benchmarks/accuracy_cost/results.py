@@ -1,15 +1,15 @@
-"""What the study found: points and effects, and our cost beside the cheapest peer's at the same error."""
+"""What the study found: points and effects, and our cost compared with the cheapest peer's at the same error."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.effects import Effect
 from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
 
-__all__ = ["OURS", "AccuracyCost", "Comparison", "comparisons", "milliseconds"]
+__all__ = ["OURS", "AccuracyCost", "Comparison", "comparisons"]
 
 OURS = "bristle_sim"
 
@@ -25,7 +25,7 @@ NOT_IN_TIME = ("bristle_sim energetic", "bristle_sim engine")
 """Our impact laws that take no steps in time; they are not compared with integrators."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class AccuracyCost:
     """All that was measured, for tables and pictures.
 
@@ -33,16 +33,16 @@ class AccuracyCost:
         cases: in order.
         points: of all cases and methods.
         effects: what each effect costs.
-        missing: packages that are not installed.
+        missing: packages that do not take part, and why.
     """
 
-    cases: tuple[Case, ...]
-    points: tuple[Point, ...]
-    effects: tuple[Effect, ...]
-    missing: tuple[str, ...]
+    cases: tuple[Case, ...] = ()
+    points: tuple[Point, ...] = ()
+    effects: tuple[Effect, ...] = ()
+    missing: dict[str, str] = field(default_factory=dict)
 
     def of(self, case: str) -> list[Point]:
-        """The points of a case."""
+        """Return the points of a case."""
         return [point for point in self.points if point.case == case]
 
 
@@ -57,28 +57,22 @@ class Comparison:
 
     @property
     def ratio(self) -> float | None:
-        """Of our CPU time to the peer's."""
+        """Ratio of our CPU time to the peer's."""
         return None if self.ours is None or self.peer is None else self.ours.cpu_s / self.peer.cpu_s
 
     def as_dict(self) -> dict[str, Any]:
-        """As plain values."""
+        """Return the comparison as plain values."""
         ours, peer = (None if point is None else point.method for point in (self.ours, self.peer))
         return {"case": self.case, "target": self.target, "ours": ours, "peer": peer, "ratio": self.ratio}
 
 
 def comparisons(measured: AccuracyCost) -> list[Comparison]:
-    """One for each case and target."""
-    return [
-        _compared(case.name, measured.of(case.name), target) for case in measured.cases for target in TARGETS[case.name]
-    ]
-
-
-def _compared(case: str, points: list[Point], target: float) -> Comparison:
-    ours = [each for each in points if package_of(each.method) == OURS and each.method not in NOT_IN_TIME]
-    peers = [each for each in points if package_of(each.method) != OURS]
-    return Comparison(case, target, cheapest(ours, target), cheapest(peers, target))
-
-
-def milliseconds(point: Point | None) -> float | None:
-    """A point's CPU time."""
-    return None if point is None else 1e3 * point.cpu_s
+    """Return our cost and the cheapest peer's for each case and target."""
+    found = []
+    for case in measured.cases:
+        points = [each for each in measured.of(case.name) if each.method not in NOT_IN_TIME]
+        ours = [each for each in points if package_of(each.method) == OURS]
+        peers = [each for each in points if package_of(each.method) != OURS]
+        for target in TARGETS[case.name]:
+            found.append(Comparison(case.name, target, cheapest(ours, target), cheapest(peers, target)))
+    return found

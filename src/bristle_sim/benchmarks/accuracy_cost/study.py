@@ -7,12 +7,12 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
-from bristle_sim.benchmarks.accuracy_cost import cases, mujoco_methods, other_peers, our_methods, scipy_methods
+from bristle_sim.benchmarks.accuracy_cost import cases, mujoco_methods, other_peers, own_methods, scipy_methods
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.effects import effects
-from bristle_sim.benchmarks.accuracy_cost.machine import PACKAGES, installed, machine
+from bristle_sim.benchmarks.accuracy_cost.machine import PACKAGES, installed, surroundings
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point, measure, package_of, thinned
-from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost, comparisons, milliseconds
+from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost, comparisons
 from bristle_sim.benchmarks.accuracy_cost.tables import tables
 from bristle_sim.comparison import Quantity, Report, Unfinished
 
@@ -21,19 +21,19 @@ __all__ = ["accuracy_cost"]
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 
 FLIGHT: Offers = {
-    OURS: our_methods.flight_attempts,
+    OURS: own_methods.flight_attempts,
     "scipy": scipy_methods.flight_attempts,
     "mujoco": mujoco_methods.flight_attempts,
     "exudyn": other_peers.exudyn_flight_attempts,
     "pybullet": other_peers.pybullet_flight_attempts,
 }
 STRIKE: Offers = {
-    OURS: our_methods.strike_attempts,
+    OURS: own_methods.strike_attempts,
     "scipy": scipy_methods.strike_attempts,
     "mujoco": mujoco_methods.strike_attempts,
 }
 PASS: Offers = {
-    OURS: our_methods.pass_attempts,
+    OURS: own_methods.pass_attempts,
     "scipy": scipy_methods.pass_attempts,
     "mujoco": mujoco_methods.pass_attempts,
 }
@@ -45,7 +45,7 @@ CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
 )
 """Each case, and what each package offers at it."""
 
-ASKED = {
+REQUESTED = {
     "release_flight": ("bristle_sim simulate", 1e-10),
     "strike": ("bristle_sim compliant", 1e-6),
     "double_pendulum": ("bristle_sim compliant", 1e-6),
@@ -61,8 +61,16 @@ def accuracy_cost(effort: Effort) -> Report:
     Raises:
         Unfinished: with the curves of the cases measured so far, if the user interrupts.
     """
-    begin = clock.perf_counter()
-    measured, circumstances = _measured(effort), machine(effort)
+    begin, measured = clock.perf_counter(), AccuracyCost()
+    circumstances = {
+        **surroundings(),
+        "clock": f"process CPU time, the least of {effort.rounds} interleaved rounds",
+        "command": f"python scenarios/accuracy_cost.py --set effort={effort.effort} --set peers={effort.peers}",
+    }
+    try:
+        _measure(measured, effort)
+    except KeyboardInterrupt:
+        raise Unfinished(Report(None, (), extra={"curves": _curves(measured)})) from None
     return Report(
         outcome=None,
         quantities=tuple(_rows(measured)),
@@ -70,7 +78,7 @@ def accuracy_cost(effort: Effort) -> Report:
         steps=sum(point.steps for point in measured.points if package_of(point.method) == OURS),
         remarks=tuple(tables(measured, circumstances)),
         extra={
-            "curves": [point.as_dict() for point in measured.points],
+            "curves": _curves(measured),
             "comparisons": [each.as_dict() for each in comparisons(measured)],
             "effects": [row.as_dict() for row in measured.effects],
             "machine": circumstances,
@@ -79,23 +87,36 @@ def accuracy_cost(effort: Effort) -> Report:
     )
 
 
-def _measured(effort: Effort) -> AccuracyCost:
+def _curves(measured: AccuracyCost) -> list[dict[str, Any]]:
+    return [point.as_dict() for point in measured.points]
+
+
+def _measure(measured: AccuracyCost, effort: Effort) -> None:
     here = installed()
+    measured.missing = {name: "not installed" for name in PACKAGES if name not in here}
     taking_part = here if effort.peers == "all" else {OURS}
-    made: list[Case] = []
-    points: list[Point] = []
+    for number, (build, offers) in enumerate(CASES, start=1):
+        case = build()
+        logging.getLogger(__name__).info("%s (case %d of %d)", case.name, number, len(CASES))
+        attempts = []
+        for name, offer in offers.items():
+            if name in taking_part:
+                attempts += _offered(name, offer, case, measured.missing)
+        measured.points += tuple(measure(case, thinned(attempts, effort.settings), effort))
+        measured.cases += (case,)
+    struck = next(case for case in measured.cases if isinstance(case, StrikeCase))
+    measured.effects = tuple(effects(struck, effort))
+
+
+def _offered(name: str, offer: Callable[[Any], list[Attempt]], case: Case, missing: dict[str, str]) -> list[Attempt]:
+    """Return what a package offers at a case: nothing of a peer that is installed but cannot be imported or set up."""
     try:
-        for build, offers in CASES:
-            case = build()
-            logging.getLogger(__name__).info("%s (case %d of %d)", case.name, len(made) + 1, len(CASES))
-            attempts = [each for name, offer in offers.items() if name in taking_part for each in offer(case)]
-            points += measure(case, thinned(attempts, effort.settings), effort)
-            made.append(case)
-    except KeyboardInterrupt:
-        raise Unfinished(Report(None, (), extra={"curves": [point.as_dict() for point in points]})) from None
-    struck = next(case for case in made if isinstance(case, StrikeCase))
-    missing = tuple(name for name in PACKAGES if name not in here)
-    return AccuracyCost(tuple(made), tuple(points), tuple(effects(struck, effort)), missing)
+        return offer(case)
+    except Exception as error:
+        if name == OURS:
+            raise
+        missing[name] = f"installed, but {type(error).__name__}: {' '.join(str(error).split())}"
+        return []
 
 
 def _rows(measured: AccuracyCost) -> list[Quantity]:
@@ -103,15 +124,19 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
     rows = []
     for each in comparisons(measured):
         name = f"{each.case}_cpu_at_{each.target:.0e}"
-        rows.append(Quantity(name, "ms", milliseconds(each.ours), reference=milliseconds(each.peer)))
+        rows.append(Quantity(name, "s", _seconds(each.ours), reference=_seconds(each.peer)))
     law = next(each for each in measured.of("strike") if each.method == "bristle_sim energetic")
-    rows.append(Quantity("strike_cpu_energetic", "ms", milliseconds(law)))
-    return [*rows, *(_reached(measured, case) for case in ASKED)]
+    rows.append(Quantity("strike_cpu_energetic", "s", _seconds(law)))
+    return [*rows, *(_reached(measured, case) for case in REQUESTED)]
+
+
+def _seconds(point: Point | None) -> float | None:
+    return None if point is None else point.cpu_s
 
 
 def _reached(measured: AccuracyCost, case: str) -> Quantity:
     """Return the largest ratio of error to requested accuracy, which must be at most 1."""
-    method, least = ASKED[case]
-    asked = [(float(each.setting.split("=")[1]), each.error) for each in measured.of(case) if each.method == method]
-    worst = max(error / accuracy for accuracy, error in asked if accuracy >= 0.999 * least)
+    method, least = REQUESTED[case]
+    found = [(float(each.setting.split("=")[1]), each.error) for each in measured.of(case) if each.method == method]
+    worst = max(error / accuracy for accuracy, error in found if accuracy >= 0.999 * least)
     return Quantity(f"{case}_error_over_accuracy", "1", worst, theory=0.0, tolerance=1.0)

@@ -2,42 +2,55 @@
 
 from __future__ import annotations
 
+import textwrap
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.effects import Effect
 from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest
-from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, milliseconds
+from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons
 
 __all__ = ["tables"]
+
+WIDTH = 100
+"""Columns of a terminal."""
 
 DECADES = tuple(10.0**-power for power in range(1, 11))
 
 
 def tables(measured: AccuracyCost, machine: dict[str, Any]) -> list[str]:
-    """Lines to print below the comparison."""
+    """Return lines to print below the comparison, none wider than a terminal."""
     lines = ["", "reference = the cheapest peer; simulated = the cheapest of our methods that integrate in time"]
     for case in measured.cases:
         lines += _case(case, measured.of(case.name))
     lines += ["", *_verdicts(measured), "", *_effects(measured.effects), "", *_circumstances(machine)]
+    lines += [f"does not take part: {name}, {why}" for name, why in measured.missing.items()]
     if measured.missing:
-        lines.append(f"not installed: {', '.join(measured.missing)}; pip install 'bristle-sim[peers]'")
-    return lines
+        lines.append("pip install 'bristle-sim[peers]' installs every peer")
+    return [part for line in lines for part in _wrapped(line)]
+
+
+def _wrapped(line: str) -> list[str]:
+    indent = " " * (len(line) - len(line.lstrip()) + 4)
+    return [line] if len(line) <= WIDTH else textwrap.wrap(line, WIDTH, subsequent_indent=indent, drop_whitespace=True)
 
 
 def _case(case: Case, points: list[Point]) -> list[str]:
-    """CPU time of each method at each decade of error, ms; - where it does not get there."""
-    head = "".join(f"{decade:>9.0e}" for decade in DECADES)
-    lines = ["", f"{case.name}: {case.title}; CPU ms to an error of (exact: {case.source})", f"  {'method':<30}{head}"]
+    """Return CPU time in ms of each method at each decade of error; - where it does not get there."""
+    head = "".join(f"{decade:>7.0e}" for decade in DECADES)
+    lines = ["", f"{case.name}: {case.title}; CPU ms to an error of (exact: {case.source})", f"  {'method':<28}{head}"]
     for method in dict.fromkeys(point.method for point in points):
         own = [point for point in points if point.method == method]
-        lines.append(f"  {method:<30}" + "".join(_cell(milliseconds(cheapest(own, decade))) for decade in DECADES))
+        lines.append(f"  {method:<28}" + "".join(_cell(cheapest(own, decade)) for decade in DECADES))
         lines += [f"    {each.setting} failed: {each.failure}" for each in own if each.failure]
     return lines + [f"  {note}" for note in case.notes]
 
 
-def _cell(time: float | None) -> str:
-    return f"{'-' if time is None else f'{time:.3g}':>9}"
+def _cell(point: Point | None) -> str:
+    if point is None:
+        return f"{'-':>7}"
+    time = 1e3 * point.cpu_s
+    return f"{time:>7.0f}" if time >= 100.0 else f"{time:>7.2g}"
 
 
 def _verdicts(measured: AccuracyCost) -> list[str]:
@@ -56,12 +69,11 @@ def _named(point: Point) -> str:
 
 
 def _effects(rows: tuple[Effect, ...]) -> list[str]:
-    lines = [f"{'what':<12} {'effect':<42} {'CPU us':>10} {'ratio':>7} {'steps':>7}  holds"]
+    lines = [f"{'what':<12}{'effect':<40}{'CPU us':>9}{'ratio':>7}{'steps':>7}"]
     for row in rows:
         steps = "" if row.steps is None else str(row.steps)
-        lines.append(
-            f"{row.what:<12} {row.effect:<42} {1e6 * row.cpu_s:10.2f} {row.ratio:7.2f} {steps:>7}  {row.holds}"
-        )
+        lines.append(f"{row.what:<12}{row.effect:<40}{1e6 * row.cpu_s:9.2f}{row.ratio:7.2f}{steps:>7}")
+        lines.append(f"{'':<14}{row.holds}")
     return lines
 
 

@@ -1,20 +1,20 @@
-"""A hard case: what is promised, and what was reached when it was tried."""
+"""A hard case: what is tried, what is promised, and what was reached."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-__all__ = ["Finding", "HardCase", "both", "refusal", "same_bits", "within"]
+__all__ = ["Finding", "HardCase", "all_of", "refusal", "within", "worst"]
 
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What a try has shown.
+    """Result of one trial.
 
     Attributes:
-        reached: in words, with the figure; the same at every run.
+        reached: in words, with the figure; equal at every run.
         ok: whether the promise was kept.
         steps: engine steps that it took.
     """
@@ -26,22 +26,24 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class HardCase:
-    """One hard case.
+    """One row of the tables.
 
     Attributes:
-        theme: what makes it hard; the name of the module that holds it.
+        theme: what makes it hard.
         name: what is tried, with the figures that make it hard.
-        promise: what must hold, with its limit.
-        measure: tries it.
+        promise: what must hold, with its limit and where the limit comes from.
+        measure: runs the case.
+        quick: whether it is tried at quick effort too.
     """
 
     theme: str
     name: str
     promise: str
     measure: Callable[[], Finding]
+    quick: bool = True
 
     def run(self) -> Finding:
-        """Try it; an exception nobody promised breaks the promise."""
+        """Measure the case; an exception that was not promised breaks the promise."""
         try:
             return self.measure()
         except Exception as error:
@@ -49,18 +51,12 @@ class HardCase:
 
 
 def within(value: float, limit: float, what: str, steps: int = 0) -> Finding:
-    """A figure that must not exceed its limit in size; NaN does."""
+    """Return whether the size of a figure is at most its limit; that of NaN is not."""
     return Finding(f"{what} {value:.2g}", abs(value) <= limit, steps)
 
 
-def same_bits(first: object, second: object, what: str, steps: int = 0) -> Finding:
-    """Two results that must be equal to the last bit."""
-    same = repr(first) == repr(second)
-    return Finding(f"{what} {'the same' if same else 'different'}", same, steps)
-
-
 def refusal(call: Callable[[], object], *words: str) -> Finding:
-    """A ``ValueError`` in one line that has all of the words: the parameter, the value, what is allowed."""
+    """Return whether a call raises ``ValueError`` in one line that holds all of the words: the parameter, its value, its unit."""
     try:
         answer = call()
     except ValueError as error:
@@ -71,8 +67,8 @@ def refusal(call: Callable[[], object], *words: str) -> Finding:
     return Finding(f"accepted: {answer!r:.80}", False)
 
 
-def both(*findings: Finding) -> Finding:
-    """Several findings as one, kept if all are."""
+def all_of(*findings: Finding) -> Finding:
+    """Join several findings into one, which is kept if all of them are."""
     return Finding(
         "; ".join(each.reached for each in findings),
         all(each.ok for each in findings),
@@ -80,6 +76,7 @@ def both(*findings: Finding) -> Finding:
     )
 
 
-def worst(values: list[float]) -> float:
-    """The largest size; NaN if one is."""
-    return math.nan if any(math.isnan(value) for value in values) else max(map(abs, values))
+def worst(values: Iterable[float]) -> float:
+    """Return the largest size, 0 of no values and NaN if one of them is NaN."""
+    sizes = [abs(float(value)) for value in values]
+    return math.nan if any(map(math.isnan, sizes)) else max(sizes, default=0.0)

@@ -5,7 +5,7 @@ mu against the slip s turns it by 3 p q/(m L), q = sin phi - mu s cos phi. Where
 mu = tan gamma the rod that is pulled over the surface can no longer leave it (stiction), and the rod that is pushed over
 it can no longer be stopped (jam). Sine, cosine and product are each rounded, so q is off by some roundings of sin phi
 and what is divided by q by as much over the relative distance of mu from tan gamma. Two rods have no such edge: at each
-critical friction of theirs one motion gives way to another that goes the same way there.
+critical friction of theirs one motion gives way to another that is equal to it there.
 """
 
 from __future__ import annotations
@@ -17,319 +17,182 @@ from functools import partial
 
 import numpy as np
 
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, both, worst
-from bristle_sim.benchmarks.hard_cases.one_rod import RodStrike, rod_strike
-from bristle_sim.parameters import Belt, Contact, Surface, Tool, Workpart
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, within, worst
+from bristle_sim.benchmarks.hard_cases.impacts import LEAST_DIGIT, agrees_in_time, struck
+from bristle_sim.benchmarks.hard_cases.mass_ratio import agrees_with_closed_form
+from bristle_sim.benchmarks.hard_cases.measures import Start, impacts_of, is_finite
+from bristle_sim.parameters import Belt, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.compliant import LEAST_DURATION
-from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impulse_course import contact_inverse_mass
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
-from bristle_sim.trajectory import ContactRecord, Trajectory
+from bristle_sim.theory.pendulums import single_pendulum_impact
 
-__all__ = ["cases", "critical_frictions"]
-
-THEME = "jam"
+__all__ = ["jam", "rod_near_jam"]
 
 EPSILON = sys.float_info.epsilon
 
-ROUNDINGS = 16
-"""Of sine, cosine, their products, K, and what is made of them: as many epsilons may an impulse be off, and as many over
-the distance from the jam near it."""
+ROUNDINGS = 20
+"""Roundings of friction, sine, cosine, their products and K: an impulse may be off by as many epsilons, and near the jam by
+as many over the distance from it."""
+
+PLACES = 2
+"""Roundings of the places of tip and root, in lengths, from which a root on a hub makes the tip's arm."""
 
 MASS, LENGTH, RATE, RESTITUTION = 8e-5, 0.027, 845.0, 0.42
 """A rod like the bristle; kg, m, rad/s."""
 
-ANGLES = (1.0, 23.4, 60.0, 89.0)
-"""Of the rod to the normal, degrees."""
+ANGLES = tuple(map(math.radians, (1.0, 23.4, 60.0, 89.0)))
+"""Angles of the rod to the normal, rad."""
 
 TWO_RODS = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(20.0), math.radians(-30.0)), (-0.8, 0.4))
 """Two rods whose slip drives the tip into the surface; it stops before restitution ends, so that little is magnified."""
 
+TWO_RODS_LIMIT = 1e-12 + ROUNDINGS * EPSILON * float(np.linalg.cond(contact_inverse_mass(TWO_RODS)))
+"""Share of the rods' speeds that their closed form takes for 0, and rounding times the condition of K."""
+
 ACCURACY = 1e-10
-"""Of a whole pass, and with it of the angle at which its tip strikes."""
+"""Requested accuracy of a whole pass, and with it of the angle at which its tip strikes."""
 
 LEANING = Tool(belt=Belt(stiffness=0.0), bar=None, workpart=Workpart(penetration=0.0095))
-"""A bristle thrown forward, so that its tip is pushed over the workpart."""
+"""A bristle thrown forward from ``THROWN``, so that its tip is pushed over the workpart."""
 
-START = -0.7
-"""Hub angle at which it is thrown, rad."""
+THROWN: Start = {"start_hub_angle": -0.7, "start_relative_angle": 1.2}
 
-LEAN = 1.2
-"""Its angle to the radial direction there, rad."""
-
-DEFAULT = Tool()
+EXACT = f"; impulse exact to {ROUNDINGS} roundings over that distance"
+NAMED = "either end, by name, with a finite impulse"
 
 
-def cases(full: bool) -> tuple[HardCase, ...]:
-    """One rod pulled and pushed, two rods, in time, and whole passes."""
-    distances = tuple(10.0**-power for power in range(1, 13)) if full else (1e-3, 1e-6, 1e-9, 1e-12)
-    passes = distances if full else (1e-3, 1e-12)
-    return (
-        *(_pulled(distance) for distance in (*distances, 0.0)),
-        *(_pushed(distance) for distance in (*distances, 0.0)),
-        *(_two_rods(which, distance) for which in critical_frictions(TWO_RODS) for distance in (*distances, 0.0)),
-        *(_in_time(distance) for distance in distances),
-        *(_thrown_pass(distance) for distance in (*passes, 0.0)),
-        *(_default_pass(distance) for distance in (*passes, 0.0)),
-    )
+def jam() -> list[HardCase]:
+    """Return one rod pulled and pushed, two rods, contacts in time, and whole passes, with friction on both sides of the jam."""
+    normal, coupling = contact_inverse_mass(TWO_RODS)[0].tolist()
+    critical = {
+        "sticks": abs(coupling) / float(contact_inverse_mass(TWO_RODS)[1, 1]),
+        "presses on": normal / abs(coupling),
+    }
+    rows = []
+    for distance in (*(10.0**-power for power in range(1, 13)), 0.0):
+        quick = distance in (1e-3, 1e-6, 1e-9, 1e-12, 0.0)
+        place = f"friction {distance:g} off the jam" if distance else "friction at the jam, to rounding"
+        row = partial(_row, quick=quick)
+        for way, above in (("pulled", "stiction"), ("pushed", "jam")):
+            promise = f"rebound below, {above} above{EXACT}" if distance else NAMED
+            rows.append(row(f"rod {way}, {place}", promise, partial(_one_rod, way == "pushed", distance)))
+        for which, edge in critical.items():
+            promise = f"rebound; phases, impulse and rates of the closed form to {TWO_RODS_LIMIT:.0e}"
+            near = [(TWO_RODS, edge * (1.0 + side * distance), RESTITUTION) for side in (-1.0, 1.0) if distance]
+            if near:
+                measure = partial(agrees_with_closed_form, near, TWO_RODS_LIMIT)
+                rows.append(row(f"two rods, {distance:g} off the friction that {which}", promise, measure))
+        if distance:
+            promise = "the rigid-body limit to what the rod turns meanwhile over the distance; else refused in one line"
+            rows.append(row(f"rod in time, {place}", promise, partial(_in_time, distance)))
+        passes = partial(_row, quick=distance in (1e-3, 1e-12, 0.0))
+        promise = f"by the rod's outcome; the reference's impulse to {ACCURACY:g} over the distance"
+        thrown = partial(_passes, LEANING, THROWN, distance, ACCURACY / distance if distance else math.inf)
+        rows.append(passes(f"pass, tip pushed, {place}", promise, thrown))
+        promise = f"the reference's impulse to {10.0 * ACCURACY:g}: its tip does not move along the rod's own line"
+        default = partial(_passes, Tool(), {}, distance, 10.0 * ACCURACY)
+        rows.append(passes(f"default pass, {place}", promise, default))
+    return rows
 
 
-def _near(angle: float, distance: float) -> tuple[float, ...]:
-    """Frictions on both sides of the jam, or at it."""
-    edge = math.tan(angle)
-    return (edge * (1.0 - distance), edge * (1.0 + distance)) if distance else (edge,)
+def _row(name: str, promise: str, measure: partial[Finding], *, quick: bool) -> HardCase:
+    return HardCase("jam", name, promise, measure, quick)
 
 
-def _place(distance: float) -> str:
-    return f"friction {distance:g} off the jam" if distance else "friction at the jam, to rounding"
+def rod_near_jam(angle: float, velocity: tuple[float, float], distance: float, restitution: float) -> tuple[str, float]:
+    """Return outcome and impulse over mass (m/s) of one rod's strike with the friction tan(angle) (1 + distance).
+
+    Its tip arrives with (v_n, v_t > 0) in m/s; the angle to the normal (rad) is positive for a tip ahead of its root. With
+    the distance d put into q by hand, no digit is lost to the difference. Pulled, slip and compression stop together, and
+    p_c = -v_n/(3 sin^2 (2 + d)); pushed, slip lasts while it can, and p_c = v_n/(3 sin^2 d).
+    """
+    sine, cosine = abs(math.sin(angle)), math.cos(angle)
+    if angle > 0.0:
+        if distance >= 0.0:
+            return "jam", velocity[1] / (3.0 * sine * cosine * distance)
+        return "rebound", velocity[0] / (3.0 * sine**2 * distance) * (1.0 + restitution)
+    compressive = -velocity[0] / (3.0 * sine**2 * (2.0 + distance))
+    if distance >= 0.0:
+        return "stiction", compressive
+    return "rebound", compressive * (1.0 + restitution * math.sqrt(-(2.0 + distance) / distance))
 
 
-TO_ROUNDING = f"impulse exact to {ROUNDINGS} roundings over that distance"
-
-PLACES = 2
-"""Roundings of the places of tip and root, in lengths, of which a root that is not the origin makes the tip's arm."""
-
-OF_PLACE = f"{TO_ROUNDING}, and {PLACES} of the tip's place"
-
-
-def _share(expected: RodStrike, impulse: float, places: int) -> float:
-    """Of the error allowed, the error of an impulse; a stiction is not magnified."""
-    roundings = ROUNDINGS + places * expected.arms
-    allowed = roundings * EPSILON * (1.0 if expected.outcome == "stiction" else 1.0 + 1.0 / expected.distance)
-    return (impulse / expected.impulse - 1.0) / allowed
-
-
-def _beside(tries: list[tuple[RodStrike, str, float]], equal: bool, places: int = PLACES) -> Finding:
-    """Outcomes and impulses beside the exact ones; at the jam itself rounding decides, but the impulse is finite."""
-    words = sorted({outcome for _, outcome, _ in tries})
-    if equal:
-        most = max(impulse for _, _, impulse in tries)
-        finite = all(0.0 <= impulse < math.inf for _, _, impulse in tries)
-        named = set(words) <= {"rebound", "stiction", "jam"}
-        return Finding(f"{', '.join(words)}; impulse up to {most:.1g} N s", finite and named)
-    off = worst([_share(expected, impulse, places) for expected, _, impulse in tries])
-    wrong = [f"{outcome} for {expected.outcome}" for expected, outcome, _ in tries if outcome != expected.outcome]
-    told = f"; {len(wrong)} wrong, first {wrong[0]}" if wrong else ""
-    return Finding(f"{', '.join(words)}; {off:.2g} of the error allowed{told}", not wrong and off <= 1.0)
+def _one_rod(pushed: bool, distance: float) -> Finding:
+    """Compare the strikes of rods at several angles; pulled ones also with the theory's own functions."""
+    off, words, wrong = [], set(), []
+    for angle in ANGLES:
+        for side in (-distance, distance):
+            for outcome, impulse, velocity, places in _strikes(pushed, angle, math.tan(angle) * (1.0 + side)):
+                words.add(outcome)
+                if not distance:
+                    wrong += [] if 0.0 <= impulse < math.inf else [f"impulse {impulse:g}"]
+                    continue
+                expected, exact = rod_near_jam(angle if pushed else -angle, velocity, side, RESTITUTION)
+                roundings = ROUNDINGS + places / (math.sin(angle) * math.cos(angle))
+                magnified = 1.0 if expected == "stiction" else 1.0 + 1.0 / distance
+                off.append((impulse / (MASS * exact) - 1.0) / (roundings * EPSILON * magnified))
+                wrong += [] if outcome == expected else [f"{outcome} instead of {expected}"]
+    told = f"{', '.join(sorted(words))}{'; ' + wrong[0] if wrong else ''}"
+    named = not wrong and words <= {"rebound", "stiction", "jam"}
+    return all_of(Finding(told, named), within(worst(off), 1.0, "off by, of the limit,"))
 
 
-def _pulled(distance: float) -> HardCase:
-    promise = f"rebound below, stiction above; {TO_ROUNDING}" if distance else "either, by name, with a finite impulse"
-    return HardCase(THEME, f"rod pulled, {_place(distance)}", promise, partial(_pull, distance))
-
-
-def _pull(distance: float) -> Finding:
-    tries = []
-    for angle in map(math.radians, ANGLES):
-        for friction in _near(angle, distance):
-            expected = rod_strike(MASS, -angle, _velocity(angle), friction, RESTITUTION)
-            tries += [(expected, *found) for found in _pulled_by_all(angle, friction)]
-    return _beside(tries, distance == 0.0, places=0)
-
-
-def _velocity(angle: float) -> tuple[float, float]:
-    return -LENGTH * RATE * math.sin(angle), LENGTH * RATE * math.cos(angle)
-
-
-def _pulled_by_all(angle: float, friction: float) -> list[tuple[str, float]]:
-    """Outcome and impulse by the scene, the pendulum's theory and the bristle's."""
-    hit = strike(_rod(angle), Surface(friction, None, RESTITUTION), Contact(), Settings()).contact
+def _strikes(pushed: bool, angle: float, friction: float) -> list[tuple[str, float, tuple[float, float], int]]:
+    """Return outcome, impulse, velocity before and roundings of places, by the scene and where it applies by theory."""
+    if pushed:
+        hit = struck(Chain((MASS,), (LENGTH,), (angle,), (0.0,), LENGTH, RATE, -1.0), friction, RESTITUTION).contact
+        return [(hit.outcome, hit.impulse[0], hit.velocity_before, PLACES)]
+    hit = struck(_pulled(angle), friction, RESTITUTION).contact
     pendulum = single_pendulum_impact(MASS, LENGTH, angle, -RATE, friction, RESTITUTION)
     bristle = monofilament_impact(MASS, LENGTH, 0.0, RATE, 1.0, angle, friction, RESTITUTION)
+    velocity = -LENGTH * RATE * math.sin(angle), LENGTH * RATE * math.cos(angle)
     return [
-        (hit.outcome, hit.impulse[0]),
-        (pendulum.outcome, pendulum.normal_final_impulse),
-        (bristle.outcome_name, float(bristle.normal_final_impulse)),
+        (hit.outcome, hit.impulse[0], velocity, 0),
+        (pendulum.outcome, pendulum.normal_final_impulse, velocity, 0),
+        (bristle.outcome_name, float(bristle.normal_final_impulse), velocity, 0),
     ]
 
 
-def _rod(angle: float) -> Chain:
+def _pulled(angle: float) -> Chain:
     return Chain((MASS,), (LENGTH,), (-angle,), (RATE,))
 
 
-def _pushed(distance: float) -> HardCase:
-    promise = f"rebound below, jam above; {OF_PLACE}" if distance else "either, by name, with a finite impulse"
-    return HardCase(THEME, f"rod pushed, {_place(distance)}", promise, partial(_push, distance))
-
-
-def _push(distance: float) -> Finding:
-    """On a hub that descends, the tip ahead of its root."""
-    tries = []
-    for angle in map(math.radians, ANGLES):
-        chain = Chain((MASS,), (LENGTH,), (angle,), (0.0,), LENGTH, RATE, -1.0)
-        for friction in _near(angle, distance):
-            hit = strike(chain, Surface(friction, None, RESTITUTION), Contact(), Settings()).contact
-            expected = rod_strike(MASS, angle, hit.velocity_before, friction, RESTITUTION)
-            tries.append((expected, hit.outcome, hit.impulse[0]))
-    return _beside(tries, distance == 0.0)
-
-
-def critical_frictions(chain: Chain) -> dict[str, float]:
-    """Those at which the tip no longer reverses its slip, and at which slip no longer slows the approach."""
-    (normal, coupling), (_, tangential) = contact_inverse_mass(chain).tolist()
-    return {"sticks": abs(coupling) / tangential, "presses on": normal / abs(coupling)}
-
-
-CONDITION = float(np.linalg.cond(contact_inverse_mass(TWO_RODS)))
-
-NONE = 1e-12
-"""Share of the rods' speeds that their closed form takes for none."""
-
-RODS_LIMIT = NONE + ROUNDINGS * EPSILON * CONDITION
-"""Rounding by the condition of K, and nothing of the distance."""
-
-
-def _two_rods(which: str, distance: float) -> HardCase:
-    place = f"{distance:g} off" if distance else "at"
-    promise = f"rebound; impulse and rates of the closed form to {RODS_LIMIT:.0e}, finite"
-    return HardCase(
-        THEME, f"two rods, {place} the friction that {which}", promise, partial(_two_rods_beside, which, distance)
-    )
-
-
-def _two_rods_beside(which: str, distance: float) -> Finding:
-    """Also with half that friction in compression, so that the critical one begins with restitution."""
-    edge, off, words = critical_frictions(TWO_RODS)[which], [], set()
-    for friction in {edge * (1.0 - distance), edge * (1.0 + distance)}:
-        for earlier in (friction, 0.5 * friction):
-            surface = Surface(earlier, friction, RESTITUTION)
-            hit = strike(TWO_RODS, surface, Contact(), Settings()).contact
-            off += _off_theory(hit, surface)
-            words.add(hit.outcome)
-    return Finding(
-        f"{', '.join(sorted(words))}; off by {worst(off):.1g}", worst(off) <= RODS_LIMIT and words == {"rebound"}
-    )
-
-
-def _off_theory(hit: ContactRecord, surface: Surface) -> list[float]:
-    theory = double_pendulum_impact(
-        rod_mass=TWO_RODS.masses[1],
-        mass_ratio=1.0,
-        rod_length=TWO_RODS.lengths[1],
-        angle_1=-TWO_RODS.angles[0],
-        angle_2=-TWO_RODS.angles[1],
-        rate_1=-TWO_RODS.rates[0],
-        rate_2=-TWO_RODS.rates[1],
-        friction=surface.friction,
-        restitution=surface.restitution,
-        restitution_friction=surface.restitution_friction,
-    )
-    fastest = max(map(abs, hit.rates_before))
-    return [
-        hit.impulse[0] / theory.normal_final_impulse - 1.0,
-        (hit.rates_after[0] + theory.final_rate_1) / fastest,
-        (hit.rates_after[1] + theory.final_rate_2) / fastest,
-    ]
-
-
-def _in_time(distance: float) -> HardCase:
-    promise = (
-        "the rigid-body limit to its duration in radians over sin gamma cos gamma, below the jam over the distance, too;"
-        " where that is no digit, an end by name without gain of energy, or a refusal in a line"
-    )
-    return HardCase(THEME, f"rod in time, {_place(distance)}", promise, partial(_resolve, distance))
-
-
-def _resolve(distance: float) -> Finding:
+def _in_time(distance: float) -> Finding:
     """The rod turns while it is in touch, and with it its distance from the jam."""
     found = []
-    for angle in map(math.radians, ANGLES):
-        for friction in _near(angle, distance):
-            expected = rod_strike(MASS, -angle, _velocity(angle), friction, RESTITUTION)
+    for angle in ANGLES:
+        for side in (-distance, distance):
             turned = LEAST_DURATION / math.sqrt(RESTITUTION) / (math.sin(angle) * math.cos(angle))
-            limit = turned if expected.outcome == "stiction" else turned / expected.distance
-            found.append(_in_time_beside(angle, friction, expected, limit))
-    words = sorted({each.reached for each in found})
-    return Finding("; ".join(words), all(each.ok for each in found))
+            limit = turned if side > 0.0 else turned / distance
+            found.append(agrees_in_time(_pulled(angle), math.tan(angle) * (1.0 + side), RESTITUTION, limit))
+    words = sorted({each.reached.split(";")[0] for each in found})
+    return Finding(", ".join(words), all(each.ok for each in found), sum(each.steps for each in found))
 
 
-def _in_time_beside(angle: float, friction: float, expected: RodStrike, limit: float) -> Finding:
-    try:
-        hit = strike(_rod(angle), Surface(friction, None, RESTITUTION), Contact("compliant"), Settings())
-    except ValueError as error:
-        line = str(error)
-        return Finding("refused", limit > WHOLE and "\n" not in line and "allowed" in line)
-    off, ratio = hit.contact.impulse[0] / expected.impulse - 1.0, hit.kinetic_energy_ratio
-    assert ratio is not None
-    lossy = 0.0 <= ratio <= 1.0 and math.isfinite(off)
-    if limit > WHOLE:
-        return Finding(hit.contact.outcome, lossy and hit.contact.outcome in ("rebound", "no rebound", "stiction"))
-    right = hit.contact.outcome == expected.outcome and abs(off) <= limit
-    return Finding(f"{hit.contact.outcome} to {'within' if right else 'more than'} that", lossy and right)
+def _passes(tool: Tool, start: Start, distance: float, limit: float) -> Finding:
+    """Compare the impulse of a pass's strike with the reference's, with friction on both sides of the jam at its angle.
 
-
-WHOLE = 0.1
-"""An error that leaves no digit."""
-
-
-def _hit(run: Trajectory) -> ContactRecord:
-    """The first impact on the workpart."""
-    return next(each for each in run.contacts if each.obstacle == "workpart" and each.law != "hold")
-
-
-def _thrown_pass(distance: float) -> HardCase:
-    promise = f"as the rod pushed; the reference's impulse to {ACCURACY:g} over the distance, where that is a digit"
-    return HardCase(THEME, f"pass, tip pushed, {_place(distance)}", promise, partial(_throw, distance))
-
-
-def _throw(distance: float) -> Finding:
-    """Nothing before the strike knows its friction, so that one run tells the angle of them all."""
+    Nothing before the strike knows its friction, so that one run tells the angle of them all.
+    """
     settings = Settings(accuracy=ACCURACY)
-    assert LEANING.workpart is not None
-    angle = _hit(simulate(LEANING, settings, start_hub_angle=START, start_relative_angle=LEAN)).angles[0]
-    found = []
-    for friction in _near(angle, distance):
-        tool = replace(LEANING, workpart=replace(LEANING.workpart, friction=friction))
-        run = simulate(tool, settings, start_hub_angle=START, start_relative_angle=LEAN)
-        hit = _hit(run)
-        expected = rod_strike(tool.bristle.mass, hit.angles[0], hit.velocity_before, friction, RESTITUTION)
-        found += [_beside([(expected, hit.outcome, hit.impulse[0])], distance == 0.0), _whole(run)]
-        limit = ACCURACY / (math.sin(angle) * math.cos(angle)) / distance if distance else math.inf
-        if limit < WHOLE:
-            found.append(
-                _beside_reference(
-                    run,
-                    simulate_reference(tool, accuracy=1e-12, start_hub_angle=START, start_relative_angle=LEAN),
-                    limit,
-                )
-            )
-    return both(*found)
-
-
-def _whole(run: Trajectory) -> Finding:
-    """Every number finite; after a jam the run stops by that name."""
-    numbers = (run.angles, run.rates, run.tip, run.kinetic_energy, run.normal_force)
-    finite = all(bool(np.isfinite(each).all()) for each in numbers)
-    jams = _hit(run).outcome == "jam"
-    named = jams == (run.stop_reason == "jam") == ("jam" in {each.name for each in run.events})
-    return Finding(run.stop_reason, finite and named, run.cost.steps)
-
-
-def _beside_reference(run: Trajectory, exact: Trajectory, limit: float) -> Finding:
-    one, other = _hit(run), _hit(exact)
-    off = worst([a / b - 1.0 for a, b in zip(one.impulse, other.impulse, strict=True)])
-    return Finding(f"off the reference by {off:.1g}", off <= limit and one.outcome == other.outcome)
-
-
-NEARLY = 10.0 * ACCURACY
-"""Of the default tool's strike: its tip does not move along the rod's own line, so that nothing is magnified."""
-
-
-def _default_pass(distance: float) -> HardCase:
-    promise = f"rebound on both sides; the reference's impulse to {NEARLY:g}"
-    return HardCase(THEME, f"default pass, {_place(distance)}", promise, partial(_passes, distance))
-
-
-def _passes(distance: float) -> Finding:
-    settings, found = Settings(accuracy=ACCURACY), []
-    angle = -_hit(simulate(DEFAULT, settings, stop_after="strike")).angles[0]
-    for friction in _near(angle, distance):
-        tool = replace(DEFAULT, workpart=Workpart(friction=friction))
-        run = simulate(tool, settings)
-        exact = simulate_reference(tool, accuracy=1e-12, stop_after="strike")
-        found += [_whole(run), _beside_reference(run, exact, NEARLY)]
-    return both(*found)
+    assert tool.workpart is not None
+    first = impacts_of(simulate(tool, settings, stop_after="strike", **start), "workpart")[0]
+    angle, found = abs(first.angles[0]), []
+    limit /= math.sin(angle) * math.cos(angle)
+    for side in sorted({-distance, distance}):
+        rough = replace(tool, workpart=replace(tool.workpart, friction=math.tan(angle) * (1.0 + side)))
+        run = simulate(rough, settings, **start)
+        hit = impacts_of(run, "workpart")[0]
+        named = (hit.outcome == "jam") == (run.stop_reason == "jam")
+        found.append(Finding(f"{hit.outcome}, {run.stop_reason}", named and is_finite(run), run.cost.steps))
+        if limit < LEAST_DIGIT:
+            exact = simulate_reference(rough, accuracy=1e-12, stop_after="strike", **start)
+            other = impacts_of(exact, "workpart")[0]
+            off = worst(a / b - 1.0 for a, b in zip(hit.impulse, other.impulse, strict=True))
+            found.append(within(off if hit.outcome == other.outcome else math.nan, limit, "off the reference by"))
+    return all_of(*found)

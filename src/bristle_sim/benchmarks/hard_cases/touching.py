@@ -1,70 +1,84 @@
-"""Several contacts at once, and starts in contact: struck while held, wedged in, pressed on, pulled off, overlapping."""
+"""Contacts with both obstacles, and starts in contact: struck while the bar is touched, wedged in, pinned, pressed on, pulled off."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, both, refusal, within, worst
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, refusal, within
+from bristle_sim.benchmarks.hard_cases.measures import ACCURACY, Start, agrees_with_reference, sustained_contacts_of
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
-from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["between", "cases", "contact_work", "deepest", "wedge_closes"]
-
-THEME = "touching"
+__all__ = ["WEDGE", "between", "contact_work", "deepest", "touching", "wedge_closes", "wedged"]
 
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
 
-ACCURACY = Settings().accuracy
-
 ROUNDING = 1e-12
-"""A bristle at rest moves by no more, in rad; a work that is to be none is no more, of the energies around it."""
+"""Limit of the motion of a bristle at rest, rad, and of the energy that contacts give, relative to that of the motion."""
 
 SOLVED = 1e-9
-"""The engine's iterations leave less of a force."""
+"""Limit of the relative error of a force: the engine's iterations leave less."""
 
-CLOSED = 1e-11
-"""Share of the bristle's length by which a start may overlap by rounding."""
+WEDGE: Start = {"start_hub_angle": -0.9, "start_relative_angle": 1.2}
+"""Start of a bristle that leans ahead over the workpart, the bar before it."""
 
-BUDGET = 20_000
+SOUND = f"no energy gained; overlap at most {ACCURACY:g} of the length"
 
-COEFFICIENTS = (
-    ("no restitution, no friction", 0.0, 0.0, 0.0, 0.0),
-    ("restitution 0.42, friction 0.31", 0.0, 0.2, 0.42, 0.31),
-    ("restitution 0.4 and 0.42, friction", 0.4, 0.2, 0.42, 0.31),
-    ("restitution 0.9, no friction", 0.0, 0.0, 0.9, 0.0),
-)
-"""What they are called; restitution and friction of the bar, and of the workpart."""
+STARTS = {"workpart": (-0.4, -0.3), "bar": (-0.9, -0.4)}
+"""Hub angle and relative angle of bristles that start in contact, behind the radial direction, rad."""
 
 
-def cases(full: bool) -> tuple[HardCase, ...]:
-    """Struck while held, wedged in, pinned, started in contact or overlapping."""
-    restitutions = (0.0, 0.3, 0.5, 0.7, 0.9) if full else (0.0, 0.5, 0.9)
-    return (
-        *(_struck_while_held(*each) for each in COEFFICIENTS),
-        *(_wedge(restitution, step) for restitution in restitutions for step in (None, 1e-6)),
-        HardCase(
-            THEME, "wedged in, restitution 1", f"spends its budget of {BUDGET} steps before the wedge closes", _elastic
-        ),
-        HardCase(THEME, "pinned by bar and workpart, hub at rest", f"stays to {ROUNDING:g} rad, to the end", _pinned),
-        *(case for obstacle in ("workpart", "bar") for case in _starts(obstacle)),
-    )
+def touching() -> list[HardCase]:
+    """Return strikes while the bar is touched, wedges, a pinned bristle, and starts in contact or overlapping."""
+    rows = []
+    for bar, part in ((0.0, 0.0), (0.4, 0.42), (0.0, 0.9)):
+        for rub, slide in ((0.0, 0.0), (0.2, 0.31)):
+            name = f"struck while the bar is touched, restitution {bar:g} and {part:g}, friction {rub:g} and {slide:g}"
+            promise = (
+                f"end and strike as in the reference to {10 * ACCURACY:g}, ten times the requested accuracy; {SOUND}"
+            )
+            rows.append(HardCase("touching", name, promise, partial(_struck_in_contact, bar, rub, part, slide)))
+    for e in (0.0, 0.3, 0.5, 0.7, 0.9):
+        for step in (None, 1e-6):
+            promise = f"jam, by name, when the wedge has closed, to {ACCURACY:g} rad; {SOUND}"
+            name = f"wedged in, restitution {e:g}" + (f", steps of {step:g} s" if step else "")
+            rows.append(HardCase("touching", name, promise, partial(_jams, e, step), e in (0.0, 0.5, 0.9)))
+    promise = f"remains to {ROUNDING:g} rad, to the end"
+    rows.append(HardCase("touching", "pinned by bar and workpart, hub at rest", promise, _pinned))
+    free = f"leaves without an impulse, as if nothing were there, to {ACCURACY:g}"
+    begun = f"as in the reference to {ACCURACY:g}, the requested accuracy, and touched at once"
+    for obstacle in STARTS:
+        tried: dict[str, tuple[str, Callable[[str], Finding]]] = {
+            "at rest, pressed on": (f"{promise}; its force the belt's torque over the lever to {SOLVED:g}", _press),
+            "at rest, pulled off": (free, _pull_off),
+            "moving into": (begun, _move_in),
+            "leaving": ("no contact at the start", _leave),
+            "1e-10 of its length inside": ("refused in one line that names the keys", partial(_overlap, 1e-10)),
+            "1e-3 of its length inside": ("refused in one line that names the keys", partial(_overlap, 1e-3)),
+        }
+        rows += [
+            HardCase("touching", f"starts {way} the {obstacle}", promise, partial(measure, obstacle))
+            for way, (promise, measure) in tried.items()
+        ]
+    return rows
 
 
 def between(
     hub_angle: float, angle: float, *, at: float = 0.8, bar_gap: float | None = 0.0, gap: float | None = 0.0
 ) -> Tool:
-    """A tool whose bristle, at an absolute angle (rad), has bar and workpart at the given gaps (m), or none of them.
+    """Return a tool whose bristle, at an absolute angle (rad), has bar and workpart at the given gaps (m), or none of them.
 
-    The bar stands ahead of the wire, ``at`` a share of its length; neither rubs nor restores.
+    The bar stands ahead of the wire, at a part of its length; neither rubs nor restores.
     """
     along = np.array([math.sin(angle), -math.cos(angle)])
     root = ROOT * np.array([math.sin(hub_angle), -math.cos(hub_angle)])
@@ -81,7 +95,7 @@ def between(
 
 
 def deepest(tool: Tool, run: Trajectory) -> float:
-    """How far the wire stands in the bar, or the tip in the workpart, at any sample; share of the length."""
+    """Return how far the wire overlaps the bar, or the tip the workpart, at any sample, in lengths of the bristle."""
     hub, wire = (np.stack([np.sin(angle), -np.cos(angle)], axis=1) for angle in (run.hub_angle, run.angles[:, 0]))
     gaps = [0.0]
     if tool.bar is not None:
@@ -94,197 +108,127 @@ def deepest(tool: Tool, run: Trajectory) -> float:
 
 
 def contact_work(contact: ContactRecord) -> float:
-    """Work of an impact on the bristle, p . (v + v')/2, J; that of a sustained touch is friction's, from its ledger."""
-    if contact.law == "hold":
+    """Return the work of an impact on the bristle, p . (v + v')/2, or of friction in a sustained contact, J."""
+    if contact.law not in ("energetic", "compliant", "engine"):
         return sum(contact.compressive_work or ())
     velocities = zip(contact.velocity_before, contact.velocity_after, strict=True)
     return sum(0.5 * p * (u + v) for p, (u, v) in zip(contact.impulse, velocities, strict=True))
 
 
 def _sound(tool: Tool, run: Trajectory) -> Finding:
-    """No contact gives energy, and nothing overlaps."""
-    energy = float(run.total_energy.max())
-    gained = max([0.0, *(contact_work(contact) for contact in run.contacts)]) / energy
-    gain = Finding("energy gained by none" if gained <= ROUNDING else f"energy gained {gained:.2g}", gained <= ROUNDING)
-    inside = deepest(tool, run)
-    apart = Finding(f"overlap {'to rounding' if inside <= CLOSED else f'{inside:.2g}'}", inside <= ACCURACY)
-    return both(gain, apart)
+    """Return whether no contact gives energy, and nothing overlaps."""
+    gained = max([0.0, *(contact_work(contact) for contact in run.contacts)]) / float(run.total_energy.max())
+    return all_of(within(gained, ROUNDING, "gained"), within(max(0.0, deepest(tool, run)), ACCURACY, "overlap"))
 
 
-def _struck_while_held(name: str, bar_restitution: float, bar_friction: float, *surface: float) -> HardCase:
-    promise = (
-        f"strikes and end as in the reference to {ACCURACY:g}, as asked; no energy gained; overlap at most as much of the"
-        " length"
-    )
-    measure = partial(_strike_while_held, bar_restitution, bar_friction, *surface)
-    return HardCase(THEME, f"struck while the bar holds it, {name}", promise, measure)
-
-
-def _strike_while_held(bar_restitution: float, bar_friction: float, restitution: float, friction: float) -> Finding:
+def _struck_in_contact(bar_restitution: float, rub: float, restitution: float, slide: float) -> Finding:
     """A near bar and a deep workpart: the bar lets the tip down on it, and in the end folds the bristle."""
     away, direction = 0.054, math.radians(50.0)
-    place = {"horizontal": away * math.sin(direction), "vertical": away * math.cos(direction)}
-    bar = Bar(radius=0.0034, friction=bar_friction, restitution=bar_restitution, **place)
-    part = Workpart(friction, None, restitution, penetration=0.0225)
+    x, y = away * math.sin(direction), away * math.cos(direction)
+    bar = Bar(radius=0.0034, friction=rub, restitution=bar_restitution, horizontal=x, vertical=y)
+    part = Workpart(slide, None, restitution, penetration=0.0225)
     tool = replace(TOOL, belt=Belt(3.0 * TOOL.belt.stiffness), bar=bar, workpart=part)
-    run, referred = simulate(tool), simulate_reference(tool, accuracy=1e-10)
-    unit = tool_units(tool).time
-    ends = [each.time + each.duration for each in run.contacts if (each.obstacle, each.law) == ("bar", "hold")]
-    strikes = [each for each in run.contacts if each.obstacle == "workpart"]
-    struck = [each for each in strikes if any(abs(each.time - end) <= ROUNDING * unit for end in ends)]
-    told = Finding(f"{len(struck)} strikes while held, {run.stop_reason}", bool(struck), run.cost.steps)
-    off = [float(run.time[-1] - referred.time[-1]), float(run.time[-1]) * (run.stop_reason != referred.stop_reason)]
-    times = [contact.time for contact in referred.contacts]
-    off += [min((abs(each.time - time) for time in times), default=math.inf) for each in struck[:1]]
-    return both(told, within(worst(off) / unit, ACCURACY, "instants off by, in radians,"), _sound(tool, run))
-
-
-WEDGE = (-0.9, 0.3)
-"""Hub angle and angle of a bristle that leans ahead over the workpart, the bar before it, rad."""
+    run, unit = simulate(tool), tool_units(tool).time
+    ends = [each.time + each.duration for each in sustained_contacts_of(run, "bar")]
+    strikes = [each.time for each in run.contacts if each.obstacle == "workpart"]
+    struck = [time for time in strikes if any(abs(time - end) <= ROUNDING * unit for end in ends)]
+    told = Finding(f"{len(struck)} strikes in contact", bool(struck))
+    return all_of(told, agrees_with_reference(tool, 10 * ACCURACY), _sound(tool, run))
 
 
 def wedge_closes(tool: Tool, start: float) -> float:
-    """Time, s, at which a bristle whose tip is on the workpart meets the bar with its flank."""
+    """Return when a bristle whose tip is on the workpart meets the bar with its flank, s."""
 
-    def room(hub_angle: float) -> float:
+    def gap(hub_angle: float) -> float:
         angle = math.acos((tool.workpart_depth - ROOT * math.cos(hub_angle)) / LENGTH)
         x, y = tool.bar.centre if tool.bar is not None else (math.nan, math.nan)
         x, y = x - ROOT * math.sin(hub_angle), y + ROOT * math.cos(hub_angle)
         return x * math.cos(angle) + y * math.sin(angle) - tool.bar_reach
 
-    return (float(brentq(room, start + 1e-4, start + 0.1, xtol=1e-16)) - start) / tool.hub.speed
+    return (float(brentq(gap, start + 1e-4, start + 0.1, xtol=1e-16)) - start) / tool.hub.speed
 
 
-def _wedged(restitution: float) -> Tool:
-    tool = between(*WEDGE, bar_gap=2e-4, gap=2e-4)
-    assert tool.bar is not None
-    assert tool.workpart is not None
-    bar, part = replace(tool.bar, restitution=restitution), replace(tool.workpart, restitution=restitution)
-    return replace(tool, bar=bar, workpart=part)
+def wedged(restitution: float) -> Tool:
+    """Return a tool whose bar and workpart close in on the bristle."""
+    tool = between(-0.9, 0.3, bar_gap=2e-4, gap=2e-4)
+    parts: dict[str, Any] = {
+        each: replace(getattr(tool, each), restitution=restitution) for each in ("bar", "workpart")
+    }
+    return replace(tool, **parts)
 
 
-def _wedge(restitution: float, step: float | None) -> HardCase:
-    how = "" if step is None else f", steps of {step:g} s"
-    promise = f"jam, by name, when the wedge has closed, to {ACCURACY:g} rad; no energy gained; overlap at most as much"
-    name = f"wedged in by bar and workpart, restitution {restitution:g}{how}"
-    return HardCase(THEME, name, promise, partial(_jam, restitution, step))
-
-
-def _jam(restitution: float, step: float | None) -> Finding:
-    tool = _wedged(restitution)
-    settings = Settings(step=step, maximum_steps=100_000)
-    run = simulate(tool, settings, start_hub_angle=WEDGE[0], start_relative_angle=WEDGE[1] - WEDGE[0])
-    late = (float(run.time[-1]) - wedge_closes(tool, WEDGE[0])) / tool_units(tool).time
+def _jams(restitution: float, step: float | None) -> Finding:
+    tool = wedged(restitution)
+    run = simulate(tool, Settings(step=step, maximum_steps=100_000), **WEDGE)
+    late = (float(run.time[-1]) - wedge_closes(tool, WEDGE["start_hub_angle"])) / tool_units(tool).time
     told = Finding(f"{run.stop_reason} after {len(run.contacts)} contacts", run.stop_reason == "jam", run.cost.steps)
-    return both(told, within(late, ACCURACY, "late by"), _sound(tool, run))
-
-
-def _elastic() -> Finding:
-    """Ever faster between two walls: speed times room stays, and no number of rebounds closes the wedge."""
-    tool = _wedged(1.0)
-    settings = Settings(maximum_steps=BUDGET)
-    run = simulate(tool, settings, start_hub_angle=WEDGE[0], start_relative_angle=WEDGE[1] - WEDGE[0])
-    left = 1.0 - float(run.time[-1]) / wedge_closes(tool, WEDGE[0])
-    told = f"{run.stop_reason} after {len(run.contacts)} contacts, {left:.2g} of the time left"
-    return both(Finding(told, run.stop_reason == "step budget spent" and left > 0.0, run.cost.steps), _sound(tool, run))
+    return all_of(told, within(late, ACCURACY, "late by"), _sound(tool, run))
 
 
 def _pinned() -> Finding:
     """Ahead of the vertical on the workpart and behind the bar, neither of which the resting hub drives it into."""
     tool = replace(between(-0.3, 0.3, at=0.6), hub=Hub(speed=0.0))
     run = simulate(tool, start_hub_angle=-0.3, start_relative_angle=0.6)
-    return both(_stays(run), _sound(tool, run))
+    return all_of(_remains(run), _sound(tool, run))
 
 
-def _stays(run: Trajectory) -> Finding:
+def _remains(run: Trajectory) -> Finding:
     moved = within(float(np.ptp(run.angles)), ROUNDING, "moved by", run.cost.steps)
-    return both(moved, Finding(run.stop_reason, run.stop_reason == "end of the planned time"))
+    return all_of(moved, Finding(run.stop_reason, run.stop_reason == "end of the planned time"))
 
 
-START = {"workpart": (-0.4, -0.3), "bar": (-0.9, -0.4)}
-"""Hub angle and relative angle of bristles that start in contact, behind the radial direction, rad."""
-
-
-def _alone(obstacle: str, relative: float, *, turning: bool = False, gap: float = 0.0) -> Tool:
-    """A tool with one obstacle, touched at the start."""
-    hub_angle = START[obstacle][0]
-    gaps = {"bar": (gap, None), "workpart": (None, gap)}[obstacle]
-    tool = between(hub_angle, hub_angle + relative, bar_gap=gaps[0], gap=gaps[1])
-    return tool if turning else replace(tool, hub=Hub(speed=0.0))
-
-
-def _run(tool: Tool, obstacle: str, relative: float, rate: float = 0.0) -> Trajectory:
-    return simulate(
-        tool,
-        start_hub_angle=START[obstacle][0],
-        start_relative_angle=relative,
-        start_relative_rate=rate,
-    )
-
-
-def _starts(obstacle: str) -> tuple[HardCase, ...]:
-    """In contact, with every way to go on from there, and inside."""
-    held = f"stays to {ROUNDING:g} rad, held by the belt's torque over the lever to {SOLVED:g}"
-    left = f"leaves without an impulse, as if nothing were there, to {ACCURACY:g}, as asked"
-    struck = f"touched at once, with the start's rate, and as in the reference to {ACCURACY:g}, as asked"
-    refused = "refused in one clear line that names the keys"
-    tried = [
-        (f"starts at rest, pressed on the {obstacle}", held, partial(_press, obstacle)),
-        (f"starts at rest, pulled off the {obstacle}", left, partial(_pull_off, obstacle)),
-        (f"starts on the {obstacle}, moving in", struck, partial(_move_in, obstacle)),
-        (f"starts on the {obstacle}, leaving", "no contact at the start", partial(_leave, obstacle)),
-        (f"starts 1e-10 of its length inside the {obstacle}", refused, partial(_overlap, obstacle, 1e-10)),
-        (f"starts 1e-3 of its length inside the {obstacle}", refused, partial(_overlap, obstacle, 1e-3)),
-    ]
-    return tuple(HardCase(THEME, *each) for each in tried)
+def _alone(
+    obstacle: str, *, side: float = 1.0, turning: bool = False, gap: float = 0.0, rate: float = 0.0
+) -> tuple[Tool, Start]:
+    """Return a tool with one obstacle, touched at the start or off it by a gap, and the start; ``side`` -1 leans ahead."""
+    hub_angle, relative = STARTS[obstacle][0], side * STARTS[obstacle][1]
+    bar_gap, part_gap = (gap, None) if obstacle == "bar" else (None, gap)
+    tool = between(hub_angle, hub_angle + relative, bar_gap=bar_gap, gap=part_gap)
+    start: Start = {"start_hub_angle": hub_angle, "start_relative_angle": relative, "start_relative_rate": rate}
+    return tool if turning else replace(tool, hub=Hub(speed=0.0)), start
 
 
 def _press(obstacle: str) -> Finding:
-    """The belt turns the bristle on towards its radial direction."""
-    hub_angle, relative = START[obstacle]
-    tool = _alone(obstacle, relative)
-    run = _run(tool, obstacle, relative)
-    lever = 0.8 * LENGTH if obstacle == "bar" else LENGTH * abs(math.sin(hub_angle + relative))
+    """The belt turns the bristle towards its radial direction."""
+    tool, start = _alone(obstacle)
+    run = simulate(tool, **start)
+    relative = start["start_relative_angle"]
+    lever = 0.8 * LENGTH if obstacle == "bar" else LENGTH * abs(math.sin(start["start_hub_angle"] + relative))
     force = tool.belt.stiffness * abs(relative) / lever
-    return both(_stays(run), within(float(run.normal_force[-1]) / force - 1.0, SOLVED, "force off by"))
+    return all_of(_remains(run), within(float(run.normal_force[-1]) / force - 1.0, SOLVED, "force off by"))
 
 
 def _pull_off(obstacle: str) -> Finding:
     """Damped, or it would be back to graze after each period."""
-    relative = -START[obstacle][1]
-    tool = replace(_alone(obstacle, relative), belt=Belt(damping_ratio=0.1))
-    run, free = (_run(each, obstacle, relative) for each in (tool, replace(tool, bar=None, workpart=None)))
+    tool, start = _alone(obstacle, side=-1.0)
+    tool = replace(tool, belt=Belt(damping_ratio=0.1))
+    run, free = (simulate(each, **start) for each in (tool, replace(tool, bar=None, workpart=None)))
     impulses = [abs(each) for contact in run.contacts for each in contact.impulse]
-    told = Finding("no impulse" if not any(impulses) else f"impulse {max(impulses):.2g}", not any(impulses))
     off = float(run.relative_angle[-1] - free.relative_angle[-1])
-    return both(told, within(off, ACCURACY, "apart from the free bristle by, in rad,", run.cost.steps))
+    return all_of(
+        Finding("an impulse" if any(impulses) else "no impulse", not any(impulses)),
+        within(off, ACCURACY, "off the free bristle by, in rad,", run.cost.steps),
+    )
 
 
 def _move_in(obstacle: str) -> Finding:
-    hub_angle, relative = START[obstacle]
-    tool = _alone(obstacle, relative, turning=True)
-    run = _run(tool, obstacle, relative, 100.0)
-    referred = simulate_reference(
-        tool, start_hub_angle=hub_angle, start_relative_angle=relative, start_relative_rate=100.0, accuracy=1e-10
-    )
+    tool, start = _alone(obstacle, turning=True, rate=100.0)
+    run = simulate(tool, **start)
     first = run.contacts[0]
     told = Finding(f"touched at {first.time:g} s", first.time == 0.0 and first.rates_before == (run.rates[0, 0],))
-    off = float(run.relative_angle[-1] - referred.relative_angle[-1])
-    return both(told, within(off, ACCURACY, "last angle off by", run.cost.steps), _sound(tool, run))
+    return all_of(told, agrees_with_reference(tool, start=start), _sound(tool, run))
 
 
 def _leave(obstacle: str) -> Finding:
     """Turned back relative to the hub faster than the hub turns."""
-    relative = START[obstacle][1]
-    tool = _alone(obstacle, relative, turning=True)
-    run = _run(tool, obstacle, relative, -3.0 * tool.hub.speed)
+    tool, start = _alone(obstacle, turning=True, rate=-3.0 * TOOL.hub.speed)
+    run = simulate(tool, **start)
     first = min((contact.time for contact in run.contacts), default=math.inf)
-    touched = "never touched" if math.isinf(first) else f"first touched after {first / tool_units(tool).time:.2g} rad"
-    return both(Finding(touched, first > 0.0, run.cost.steps), _sound(tool, run))
+    told = Finding(f"first touched at {first:.2g} s", first > 0.0, run.cost.steps)
+    return all_of(told, _sound(tool, run))
 
 
-def _overlap(obstacle: str, share: float) -> Finding:
-    relative = START[obstacle][1]
-    tool = _alone(obstacle, relative, gap=-share * LENGTH)
+def _overlap(part: float, obstacle: str) -> Finding:
+    tool, start = _alone(obstacle, gap=-part * LENGTH)
     words = {"workpart": ("penetration =",), "bar": ("bar_horizontal =", "bar_vertical =")}[obstacle]
-    return refusal(lambda: _run(tool, obstacle, relative), *words, "allowed", "in m")
+    return refusal(lambda: simulate(tool, **start), *words, "in m")

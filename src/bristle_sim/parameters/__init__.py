@@ -1,0 +1,35 @@
+"""The tool and its parts, in SI units and radians, with the dissertation's operating point as default.
+
+Every default names its source. "Zhang 2020" is J. Zhang, *Analysis of Bristle-Tip Impact Crater for Wire Impact Tool*,
+PhD dissertation, Marquette University, 2020.
+
+Axes: the hub's centre is the origin, x runs along the workpart in the direction in which the tip travels, y is the
+workpart's outward normal. Angles of hub and bristle are measured from the direction that points at the workpart (-y),
+positive in the hub's sense of rotation; a bristle at angle phi points from its root along (sin phi, -cos phi).
+"""
+
+from bristle_sim.parameters.bristle import WIRE_KEYS, Bristle
+from bristle_sim.parameters.experiments import Comparison, DoublePendulum, Release, SinglePendulum, Strike
+from bristle_sim.parameters.surroundings import RETRACTION_AT_RELEASE, Bar, Contact, Surface, Workpart
+from bristle_sim.parameters.tool import PARTS, PRINTED_BELT_STIFFNESS, Belt, Hub, Tool, operating_point
+
+__all__ = [
+    "PARTS",
+    "PRINTED_BELT_STIFFNESS",
+    "RETRACTION_AT_RELEASE",
+    "WIRE_KEYS",
+    "Bar",
+    "Belt",
+    "Bristle",
+    "Comparison",
+    "Contact",
+    "DoublePendulum",
+    "Hub",
+    "Release",
+    "SinglePendulum",
+    "Strike",
+    "Surface",
+    "Tool",
+    "Workpart",
+    "operating_point",
+]

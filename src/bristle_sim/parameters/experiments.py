@@ -1,0 +1,188 @@
+"""Parameters of single experiments: a release, a strike, a pendulum, and what a run is compared with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bristle_sim.quantity import ANY, choice, quantity, validate
+
+__all__ = ["Comparison", "DoublePendulum", "Release", "SinglePendulum", "Strike"]
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """Release of the bristle from rest relative to the hub."""
+
+    retraction_deg: float = quantity(
+        44.5,
+        "retraction_deg",
+        "deg",
+        at_least=1e-6,
+        at_most=89.9,
+        source="Zhang 2020, eq. 2.2: theta_p",
+        meaning="angle by which the released bristle lags the radial direction",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Strike:
+    """State of a radial bristle at the instant of its strike."""
+
+    speed_ratio: float = quantity(
+        3.23,
+        "speed_ratio",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
+        meaning="bristle's rate over the hub's speed when it strikes, R",
+    )
+    impact_angle_deg: float = quantity(
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=90.0,
+        source="Zhang 2020, sec. 2.3: gamma",
+        meaning="angle between the radial bristle and the workpart's normal, gamma",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class SinglePendulum:
+    """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
+
+    mass: float = quantity(
+        8.387e-5,
+        "rod_mass",
+        "kg",
+        at_least=1e-30,
+        at_most=1e6,
+        source="the bristle's: Zhang 2020, 2.4.1",
+        meaning="mass of the rod",
+    )
+    length: float = quantity(
+        0.027,
+        "rod_length",
+        "m",
+        at_least=1e-9,
+        at_most=1e3,
+        source="the bristle's: Zhang 2020, 2.4.1",
+        meaning="length of the rod",
+    )
+    impact_angle_deg: float = quantity(
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=90.0,
+        source="Zhang 2020, fig. 2.25: rod to the normal",
+        meaning="angle between the rod and the surface's normal, gamma",
+    )
+    rate: float = quantity(
+        -845.6,
+        "rate",
+        "rad/s",
+        at_least=-1e9,
+        at_most=1e9,
+        source="Zhang 2020, fig. 2.30; negative approaches",
+        meaning="rate of the rod before the impact; negative approaches",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class DoublePendulum:
+    """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
+
+    mass: float = quantity(
+        5.0,
+        "rod_mass",
+        "kg",
+        at_least=1e-30,
+        at_most=1e6,
+        source="Zhang 2020, fig. 2.28: m_2",
+        meaning="mass of the second rod, whose end strikes, m_2",
+    )
+    mass_ratio: float = quantity(
+        1.0,
+        "mass_ratio",
+        "1",
+        at_least=1e-9,
+        at_most=1e12,
+        source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2",
+        meaning="mass of the first rod over the second's, n",
+        usual=ANY,
+    )
+    length: float = quantity(
+        1.0,
+        "rod_length",
+        "m",
+        at_least=1e-9,
+        at_most=1e3,
+        source="Zhang 2020, sec. 2.4.2: both rods",
+        meaning="length of each rod",
+    )
+    angle_1_deg: float = quantity(
+        20.0,
+        "angle_1_deg",
+        "deg",
+        at_least=-90.0,
+        at_most=90.0,
+        source="Zhang 2020, fig. 2.28: theta_1, to the normal",
+        meaning="angle of the first rod to the surface's normal",
+    )
+    angle_2_deg: float = quantity(
+        30.0,
+        "angle_2_deg",
+        "deg",
+        at_least=-90.0,
+        at_most=90.0,
+        source="Zhang 2020, fig. 2.28: theta_2, to the normal",
+        meaning="angle of the second rod to the surface's normal",
+    )
+    rate_1: float = quantity(
+        -0.1,
+        "rate_1",
+        "rad/s",
+        at_least=-1e9,
+        at_most=1e9,
+        source="Zhang 2020, fig. 2.28; negative approaches",
+        meaning="rate of the first rod before the impact; negative approaches",
+    )
+    rate_2: float = quantity(
+        -0.2,
+        "rate_2",
+        "rad/s",
+        at_least=-1e9,
+        at_most=1e9,
+        source="Zhang 2020, fig. 2.28; negative approaches",
+        meaning="rate of the second rod before the impact; negative approaches",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """What a run is compared with."""
+
+    reference: str = choice(
+        "no",
+        "reference",
+        ("no", "yes"),
+        source="chosen: the independent solution takes longer",
+        meaning="whether the independent solution is computed too and judges the result",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)

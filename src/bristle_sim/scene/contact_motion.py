@@ -1,0 +1,184 @@
+"""Smooth motion of a tip in contact with the spring of the compliant law, and where within an interval it turns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact_space import contact_space
+from bristle_sim.scene.events import locate
+from bristle_sim.scene.mechanism import State, Vector
+from bristle_sim.scene.spring import Spring, SpringLoad
+from bristle_sim.scene.stepping import Advance, Stepper
+
+__all__ = ["SAMPLES", "ContactMotion", "Expectation", "Turn"]
+
+SAMPLES = 24
+"""Least number of intervals that a contact of a given duration is cut into, for its course in time."""
+
+LOCATED = 0.1
+"""Fraction of an interval's error in velocity, or of what that makes of the penetration, to which a turn is located."""
+
+PROBE = 0.02
+"""Fraction of a contact over which the force that stick takes is extrapolated back to the instant at which slip stops."""
+
+CONE = 1e-9
+"""Fraction of friction's limit by which rounding may lead the force in stick beyond it."""
+
+TINY = math.ulp(1.0)
+"""Velocities and penetrations of scene units to which a turn is located."""
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A function of the interval whose change of sign ends it, and what the spring does then.
+
+    Attributes:
+        value: the function.
+        rising: whether rising through zero counts, or falling.
+        act: what the spring does then.
+        scale: what an error of velocity 1 makes of the function.
+    """
+
+    value: Callable[[Advance], float]
+    rising: bool
+    act: Callable[[], None]
+    scale: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Expectation:
+    """What is known of a contact before it is integrated.
+
+    Attributes:
+        duration: of the contact.
+        longest: duration of its longest interval.
+        outcome: of the rigid-body law.
+        resumes: whether a point that the rigid-body law stops may find its way out: not one of a single rod, which comes to
+            rest for good or goes where its hub goes.
+    """
+
+    duration: float
+    longest: float
+    outcome: str
+    resumes: bool
+
+    @classmethod
+    def of(cls, duration: float, longest: float, outcome: str, links: int) -> Expectation:
+        """Return what is expected of a contact of a mechanism of some links."""
+        moves = longest * SAMPLES <= 1.5 * duration
+        return cls(duration, longest, outcome, moves and (outcome == "jam" or links > 1))
+
+    @property
+    def moves(self) -> bool:
+        """Whether bodies move noticeably while the contact lasts: it is cut into many intervals then."""
+        return self.longest * SAMPLES <= 1.5 * self.duration
+
+
+class ContactMotion:
+    """Motion of a scene whose last link's tip is in contact.
+
+    Attributes:
+        scene, load, stepper, expected: what is integrated, and how.
+        state: the last state that was reached.
+        stick_force: tangential force that stick takes there.
+    """
+
+    def __init__(self, scene: Scene, state: State, load: SpringLoad, stepper: Stepper, expected: Expectation) -> None:
+        """Begin at the first touch."""
+        self.scene = scene
+        self.state = state
+        self.load = load
+        self.stepper = stepper
+        self.expected = expected
+        self.stick_force = 0.0
+
+    @property
+    def spring(self) -> Spring:
+        """The spring in the phase that the contact is in."""
+        return self.load.spring
+
+    @property
+    def tip(self) -> Vector:
+        """Place of the tip."""
+        return self.scene.mechanism.poses(self.state)[-1].tip
+
+    def penetration(self, state: State) -> float:
+        """Return the depth of the tip."""
+        return self.spring.plane.penetration(self.scene.mechanism.poses(state)[-1].tip)
+
+    def velocity(self, state: State) -> Vector:
+        """Return the (normal, tangential) velocity of the tip."""
+        return self.spring.plane.components(self.scene.mechanism.poses(state)[-1].tip_velocity)
+
+    def up_to_first(self, result: Advance, turns: Sequence[Turn]) -> tuple[Advance, Callable[[], None] | None]:
+        """Return the interval up to what first ends its smooth motion, and what the spring does then, if anything."""
+        act: Callable[[], None] | None = None
+        beginning = result.totals[4]
+        start = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, beginning, beginning), 0.0)
+        for turn in turns:
+            right = turn.value(result)
+            if (right > 0.0) if turn.rising else (right < 0.0):
+                left = turn.value(start)
+                before = min(left, -TINY) if turn.rising else max(left, TINY)
+                result, act = self._locate(turn, result.state.time - self.state.time, before, right), turn.act
+        return result, act
+
+    def _locate(self, turn: Turn, span: float, left: float, right: float) -> Advance:
+        """Return the result at a turn within an interval."""
+        tried: dict[float, Advance] = {}
+
+        def value(length: float) -> float:
+            tried[length] = self.advance(length)
+            return turn.value(tried[length])
+
+        tolerance = LOCATED * self.stepper.noise * turn.scale
+        found = locate(value, 0.0, span, left, right, max(TINY, tolerance))
+        return tried[found] if found in tried else self.advance(found)
+
+    def advance(self, length: float) -> Advance:
+        """Return the result of an interval from the state that was reached."""
+        return self.stepper.advance(self.scene, self.state, length, self.load)
+
+    def follow_bodies(self) -> None:
+        """Let stick use the K of the bodies as they stand; in a contact short enough for the rigid limit it is constant."""
+        if self.expected.moves and not self.spring.slip:
+            self.scene.place(self.state)
+            tip = self.tip
+            self.spring.follow(contact_space(self.scene.links[-1], tip, self.spring.plane.normal).inverse_mass)
+
+    def stop_slip(self) -> None:
+        """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
+        spring = self.spring
+        spring.slip = 0.0
+        self.follow_bodies()
+        probe = self.advance(PROBE * min(self.expected.duration, self._quickest())).totals
+        self.stick_force = probe[4]
+        here = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, probe[4], probe[4]), 0.0)
+        if spring.tangential and self.spare(here) < 0.0:
+            self.break_away()
+
+    def break_away(self) -> None:
+        """Let the point slip against the force of stick, which is more than friction gives."""
+        self.spring.slip = -math.copysign(1.0, self.stick_force)
+
+    def _quickest(self) -> float:
+        """Time scale of slip, much shorter than the contact where a heavy link lets the tip hardly out of stick."""
+        stiffness, _, _ = self.spring.line()
+        most = self.spring.inverse_mass[0, 0] + self.spring.friction * abs(self.spring.coupling)
+        return math.pi / math.sqrt(stiffness * most) if stiffness * most else math.inf
+
+    def spare(self, at: Advance) -> float:
+        """Force by which friction's limit exceeds what stick takes."""
+        normal, _ = self.spring.forces(self.penetration(at.state))
+        return (1.0 + CONE) * self.spring.friction * normal - abs(at.totals[5])
+
+    def sample(self, *, touches: bool) -> tuple[float, ...]:
+        """Return time, normal and tangential force, penetration, normal and tangential velocity."""
+        depth = self.penetration(self.state)
+        normal, tangential = self.spring.forces(depth) if touches else (0.0, 0.0)
+        if not self.spring.slip and touches:
+            tangential = self.stick_force
+        return (self.state.time, normal, tangential, depth, *self.velocity(self.state))

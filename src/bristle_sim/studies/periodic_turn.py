@@ -1,0 +1,111 @@
+"""The turn that a bristle repeats: run turn after turn until its motion comes back to where it was a turn before.
+
+A sustained contact leaves one motion alone, since on the obstacle the bristle's angle follows from the hub's whatever came
+before. Each turn after the first one with a sustained contact is therefore the same, with a damped belt and without. Only
+a bristle that bounces off everything remembers more than a turn; its motion need not repeat.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bristle_sim.parameters import Tool
+from bristle_sim.scene.resume import resume
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.studies.strike_results import require_result
+from bristle_sim.trajectory import ContactRecord, Trajectory
+
+__all__ = ["PeriodicTurn", "TurnNotCompleted", "periodic_turn"]
+
+TURN = 2.0 * math.pi
+
+MOST_TURNS = 12
+"""Turns after which a motion counts as one that does not repeat; a damped flight forgets e^-2 pi zeta of itself a swing."""
+
+REPEATED = 1e-9
+"""Least change of angle and of rate over the belt's natural rate, rad, from turn to turn that counts as none; requested
+accuracies above 1e-11 are multiplied by 100: a turn adds up the errors of some ten flights and contacts."""
+
+
+class TurnNotCompleted(ValueError):
+    """A bristle that jams, or lies down on the hub, completes no turn; the message says when and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class PeriodicTurn:
+    """A run of whole turns, the last of which repeats the one before.
+
+    Attributes:
+        trajectory: from the first turn, which starts at rest relative to the hub, to the last.
+        begin, end: of the turns that count, s: the last one, or the later half of those that do not repeat.
+        turns: how many count.
+        changes: of the state at the end of each turn from the end of the turn before, rad; the first from the start.
+        repeats: whether the motion repeats.
+    """
+
+    trajectory: Trajectory
+    begin: float
+    end: float
+    turns: int
+    changes: tuple[float, ...]
+    repeats: bool
+
+    @property
+    def contacts(self) -> tuple[ContactRecord, ...]:
+        """Contacts of the turns that count."""
+        return tuple(each for each in self.trajectory.contacts if each.time >= self.begin)
+
+
+def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
+    """Simulate turns until one repeats the last; ``settings.hub_turn`` is set aside.
+
+    Raises:
+        TurnNotCompleted: if the bristle jams or lies down on the hub.
+        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
+    """
+    if not tool.hub.speed:
+        raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
+    run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=TURN)), settings)
+    rate = _natural_rate(tool)
+    states = [np.zeros(2), _state(run, rate)]
+    ends = [0.0, float(run.time[-1])]
+    while _change(states) > max(REPEATED, 100.0 * settings.accuracy) and len(states) <= MOST_TURNS:
+        longer = dataclasses.replace(settings, hub_turn=len(states) * TURN)
+        run = _completed(resume(run, longer), settings)
+        states.append(_state(run, rate))
+        ends.append(float(run.time[-1]))
+    repeats = _change(states) <= max(REPEATED, 100.0 * settings.accuracy)
+    turns = 1 if repeats else MOST_TURNS // 2
+    changes = tuple(_change(states[: turn + 1]) for turn in range(1, len(states)))
+    return PeriodicTurn(run, ends[-1 - turns], ends[-1], turns, changes, repeats)
+
+
+def _completed(run: Trajectory, settings: Settings) -> Trajectory:
+    require_result(run, settings)
+    if run.stop_reason is not StopReason.END:
+        raise TurnNotCompleted(
+            f"the bristle completes no turn: {run.stop_reason} at {1e3 * run.time[-1]:.4f} ms, after"
+            f" {math.degrees(run.hub_speed * run.time[-1]):.0f} deg of the hub's turn"
+        )
+    return run
+
+
+def _natural_rate(tool: Tool) -> float:
+    """Return the rate of the bristle on belt and centrifugal field, sqrt((k_T + m r_h L/2 omega^2)/I), rad/s."""
+    bristle, hub = tool.bristle, tool.hub
+    stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
+    return max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)
+
+
+def _state(run: Trajectory, rate: float) -> np.ndarray:
+    return np.array([run.relative_angle[-1], run.relative_rate[-1] / rate])
+
+
+def _change(states: list[np.ndarray]) -> float:
+    return float(np.abs(states[-1] - states[-2]).max())

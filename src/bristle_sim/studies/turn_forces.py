@@ -1,0 +1,200 @@
+"""Forces on a bristle in its turns: impulses at instants, and time series of sustained contacts between them.
+
+Normal and tangential are those of a contact record; moments are about the hub's centre, positive in the hub's sense.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from bristle_sim.parameters import Tool
+from bristle_sim.studies.periodic_turn import PeriodicTurn
+from bristle_sim.trajectory import ContactRecord
+
+__all__ = ["Impulse", "SampledForce", "dissipated", "turn_forces"]
+
+Array = NDArray[np.float64]
+
+CLOSEST = 1e-3
+"""Least distance of a spline's nodes, of the interval's length: where the scene closes in on a release its samples are so
+close that a spline through them would follow their rounding."""
+
+
+@dataclass(frozen=True, slots=True)
+class Impulse:
+    """An impact: time in s; ``integral`` holds normal and tangential impulse, N s, and their moment, N m s."""
+
+    obstacle: str
+    time: float
+    integral: Array
+
+
+@dataclass(frozen=True, slots=True)
+class SampledForce:
+    """A smooth interval of a sustained contact: ``course`` gives normal and tangential force and moment, N and N m."""
+
+    obstacle: str
+    begin: float
+    end: float
+    course: Any
+
+    @property
+    def integral(self) -> Array:
+        """Return the impulses of normal and tangential force, N s, and that of their moment, N m s."""
+        return np.asarray(self.course.integrate(self.begin, self.end))
+
+
+def turn_forces(tool: Tool, turn: PeriodicTurn) -> list[Impulse | SampledForce]:
+    """Return all forces of the turns that count, in order of time."""
+    found: list[Impulse | SampledForce] = []
+    for contact in turn.contacts:
+        found += _sustained(tool, turn, contact) if contact.law == "sustained" else [_impulse(tool, turn, contact)]
+    return found
+
+
+def dissipated(tool: Tool, turn: PeriodicTurn, breaks: Iterable[float]) -> float:
+    """Return the energy that impacts, friction and the belt's damping take in the turns that count, J.
+
+    Works of impacts are the impact law's, those of friction in sustained contacts the scene's sums; damping is the
+    integral of c alpha'^2, by splines between the instants at which the acceleration jumps.
+    """
+    lost = 0.0
+    for contact in turn.contacts:
+        for work in (contact.compressive_work, contact.restitutive_work):
+            lost -= 0.0 if work is None else sum(work)
+    if not tool.belt_damping:
+        return lost
+    run = turn.trajectory
+    rows = np.flatnonzero(run.time >= turn.begin)
+    time, power = run.time[rows], tool.belt_damping * run.relative_rate[rows] ** 2
+    edges = np.unique([turn.begin, *breaks, turn.end])
+    for begin, end in itertools.pairwise(edges):
+        # Of two samples at the instant of an impact the later one begins an interval, the earlier one ends it.
+        first, last = np.searchsorted(time, begin, "right") - 1, np.searchsorted(time, end, "left")
+        if last > first:
+            lost += float(CubicSpline(time[first : last + 1], power[first : last + 1]).integrate(begin, end))
+    return lost
+
+
+def _impulse(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> Impulse:
+    run = turn.trajectory
+    hub_angle = run.hub_angle[0] + run.hub_speed * contact.time
+    corners = _corners(tool, np.array([hub_angle]), np.array(contact.angles[-1:]))
+    normal, point = _touched(tool, contact.obstacle, corners)
+    (arms,) = _levers(normal, point)
+    return Impulse(contact.obstacle, contact.time, np.array([*contact.impulse, arms @ contact.impulse]))
+
+
+def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[SampledForce]:
+    """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
+
+    The sample at such an instant holds the force before it, so that each spline begins one sample later and is
+    extrapolated to its beginning.
+    """
+    run, end = turn.trajectory, contact.time + contact.duration
+    rows = np.arange(np.searchsorted(run.time, contact.time, "right") - 1, np.searchsorted(run.time, end, "left") + 1)
+    rows = rows[rows < len(run.time)]
+    time, hub_angle, angle, rate = run.time[rows], run.hub_angle[rows], run.angles[rows, -1], run.rates[rows, -1]
+    middle = [0.5 * (each[1:] + each[:-1]) for each in (hub_angle, angle, rate)]
+    slips = np.sign(_slip(tool, contact.obstacle, *middle))
+    states = np.stack([slips, _at_corner(tool, contact.obstacle, _corners(tool, *middle[:2]))])
+    jumps = np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1
+    normal, point = _touched(tool, contact.obstacle, _corners(tool, hub_angle, angle))
+    levers, force = _levers(normal, point), run.normal_force[rows]
+    if contact.outcome == "release":
+        force[-1] = 0.0
+    found = []
+    for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
+        own = _spaced(time, first, last)
+        tangential = -_friction(tool, contact.obstacle) * slips[first] * force[own]
+        forces = np.stack([force[own], tangential], axis=-1)
+        values = np.column_stack([forces, (levers[own] * forces).sum(axis=-1)])
+        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
+    return found
+
+
+def _spaced(time: Array, first: int, last: int) -> list[int]:
+    """Return the samples after the first up to the last, without those that are too close to the next that is kept."""
+    kept = [last]
+    for row in range(last - 1, first, -1):
+        if time[kept[-1]] - time[row] >= CLOSEST * (time[last] - time[first]):
+            kept.append(row)
+    return kept[::-1]
+
+
+def _course(time: Array, values: Array) -> Any:
+    if len(time) == 1:
+        time, values = np.array([time[0] - 1.0, time[0]]), np.repeat(values, 2, axis=0)
+    return CubicSpline(time, values)
+
+
+def _friction(tool: Tool, obstacle: str) -> float:
+    part = tool.workpart if obstacle == "workpart" else tool.bar
+    assert part is not None
+    return part.friction
+
+
+def _turned(vector: Sequence[float], angle: Array) -> Array:
+    """Return a vector that belongs to angle 0, turned by each angle; shape (n, 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]], axis=-1)
+
+
+def _corners(tool: Tool, hub_angle: Array, angle: Array) -> Array:
+    """Return the corners of the wire's centre line, shape (n, corners, 2), m."""
+    root = _turned((0.0, -tool.hub.radius), hub_angle)
+    return np.stack([root, *(root + _turned(corner, angle) for corner in tool.bristle.path)], axis=1)
+
+
+def _nearest(tool: Tool, corners: Array) -> tuple[Array, Array, Array]:
+    """Return the piece of each centre line that is nearest to the bar, the fraction along it, and the point there."""
+    assert tool.bar is not None
+    start, along = corners[:, :-1], np.diff(corners, axis=1)
+    fraction = ((np.array(tool.bar.centre) - start) * along).sum(axis=-1) / (along**2).sum(axis=-1)
+    fraction = np.clip(fraction, 0.0, 1.0)
+    points = start + fraction[..., np.newaxis] * along
+    piece = np.linalg.norm(points - np.array(tool.bar.centre), axis=-1).argmin(axis=-1)
+    each = np.arange(len(piece))
+    return piece, fraction[each, piece], points[each, piece]
+
+
+def _touched(tool: Tool, obstacle: str, corners: Array) -> tuple[Array, Array]:
+    """Return the obstacle's normal and the contact point, each of shape (n, 2), from the hub's centre in m."""
+    if obstacle == "workpart":
+        return np.broadcast_to([0.0, 1.0], (len(corners), 2)), corners[:, -1]
+    assert tool.bar is not None
+    point = _nearest(tool, corners)[2]
+    away = point - np.array(tool.bar.centre)
+    normal = away / np.linalg.norm(away, axis=-1, keepdims=True)
+    return normal, point - 0.5 * tool.bristle.wire_diameter * normal
+
+
+def _levers(normal: Array, point: Array) -> Array:
+    """Return the moments about the hub's centre of unit normal and tangential forces, shape (n, 2), m."""
+    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=-1)
+    return np.stack([point[:, 0] * each[:, 1] - point[:, 1] * each[:, 0] for each in (normal, tangent)], axis=-1)
+
+
+def _slip(tool: Tool, obstacle: str, hub_angle: Array, angle: Array, rate: Array) -> Array:
+    """Return the tangential velocity of the wire's material point at the contact, m/s."""
+    corners = _corners(tool, hub_angle, angle)
+    normal, point = _touched(tool, obstacle, corners)
+    root = corners[:, 0]
+    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=-1)
+    arms = tool.hub.speed * root + rate[:, np.newaxis] * (point - root)
+    return np.asarray((np.stack([-arms[:, 1], arms[:, 0]], axis=-1) * tangent).sum(axis=-1))
+
+
+def _at_corner(tool: Tool, obstacle: str, corners: Array) -> Array:
+    """Return where on the wire the bar is: the piece, with a half where it is the corner at that piece's end."""
+    if obstacle == "workpart":
+        return np.zeros(len(corners))
+    piece, fraction, _ = _nearest(tool, corners)
+    return np.asarray(piece + 0.5 * (fraction >= 1.0) - 0.5 * (fraction <= 0.0) * (piece > 0))

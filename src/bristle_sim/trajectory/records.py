@@ -1,0 +1,119 @@
+"""What a run records besides its samples: events, contacts, the state of contact at its end, and what it cost."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something that happened at an instant, e.g. ``strike`` or ``bar touch``; time in s."""
+
+    name: str
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Cost:
+    """What a run cost: wall and CPU time in s, engine steps or right-hand sides evaluated, and the error estimate.
+
+    ``error_estimate`` is the method's own estimate of the accumulated error relative to the motion's size, or None where
+    the method has none.
+    """
+
+    wall_s: float
+    cpu_s: float
+    steps: int
+    error_estimate: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ContactHistory:
+    """A contact resolved in time; arrays of one length.
+
+    Attributes:
+        time: s, from the first touch of the run's clock.
+        normal_force, tangential_force: on the tip, N.
+        penetration: m, positive inside the workpart.
+        normal_velocity, tangential_velocity: of the tip, m/s.
+    """
+
+    time: Array
+    normal_force: Array
+    tangential_force: Array
+    penetration: Array
+    normal_velocity: Array
+    tangential_velocity: Array
+
+    def columns(self) -> dict[str, Array]:
+        """Return every sampled quantity by its name and unit, one entry a sample."""
+        units = {"time": "s", "force": "N", "penetration": "m", "velocity": "m/s"}
+        names = (each.name for each in dataclasses.fields(self))
+        return {f"{name} ({units[name.split('_')[-1]]})": getattr(self, name) for name in names}
+
+
+@dataclass(frozen=True, slots=True)
+class ContactRecord:
+    """One contact. Vectors are (normal, tangential); the normal points out of the obstacle.
+
+    Attributes:
+        obstacle: ``bar`` or ``workpart``.
+        law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``sustained``.
+        outcome: the impact law's word, or how a sustained contact ended.
+        time, duration: start and length in s; an instantaneous impact lasts 0 s.
+        impulse: on the moving body, N s.
+        compressive_impulse: up to the end of compression, N s; None where the law knows no phases.
+        compressive_work, restitutive_work: of the impulse on the body, J; (normal, tangential), or None.
+        velocity_before, velocity_after: of the contact point, m/s.
+        angles: absolute angle of every link when the contact began, rad.
+        rates_before, rates_after: absolute rate of every link, rad/s.
+        phases: in order, e.g. ``("compression slip", "restitution slip")``.
+    """
+
+    obstacle: str
+    law: str
+    outcome: str
+    time: float
+    duration: float
+    impulse: tuple[float, float]
+    compressive_impulse: tuple[float, float] | None
+    compressive_work: tuple[float, float] | None
+    restitutive_work: tuple[float, float] | None
+    velocity_before: tuple[float, float]
+    velocity_after: tuple[float, float]
+    angles: tuple[float, ...]
+    rates_before: tuple[float, ...]
+    rates_after: tuple[float, ...]
+    phases: tuple[str, ...] = ()
+    history: ContactHistory | None = None
+
+    def columns(self) -> dict[str, Array]:
+        """Return the contact in time by names and units.
+
+        Raises:
+            ValueError: for a contact that was not resolved in time.
+        """
+        if self.history is None:
+            raise ValueError(f"contact = {self.law}: must be compliant; an impact at an instant has no time series")
+        return self.history.columns()
+
+
+@dataclass(frozen=True, slots=True)
+class ContactAtEnd:
+    """The state of contact in which a run ended, from which it is resumed.
+
+    Attributes:
+        state: ``in flight``, ``separating`` or ``sustained contact``.
+        obstacle: that the bristle separates from or is in contact with.
+    """
+
+    state: str = "in flight"
+    obstacle: str | None = None

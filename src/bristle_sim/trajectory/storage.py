@@ -1,0 +1,109 @@
+"""Trajectories in files: one npz archive of arrays, with everything else as JSON."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bristle_sim.files import complete_or_absent
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event
+
+if TYPE_CHECKING:
+    from bristle_sim.trajectory.trajectory import Trajectory
+
+__all__ = ["read", "write"]
+
+FORMAT = 2
+"""Number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines."""
+
+ARRAYS = (
+    "time",
+    "hub_angle",
+    "angles",
+    "rates",
+    "centre_line",
+    "centre_line_velocity",
+    "kinetic_energy",
+    "potential_energy",
+    "normal_force",
+)
+
+
+def write(run: Trajectory, path: Path) -> None:
+    """Write a trajectory to a file of exactly that name, which appears only when complete.
+
+    Raises:
+        OSError: naming the file, if it cannot be written.
+    """
+    arrays: dict[str, Any] = {name: getattr(run, name) for name in ARRAYS}
+    contacts = []
+    for number, contact in enumerate(run.contacts):
+        row = dataclasses.asdict(dataclasses.replace(contact, history=None))
+        if contact.history is not None:
+            row["history"] = True
+            for each in dataclasses.fields(ContactHistory):
+                arrays[f"contact{number}_{each.name}"] = getattr(contact.history, each.name)
+        contacts.append(row)
+    meta = {
+        "format": FORMAT,
+        "hub_speed": run.hub_speed,
+        "events": [dataclasses.asdict(event) for event in run.events],
+        "contacts": contacts,
+        "stop_reason": run.stop_reason.name,
+        "cost": dataclasses.asdict(run.cost),
+        "parameters": run.parameters,
+        "contact_at_end": dataclasses.asdict(run.contact_at_end),
+        "stop_detail": run.stop_detail,
+    }
+    with complete_or_absent(path) as partial, partial.open("wb") as stream:
+        np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
+
+
+def read(path: Path) -> dict[str, Any]:
+    """Read the arguments of a trajectory from a file.
+
+    Raises:
+        OSError: if there is no such file or it cannot be read.
+        ValueError: for a file that holds something else.
+    """
+    try:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
+            meta = json.loads(str(stored["metadata"]))
+            if meta["format"] != FORMAT:
+                raise ValueError(
+                    f"written in format {meta['format']}, this version reads format {FORMAT}; simulate the run again"
+                )
+            return _arguments(meta, stored)
+    except OSError:
+        raise
+    except Exception as error:  # zip, JSON and NumPy each have their own for a file that is something else
+        raise ValueError(f"{path}: not a trajectory file ({error})") from error
+
+
+def _arguments(meta: dict[str, Any], stored: Any) -> dict[str, Any]:
+    return {
+        **{name: stored[name] for name in ARRAYS},
+        "hub_speed": meta["hub_speed"],
+        "events": tuple(Event(**row) for row in meta["events"]),
+        "contacts": tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"])),
+        "stop_reason": StopReason[meta["stop_reason"]],
+        "cost": Cost(**meta["cost"]),
+        "parameters": meta["parameters"],
+        "contact_at_end": ContactAtEnd(**meta["contact_at_end"]),
+        "stop_detail": meta.get("stop_detail", ""),
+    }
+
+
+def _contact(row: dict[str, Any], number: int, stored: Any) -> ContactRecord:
+    has_history = row.pop("history") is not None
+    history = None
+    if has_history:
+        names = (each.name for each in dataclasses.fields(ContactHistory))
+        history = ContactHistory(**{name: stored[f"contact{number}_{name}"] for name in names})
+    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+    return ContactRecord(**values, history=history)

@@ -1,0 +1,86 @@
+"""Trajectories as tables of other libraries: a pandas DataFrame, an xarray Dataset."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+
+    from bristle_sim.trajectory.trajectory import Trajectory
+
+__all__ = ["ascending", "to_dataframe", "to_xarray"]
+
+MISSING = "must be installed: pip install bristle-sim[sweep]"
+
+UNITS = {
+    "hub_angle": "rad",
+    "angle": "rad",
+    "rate": "rad/s",
+    "relative_angle": "rad",
+    "relative_rate": "rad/s",
+    "centre_line": "m",
+    "centre_line_velocity": "m/s",
+    "kinetic_energy": "J",
+    "potential_energy": "J",
+    "normal_force": "N",
+}
+DIMENSIONS = {
+    "angle": ("time", "link"),
+    "rate": ("time", "link"),
+    "centre_line": ("time", "corner", "axis"),
+    "centre_line_velocity": ("time", "corner", "axis"),
+}
+"""Dimensions of what has more than that of time."""
+
+
+def to_dataframe(run: Trajectory) -> pd.DataFrame:
+    """Return one row a sample; samples before and after an impact share their time."""
+    try:
+        import pandas as pd
+    except ImportError as error:
+        raise ImportError(f"pandas: {MISSING}") from error
+    named = {
+        title.partition(" (")[0]: (title.partition(" (")[2][:-1], values) for title, values in run.columns().items()
+    }
+    frame = pd.DataFrame({name: values for name, (_, values) in named.items()})
+    frame.attrs["units"] = {name: unit for name, (unit, _) in named.items()}
+    return frame
+
+
+def to_xarray(run: Trajectory) -> xarray.Dataset:
+    """Return every sampled quantity on a strictly ascending time, and the events by name."""
+    try:
+        import xarray
+    except ImportError as error:
+        raise ImportError(f"xarray: {MISSING}") from error
+    recorded = {"angle": "angles", "rate": "rates"}
+    variables = {
+        name: (DIMENSIONS.get(name, ("time",)), getattr(run, recorded.get(name, name)), {"units": unit})
+        for name, unit in UNITS.items()
+    }
+    events = ("event", np.array([event.time for event in run.events]), {"units": "s"})
+    return xarray.Dataset(
+        {**variables, "event_time": events},
+        coords={
+            "time": ("time", ascending(run.time), {"units": "s"}),
+            "instant": ("time", run.time, {"units": "s"}),
+            "link": np.arange(1, run.angles.shape[1] + 1),
+            "axis": ["x", "y"],
+            "event": [event.name for event in run.events],
+        },
+        attrs={"stop_reason": str(run.stop_reason), "hub_speed": run.hub_speed},
+    )
+
+
+def ascending(time: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return times that strictly ascend: one that does not exceed its predecessor becomes the next double after it."""
+    found = time.copy()
+    for later in range(1, len(found)):
+        if found[later] <= found[later - 1]:
+            found[later] = np.nextafter(found[later - 1], np.inf)
+    return found

@@ -1,0 +1,237 @@
+"""What a simulation returns: samples in time, events, contacts, why it stopped and what it cost."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
+from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event
+from bristle_sim.trajectory.storage import read, write
+from bristle_sim.trajectory.summary import summary_lines, summary_page
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray
+
+    from bristle_sim.trajectory.interpolation import Motion
+    from bristle_sim.trajectory.pictures import Figure
+
+__all__ = ["Trajectory"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Trajectory:
+    """A run of one mechanism: n samples, in SI units and radians.
+
+    At an impact two samples share one instant: before and after it.
+
+    Attributes:
+        time: s.
+        hub_angle: of the bristle's root, from the direction of the workpart, rad; zero throughout for a fixed root.
+        angles, rates: absolute angle and rate of each link, shape (n, links), rad and rad/s.
+        centre_line: corners of the wires' centre line from the root over knees and joints to the tip, (x, y) from the
+            hub's centre, shape (n, corners, 2), m; pictures draw these points.
+        centre_line_velocity: of the same corners, shape (n, corners, 2), m/s.
+        kinetic_energy, potential_energy: of the links and of belt and gravity, J.
+        normal_force: of the obstacle that is touched, N; zero in flight.
+        events, contacts: in order of time.
+        stop_reason: why the run stopped; its ``advice`` says what would let it go further.
+        cost: see Cost.
+        parameters: what was simulated, as plain numbers and words.
+        contact_at_end: see ContactAtEnd; the reference leaves it out.
+        stop_detail: what a contact law that gave up said, with its remedy; empty for any other stop.
+    """
+
+    time: Array
+    hub_angle: Array
+    angles: Array
+    rates: Array
+    centre_line: Array
+    centre_line_velocity: Array
+    kinetic_energy: Array
+    potential_energy: Array
+    normal_force: Array
+    hub_speed: float
+    events: tuple[Event, ...]
+    contacts: tuple[ContactRecord, ...]
+    stop_reason: StopReason
+    cost: Cost
+    parameters: dict[str, Any] = field(default_factory=dict)
+    contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
+    stop_detail: str = ""
+
+    @property
+    def tip(self) -> Array:
+        """Position of the last link's tip, where the centre line ends, shape (n, 2), m."""
+        return self.centre_line[:, -1]
+
+    @property
+    def tip_velocity(self) -> Array:
+        """Velocity of the tip, shape (n, 2), m/s."""
+        return self.centre_line_velocity[:, -1]
+
+    @property
+    def retraction(self) -> Array:
+        """Angle by which the first link lags the radial direction, positive when it lags, rad; minus relative_angle."""
+        return np.asarray(self.hub_angle - self.angles[:, 0])
+
+    @property
+    def relative_angle(self) -> Array:
+        """Angle of the first link relative to the radial direction, alpha; negative when it lags (retraction), rad."""
+        return np.asarray(self.angles[:, 0] - self.hub_angle)
+
+    @property
+    def relative_rate(self) -> Array:
+        """Rate of the first link relative to the hub, rad/s."""
+        return np.asarray(self.rates[:, 0] - self.hub_speed)
+
+    @property
+    def total_energy(self) -> Array:
+        """Kinetic plus potential energy, J; the hub's drive may change it."""
+        return np.asarray(self.kinetic_energy + self.potential_energy)
+
+    def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
+        """Return the time of the first (or last) event of that name at or before an instant, s; None if there is none.
+
+        Raises:
+            ValueError: if no run has an event of that name.
+        """
+        recorded = [event.name for event in self.events]
+        name = checked_event("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
+        times = [event.time for event in self.events if event.name == name and event.time <= before]
+        return (times[-1] if last else times[0]) if times else None
+
+    @property
+    def stop_advice(self) -> str:
+        """What would let the run go further, in terms of the obstacle touched last."""
+        return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
+
+    def first_contact(self, obstacle: str) -> ContactRecord | None:
+        """The first contact with ``bar`` or ``workpart``, or None."""
+        return next((each for each in self.contacts if each.obstacle == obstacle), None)
+
+    def columns(self) -> dict[str, Array]:
+        """Return every sampled quantity by its name and unit, one entry a sample, for tables and files."""
+        links = range(self.angles.shape[1])
+        return {
+            "time (s)": self.time,
+            "hub_angle (rad)": self.hub_angle,
+            **{f"angle_{link + 1} (rad)": self.angles[:, link] for link in links},
+            **{f"rate_{link + 1} (rad/s)": self.rates[:, link] for link in links},
+            "relative_angle (rad)": self.relative_angle,
+            "relative_rate (rad/s)": self.relative_rate,
+            "tip_x (m)": self.tip[:, 0],
+            "tip_y (m)": self.tip[:, 1],
+            "kinetic_energy (J)": self.kinetic_energy,
+            "potential_energy (J)": self.potential_energy,
+            "normal_force (N)": self.normal_force,
+        }
+
+    def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
+        """Return the motion at one instant or several, between samples too.
+
+        A polynomial through angles and rates of up to eight samples around the instant, from one contact to the next. Tried
+        at accuracy 1e-6 on 1,000 random instants of each of nine tools, angles are within 4e-7 rad of a run sampled twenty
+        times as closely, and rates within 1e-6 of the largest rate at all but a few instants (1e-5), next to the release.
+        During a contact resolved in time, of which only first and last touch are samples, it is a cubic between the two; the
+        contact's ``history`` has what happens there.
+
+        Args:
+            time: s, of any shape.
+            side: ``before`` or ``after``, which of the two states at the instant of an impact.
+
+        Raises:
+            ValueError: for an instant outside the run, or another side.
+        """
+        from bristle_sim.trajectory.interpolation import motion_at
+
+        return motion_at(self, time, side)
+
+    @property
+    def tool(self) -> Tool:
+        """The tool that was simulated.
+
+        Raises:
+            ValueError: if the parameters do not describe one.
+        """
+        try:
+            parts = self.parameters["tool"]
+            built = {name: None if parts[name] is None else part(**parts[name]) for name, part in _PARTS.items()}
+            return Tool(**{**parts, **built})
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return all sampled quantities as a pandas DataFrame, one row a sample; ``attrs["units"]`` has their units.
+
+        Raises:
+            ImportError: if pandas is not installed.
+        """
+        from bristle_sim.trajectory.tables import to_dataframe
+
+        return to_dataframe(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return all sampled quantities as an xarray Dataset with units as attributes.
+
+        Its coordinate ``time`` strictly ascends, so that ``interp(time=...)`` works, which is linear between samples where
+        ``at`` is of higher order: of samples that share an instant the later ones follow by the smallest step of a double.
+        ``instant`` is the time as recorded.
+
+        Raises:
+            ImportError: if xarray is not installed.
+        """
+        from bristle_sim.trajectory.tables import to_xarray
+
+        return to_xarray(self)
+
+    def plot(self, *, until: float | None = None) -> Figure:
+        """Draw tool, tip path, retraction, speed and energy; ``until`` is the last instant shown, s."""
+        from bristle_sim.trajectory.pictures import plot
+
+        return plot(self, until)
+
+    def animate(self, path: str | Path, **options: Any) -> Path:
+        """Film the run to an mp4 or gif file; options are those of ``bristle_sim.render.pass_video.pass_video``."""
+        from bristle_sim.trajectory.pictures import animate
+
+        return animate(self, path, **options)
+
+    def __repr__(self) -> str:
+        """Five lines: samples, strike, events, why the run stopped, cost."""
+        return "\n".join(summary_lines(self))
+
+    def _repr_html_(self) -> str:
+        """Show the five lines beside a drawing in a notebook."""
+        return summary_page(self)
+
+    def save(self, path: str | Path) -> None:
+        """Write everything to one npz file of exactly that name, with no suffix added; it appears only when complete.
+
+        Raises:
+            OSError: naming the file, if it cannot be written.
+        """
+        write(self, Path(path))
+
+    @classmethod
+    def load(cls, path: str | Path) -> Trajectory:
+        """Read a file written by :meth:`save`, by the same name.
+
+        Raises:
+            OSError: if there is no such file or it cannot be read.
+            ValueError: for any other file.
+        """
+        return cls(**read(Path(path)))
+
+
+_PARTS = {"hub": Hub, "belt": Belt, "bristle": Bristle, "bar": Bar, "workpart": Workpart, "contact": Contact}
+"""Classes of a tool's parts by name."""

@@ -1,0 +1,212 @@
+"""Every quick hard case keeps its promise, and the measures notice a program whose physics is broken."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
+from bristle_sim.scene import contact_laws, time_scales, touch_search, transitions
+from bristle_sim.scene import tool as scene_tool
+from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.units import Units
+from bristle_sim.theory.impact import energetic_impact
+
+QUICK = [case for theme in TABLES for case in cases_of(theme, full=False)]
+
+
+@pytest.mark.parametrize("case", QUICK, ids=lambda case: f"{case.theme}: {case.name}")
+def test_promise(case: HardCase) -> None:
+    finding = case.measure()
+    assert finding.ok, finding.reached
+
+
+@pytest.mark.parametrize("theme", TABLES)
+def test_every_case_has_a_name_of_its_own_and_quick_ones_are_some_of_all(theme: str) -> None:
+    names = [case.name for case in cases_of(theme, full=True)]
+    assert len(set(names)) == len(names)
+    assert {case.name for case in cases_of(theme, full=False)} < set(names)
+
+
+def law(change: Callable[..., Any]) -> tuple[object, str, Any]:
+    """Another impact law in the scene's place of the energetic one."""
+    return contact_laws, "energetic_impact", change
+
+
+def friction_off(error: float) -> tuple[object, str, Any]:
+    """The impact law with a friction that is off by a relative error."""
+    return law(
+        lambda matrix, velocity, mu, e, later=None, *rest: energetic_impact(
+            matrix, velocity, mu * (1.0 + error), e, None if later is None else later * (1.0 + error), *rest
+        )
+    )
+
+
+def restitution_off(error: float) -> tuple[object, str, Any]:
+    """The impact law with a restitution that is off by a relative error."""
+    return law(lambda matrix, velocity, mu, e, *rest: energetic_impact(matrix, velocity, mu, e * (1.0 - error), *rest))
+
+
+def slow_is_none(matrix: Any, velocity: Any, *rest: Any) -> Any:
+    """Take an approach of 1e-10 of the slip for none."""
+    slow = abs(velocity[0]) < 1e-10 * abs(velocity[1])
+    return energetic_impact(matrix, (0.0, velocity[1]) if slow else velocity, *rest)
+
+
+def one_sided(matrix: Any, velocity: Any, mu: float, *rest: Any) -> Any:
+    """Add friction of 1e-3 to slip of one sign."""
+    return energetic_impact(matrix, velocity, mu + 1e-3 * (velocity[1] > 0), *rest)
+
+
+def part(name: str, **factors: float) -> tuple[object, str, Any]:
+    """A scene built with some of the numbers of its effects or its mechanism off by a factor."""
+    made = getattr(scene_tool, name)
+
+    def off(*values: Any, **given: Any) -> Any:
+        found = made(*values, **given)
+        numbers = {key: getattr(found, key) or 0.0 for key in factors}
+        return dataclasses.replace(found, **{key: numbers[key] * factors[key] for key in factors})
+
+    return scene_tool, name, off
+
+
+def gaining(*given: Any) -> Any:
+    """Resolve an impact with rates 1e-6 too large, and say so."""
+    after, record = RESOLVE(*given)
+    rates = tuple(rate * (1.0 + 1e-6) for rate in after.rates)
+    works = record.compressive_work, record.restitutive_work
+    more = (works[1][0] - 3e-6 * works[0][0] + 1e-12 * abs(works[0][0]), works[1][1])
+    return after._replace(rates=rates), dataclasses.replace(record, rates_after=rates, restitutive_work=more)
+
+
+RESOLVE = EnergeticLaw.resolve
+
+
+def nameless(*given: Any) -> Any:
+    """Resolve an impact and call every outcome a rebound."""
+    after, record = RESOLVE(*given)
+    return after, dataclasses.replace(record, outcome="rebound")
+
+
+def livelier(obstacle: Any) -> Coefficients:
+    """Two percent more restitution."""
+    return Coefficients(obstacle.friction, obstacle.restitution_friction, min(1.02 * obstacle.restitution, 1.0))
+
+
+def at_the_end(_mechanism: object, gap: Any, _start: Any, end: Any, *_: Any) -> float | None:
+    """Search a touch at the end of the interval only."""
+    return 1.0 if gap(end)[0] < 0.0 else None
+
+
+def later(**given: Any) -> Any:
+    """Allow 50,000 more steps than requested."""
+    return PLAN(**(given | {"maximum_steps": given["maximum_steps"] + 50_000}))
+
+
+PLAN = scene_tool.Plan
+
+BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
+    "a friction 1e-10 off": (
+        friction_off(1e-10),
+        [
+            "jam: rod pulled, friction 1e-09 off the jam",
+            "jam: two rods, 1e-06 off the friction that sticks",
+            "mass_ratio: n = 1e-09, slip",
+        ],
+    ),
+    "a friction 1e-7 off": (
+        friction_off(1e-7),
+        [f"jam: {which}, friction 0.001 off the jam" for which in ("pass, tip pushed", "default pass")],
+    ),
+    "a restitution 1e-12 off": (
+        restitution_off(1e-12),
+        ["grazing: strike at 1e-09 rad", "grazing: approach 1e-12 of the tip's speed"],
+    ),
+    "an approach taken for none": (law(slow_is_none), ["grazing: approach 1e-12 of the tip's speed"]),
+    "friction to one side": (law(one_sided), ["limits: two rods, restitution 1, mirrored"]),
+    "a jam without its name": (
+        (EnergeticLaw, "resolve", nameless),
+        ["limits: bar's friction 1e+06, restitution 0", "jam: rod pushed, friction 0.001 off the jam"],
+    ),
+    "energy gained": (
+        (EnergeticLaw, "resolve", gaining),
+        ["limits: two rods, restitution 1, friction 0"],
+    ),
+    "compliance in stick from K alone": (
+        law(lambda *given: energetic_impact(*given[:-1])),
+        ["mass_ratio: n = 1e+12, stick"],
+    ),
+    "a belt 4e-6 too stiff": (
+        part("Effects", stiffness=1.0 + 4e-6),
+        [
+            "belt_stiffness: belt x 1: released, accuracy 1e-06",
+            "belt_stiffness: belt x 10: whole pass",
+            "hub_speed: 0 rad/s: three periods",
+        ],
+    ),
+    "damping off by a thousandth": (
+        part("Effects", damping=1.001),
+        ["damping: ratio 0.5: decay, accuracy 1e-06", "damping: ratio 0.5: whole pass"],
+    ),
+    "a belt that freezes": (
+        (time_scales, "MOST_DAMPING", 1e9),
+        ["damping: ratio 100: decay, accuracy 1e-06"],
+    ),
+    "a hub 1e-5 too fast": (
+        part("Mechanism", hub_speed=1.0 + 1e-5),
+        ["hub_speed: 1000 rad/s: whole pass", "hub_speed: 100000 rad/s: released, no belt"],
+    ),
+    "coarse integration": (
+        (scene_tool, "stepper_for", lambda *_: Extrapolation(1e-4)),
+        [
+            "long_run: 10 hub turns, accuracy 1e-06",
+            "belt_stiffness: belt x 1: fixed step of 2.5 rad",
+            "grazing: swing that ends 1e-09 into the workpart",
+        ],
+    ),
+    "a scene in SI units": (
+        (scene_tool, "tool_units", lambda _: Units(1.0, 1.0, 1.0)),
+        ["size: 1 um, 1e-12 kg: flight", "size: 0.82 um, 1.2e-12 kg: whole pass"],
+    ),
+    "a search at the ends of intervals": (
+        (touch_search, "first_touch", at_the_end),
+        ["tunnelling: accuracy 0.1, bristle thrown at 1e+06 rad/s, hub at rest, no belt"],
+    ),
+    "touches that are not located": (
+        (touch_search, "locate", lambda _value, _left, right, *_: right),
+        ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
+    ),
+    "another restitution": (
+        (Coefficients, "of", livelier),
+        ["chatter: bar, restitution 0.5", "chatter: falls 0.01 rad, restitution 0.5, friction 0.1"],
+    ),
+    "fixed steps that tap for ever": (
+        (transitions, "_stays", lambda _progress, record: record.velocity_after[0] <= 1e-8),
+        ["chatter: whole pass in steps of 1e-05 s"],
+    ),
+    "a jam that is not seen": (
+        (transitions, "opening_rate", lambda *_: math.inf),
+        ["touching: wedged in, restitution 0.5"],
+    ),
+    "starts that are not checked": (
+        (scene_tool, "_check_start", lambda *_: None),
+        [f"touching: starts 1e-3 of its length inside the {obstacle}" for obstacle in ("bar", "workpart")],
+    ),
+    "a budget that is not kept": ((scene_tool, "Plan", later), ["budget: flight; 1, 10, 1000 steps"]),
+}
+"""What is broken, by which attribute of which module and how, and the cases that must notice it."""
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_physics_is_noticed(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    (owner, attribute, broken), cases = BROKEN[name]
+    monkeypatch.setattr(owner, attribute, broken)
+    for wanted in cases:
+        (case,) = (each for each in QUICK if f"{each.theme}: {each.name}" == wanted)
+        assert not case.run().ok, wanted

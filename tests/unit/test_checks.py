@@ -1,0 +1,51 @@
+"""Arguments that may be arrays are numbers in range, or are refused in one line."""
+
+import pytest
+
+from bristle_sim.theory import checks
+from bristle_sim.theory.ranges import RANGES, checked_arguments, checked_numbers
+
+
+def test_numbers_that_no_machine_word_holds_are_numbers() -> None:
+    """10^30 is a Python integer of 100 bits; no value at all (None) is refused like nan."""
+    for check in (checks.finite, checks.positive):
+        check("mass", 10**30, "kg")
+        with pytest.raises(ValueError, match=r"^mass = "):
+            check("mass", None, "kg")
+    with pytest.raises(ValueError, match=r"^n = 1e\+30: "):
+        checks.whole("n", 10**30, 7)
+    checks.whole("n", 7, 7)
+
+
+@pytest.mark.parametrize("value", [0, 8, 1.5, True])
+def test_whole_numbers_in_a_range(value: object) -> None:
+    """True is no number here, although Python counts it as 1."""
+    with pytest.raises(ValueError, match=r"^n = .*1 <= n <= 7"):
+        checks.whole("n", value, 7)
+
+
+def test_every_range_of_the_table_is_one_with_its_reason() -> None:
+    """A bound comes from physics or from rounding, and says from which."""
+    for name, found in RANGES.items():
+        assert found.key == name
+        assert found.lowest < found.highest
+        assert found.source.startswith(("physics", "rounding"))
+
+
+def test_arguments_are_found_by_their_names() -> None:
+    @checked_arguments
+    def product(mass: float, width: object = abs, other: float = -1.0) -> tuple[object, ...]:
+        return mass, width, other
+
+    assert product(2) == (2.0, abs, -1.0)  # a function is no width in m, and the table knows no other
+    assert product(2.0, sum, -2.0) == (2.0, sum, -2.0)
+    with pytest.raises(
+        ValueError, match=r"^mass = 0\.0: must be a finite number with 1e-30 <= mass <= 1e\+06 \(in kg\)$"
+    ):
+        product(0.0)
+
+
+def test_single_numbers_by_name() -> None:
+    assert checked_numbers(rod_mass=2, rate=-1.0) == [2.0, -1.0]
+    with pytest.raises(ValueError, match=r"^rate = \[1\.0\]: must be a finite number"):
+        checked_numbers(rate=[1.0])  # type: ignore[arg-type]

@@ -1,0 +1,277 @@
+"""Contacts resolved in time, against closed forms, balances and symmetry."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.obstacles import WorkpartObstacle
+from bristle_sim.scene.strike import Chain, build_strike, strike
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import ContactHistory, ContactRecord
+
+PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+
+
+ROUGH = Surface(0.3, None, 0.5)
+
+
+def resolved(chain: Chain, surface: Surface, law: CompliantLaw) -> ContactRecord:
+    """A strike by a law in the scene's own units, in which the fastest rate is 1."""
+    scene, state, obstacle, _ = build_strike(chain, surface)
+    return law.resolve(scene, state, obstacle, Coefficients.of(obstacle))[1]
+
+
+class TestCompliantContact:
+    def test_duration_follows_the_accuracy_down_to_what_rounding_allows(self) -> None:
+        """A tenth of the accuracy over the fastest rate, 0.2 rad/s; at least 3e-7/sqrt(e*) over it."""
+        for accuracy, restitution, duration in ((1e-4, 0.5, 5e-5), (1e-7, 0.25, 3e-6), (1e-7, 0.0, 1.5e-6)):
+            surface = Surface(0.3, None, restitution)
+            found = strike(PAIR, surface, Contact("compliant"), Settings(accuracy=accuracy)).contact.duration
+            # Without restitution compression alone takes the time. The motion meanwhile is of the order of it.
+            assert found == pytest.approx(duration, rel=1e-4)
+
+    @pytest.mark.parametrize("duration", [1e-4, 1e-3])
+    def test_duration_as_given(self, duration: float) -> None:
+        """To its own share of a second, in which the chain moves by 0.2 rad; sampled 24 times at least."""
+        found = strike(PAIR, ROUGH, Contact("compliant", duration), Settings()).contact
+        assert found.duration == pytest.approx(duration, rel=duration)
+        assert found.history is not None
+        assert found.history.time[-1] - found.history.time[0] == pytest.approx(found.duration, rel=1e-12)
+        assert len(found.history.time) > 24
+
+    @pytest.mark.parametrize("friction", [0.0, 0.3])
+    def test_course_of_a_contact_of_one_freedom(self, friction: float) -> None:
+        """A rod at gamma = 0.6 with v = rate: N' = -k v_n, v_n' = a N, a = K_nn + mu K_nt in and K_nn - mu K_nt out.
+
+        Quarter periods of pi/2/sqrt(a k) and e* pi/2/sqrt(a' k), of sinus and cosinus; k from their sum, the duration.
+        """
+        gamma, e, duration = 0.6, 0.5, 1e-4
+        approach, k_nn, k_nt = math.sin(gamma), 3.0 * math.sin(gamma) ** 2, 3.0 * math.sin(gamma) * math.cos(gamma)
+        rates = [k_nn + friction * k_nt, k_nn - friction * k_nt]
+        stiffness = (0.5 * math.pi * (rates[0] ** -0.5 + e * rates[1] ** -0.5) / duration) ** 2
+        inwards = 0.5 * math.pi / math.sqrt(rates[0] * stiffness)
+        depth = approach / math.sqrt(rates[0] * stiffness)
+        chain = Chain((1.0,), (1.0,), (-gamma,), (1.0,))
+        history = strike(chain, Surface(friction, None, e), Contact("compliant", duration), Settings()).contact.history
+        assert history is not None
+        time = history.time - history.time[0]
+        phase = np.where(time < inwards, time / inwards, 1.0 + (time - inwards) / (duration - inwards)) * 0.5 * math.pi
+        share = np.where(time < inwards, np.sin(phase), e**2 * np.sin(phase) + 1.0 - e**2)
+        force = stiffness * depth * np.sin(phase)
+        # The rod turns by 1e-4 meanwhile.
+        np.testing.assert_allclose(history.penetration, depth * share, rtol=0.0, atol=1e-3 * depth)
+        np.testing.assert_allclose(history.normal_force, force, rtol=0.0, atol=1e-3 * stiffness * depth)
+        sign = np.where(time <= inwards * (1.0 + 1e-3), 1.0, -1.0)
+        turning = np.abs(time - inwards) < 1e-2 * inwards
+        np.testing.assert_allclose(
+            history.tangential_force[~turning],
+            (-friction * sign * history.normal_force)[~turning],
+            rtol=1e-12,
+            atol=1e-12,
+        )
+
+    def test_friction_of_restitution_is_its_own(self) -> None:
+        """The rigid-body law with mu = 0.3 in compression and 0.1 in restitution is the limit: ten times 1e-5 off it."""
+        surface = Surface(0.3, 0.1, 0.5)
+        limit = strike(PAIR, surface, Contact(), Settings()).contact
+        found = strike(PAIR, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
+        assert found.outcome == limit.outcome
+        assert found.impulse == pytest.approx(limit.impulse, rel=1e-4)
+        assert found.duration == pytest.approx(5e-6, rel=1e-3)
+
+    @pytest.mark.parametrize("friction", [0.0, 0.1, 0.9])
+    def test_no_slip_before(self, friction: float) -> None:
+        """Rods at 0.5 and -0.5 with opposite rates come straight down: slip begins as K drives it, or friction holds."""
+        chain, surface = Chain((1.0, 1.0), (1.0, 1.0), (-0.5, 0.5), (1.0, -1.0)), Surface(friction, None, 0.5)
+        limit = strike(chain, surface, Contact(), Settings()).contact
+        found = strike(chain, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
+        assert limit.velocity_before[1] == 0.0
+        assert found.impulse == pytest.approx(limit.impulse, rel=1e-4, abs=1e-10)
+        assert ("compression stick" in found.phases) == (friction == 0.9)
+
+    @pytest.mark.parametrize("steps", [200, 400])
+    def test_plain_steps_are_as_many_as_requested(self, steps: int) -> None:
+        """That number in the duration, which they miss by about one of themselves, and one or two where a turn is located."""
+        history = resolved(PAIR, ROUGH, CompliantLaw(1e-4, 1e-6, steps)).history
+        assert history is not None
+        assert steps <= len(history.time) <= steps + 10
+
+    @pytest.mark.parametrize("restitution", [0.5, 0.0])
+    def test_a_touch_too_slow_for_its_penetration_goes_by_the_rigid_law(self, restitution: float) -> None:
+        """Upright rods whose tip approaches at 1e-9: 3e-7 of that is 3e-16, less than the rounding of a place."""
+        chain, surface = Chain((1.0, 1.0), (1.0, 1.0), (0.0, -1e-9), (1.0, 1.0)), Surface(0.3, None, restitution)
+        limit = strike(chain, surface, Contact(), Settings()).contact
+        found = strike(chain, surface, Contact("compliant"), Settings()).contact
+        assert found.law == limit.law == "energetic"
+        assert found.impulse == limit.impulse
+
+    def test_a_slow_touch_that_leaves_deep_traces_is_resolved(self) -> None:
+        """1e-5 over 1e-3 is 1e-8 deep, times e* = 1e-2 still three orders above 1e-13; at 1e-9 it is one below."""
+        for speed, law in ((1e-5, "compliant"), (1e-9, "energetic")):
+            chain = Chain((1.0, 1.0), (1.0, 1.0), (0.0, -speed), (1.0, 1.0))
+            assert resolved(chain, Surface(0.3, None, 1e-2), CompliantLaw(1e-3, 1e-4)).law == law
+
+    @pytest.mark.parametrize("duration", [1e-5, 1e-2, 0.1])
+    @pytest.mark.parametrize(("friction", "later"), [(2.0, 2.0), (0.3, 5.0)])
+    def test_stiction_ends_with_compression(self, duration: float, friction: float, later: float) -> None:
+        """A rod at 0.6 that friction holds: p_c = m L w/(3 (sin + mu cos)) is all, but for the turn meanwhile."""
+        chain = Chain((1.0,), (1.0,), (-0.6,), (1.0,))
+        found = resolved(chain, Surface(friction, later, 0.5), CompliantLaw(duration, 1e-6))
+        assert (found.outcome, found.phases) == ("stiction", ("compression slip",))
+        assert found.impulse[0] == pytest.approx(1.0 / (3.0 * (math.sin(0.6) + friction * math.cos(0.6))), rel=duration)
+        assert found.duration == pytest.approx(duration, rel=max(duration, 1e-4))
+
+    @pytest.mark.parametrize("duration", [1e-3, 1e-2, 0.1])
+    def test_stiction_on_a_hub_that_goes_on(self, duration: float) -> None:
+        """Radial at touch, the tip leaves its line as the hub turns; p_c = m (L w + r w_h)/(3 (sin + mu cos)) all the same."""
+        chain = Chain((1.0,), (1.0,), (-0.6,), (1.0,), 0.5, 0.3, -0.6)
+        found = resolved(chain, Surface(2.0, None, 0.5), CompliantLaw(duration, 1e-6))
+        assert (found.outcome, found.phases) == ("stiction", ("compression slip",))
+        assert found.impulse[0] == pytest.approx(1.15 / (3.0 * (math.sin(0.6) + 2.0 * math.cos(0.6))), rel=duration)
+
+    def test_jam_ends_where_the_point_sticks(self) -> None:
+        """A rod on a hub that brings its root down: slip stops while the tip still approaches, and nothing stops that."""
+        chain, surface = Chain((1.0,), (1.0,), (-0.6,), (1.0,), 0.5, 1.0, -1.2), Surface(2.0, None, 0.5)
+        limit = strike(chain, surface, Contact(), Settings()).contact
+        found = resolved(chain, surface, CompliantLaw(1e-3, 1e-6))
+        assert limit.outcome == found.outcome == "jam"
+        assert found.phases == ("compression slip", "compression stick")
+        assert found.impulse == found.compressive_impulse == pytest.approx(limit.impulse, rel=1e-3)
+
+    def test_without_restitution_compression_is_all(self) -> None:
+        limit = strike(PAIR, Surface(0.3, None, 0.0), Contact(), Settings()).contact
+        found = resolved(PAIR, Surface(0.3, None, 0.0), CompliantLaw(1e-4, 1e-6))
+        assert (found.outcome, found.phases) == ("no rebound", limit.phases)
+        assert found.impulse == found.compressive_impulse
+        assert limit.compressive_impulse is not None
+        scale = limit.compressive_impulse[0]
+        # In units of the scene: rates and speeds there are five times as large.
+        assert found.impulse[0] == pytest.approx(5.0 * scale, rel=1e-3)
+
+    def test_the_record_ends_free_of_force(self) -> None:
+        """A spring does not pull, and what has left is not pushed."""
+        history = resolved(PAIR, ROUGH, CompliantLaw(1e-4, 1e-6)).history
+        assert history is not None
+        assert (history.normal_force[-1], history.tangential_force[-1]) == (0.0, 0.0)
+        assert history.normal_force.min() >= -1e-9 * history.normal_force.max()
+
+
+def press(friction: float, speed: float, turning: float = 0.0) -> tuple[ContactRecord, Mechanism, State, State]:
+    """A belt of natural rate 1 presses a slow rod on, at 0.6 from the normal and from time 2 on, for 1e-3 or so.
+
+    On a hub that turns from the rod's angle the belt is relaxed at first and presses more and more.
+    """
+    obstacle = WorkpartObstacle(math.cos(0.6), friction, friction, 0.5)
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), 0.0, turning, 0.6 - 2.0 * turning if turning else 0.0)
+    scene = Scene(mechanism, Effects(stiffness=1.0 / 3.0, obstacles=(obstacle,)))
+    before = State(2.0, (0.6,), (-speed,))
+    after, record = CompliantLaw(1e-3, 1e-6).resolve(scene, before, obstacle, Coefficients.of(obstacle))
+    return record, scene.mechanism, before, after
+
+
+class TestPressedContact:
+    @pytest.mark.parametrize(("friction", "speed"), [(0.0, 1e-5), (0.3, 1e-4), (2.0, 1e-5)])
+    def test_angular_momentum_balances(self, friction: float, speed: float) -> None:
+        """About the root, arm (sin, -cos) 0.6: I dw = sin N + cos T - k angle time, the angle constant to 1e-5."""
+        found, mechanism, before, after = press(friction, speed)
+        gained = (after.rates[0] - before.rates[0]) / 3.0 + 0.6 / 3.0 * found.duration
+        moment = math.sin(0.6) * found.impulse[0] + math.cos(0.6) * found.impulse[1]
+        assert moment == pytest.approx(gained, rel=1e-4)
+        assert found.duration == pytest.approx(after.time - before.time, rel=1e-12)
+        assert found.duration <= 10.0 * 1e-3 * (1.0 + 1.0 / 24.0), "a contact that lasts is given up as an impact"
+        assert (found.time, found.obstacle) == (2.0, "workpart")
+        assert (found.angles, found.rates_before, found.rates_after) == (before.angles, before.rates, after.rates)
+        u, v = mechanism.poses(after)[-1].tip_velocity
+        assert found.velocity_after == pytest.approx((v, u), rel=1e-9, abs=1e-18)
+
+    def test_a_contact_that_lasts_is_no_rebound(self) -> None:
+        """Friction takes what the belt does not: after ten times the duration of an impact the rod is still there."""
+        found, *_ = press(0.3, 1e-4)
+        assert found.outcome == "no rebound"
+        assert 10e-3 < found.duration < 10e-3 + 1e-3 / 24.0
+
+    def test_reloading_follows_the_way_in(self) -> None:
+        """Pressed deeper than ever before, the spring is again the one of compression, N = k delta."""
+        found, *_ = press(0.3, 1e-6, -3.0)
+        history = found.history
+        assert isinstance(history, ContactHistory)
+        assert any(name.startswith("compression") for name in found.phases[2:])
+        first_peak = history.penetration[int(np.flatnonzero(np.diff(history.penetration) < 0.0)[0])]
+        deepest = history.penetration >= np.maximum.accumulate(history.penetration)
+        deeper = deepest & (history.penetration > 1.2 * first_peak)
+        stiffness = history.normal_force[2] / history.penetration[2]
+        assert deeper.sum() > 100
+        # Turns are located to a tenth of 1e-7 of the duration, 1e-11 of at least 3e-10 deep; the way out is four times as
+        # stiff, which would be half as much again and more.
+        np.testing.assert_allclose(history.normal_force[deeper], stiffness * history.penetration[deeper], rtol=0.1)
+
+
+class TestDampedContact:
+    @pytest.mark.parametrize("ratio", [1.0, 10.0, 751.0])
+    def test_the_shortest_contact_follows_the_damping(self, ratio: float) -> None:
+        """A belt of damping ratio D has the rate 2 D: 3e-7/sqrt(e*) would take 8e-4 of a speed at D = 751.
+
+        With T = 3e-7/sqrt(2 D e*) the motion meanwhile and rounding are as large, 4e-14/(T e*): 1e-5 at most.
+        """
+        obstacle = WorkpartObstacle(math.cos(0.6), 0.3, 0.3, 0.5)
+        effects = Effects(stiffness=1.0 / 3.0, damping=2.0 / 3.0 * ratio, obstacles=(obstacle,))
+        scene, before = Scene(Mechanism((Link.rod(1.0, 1.0),)), effects), State(0.0, (0.6,), (-1.0,))
+        rigid, _ = EnergeticLaw().resolve(scene, before, obstacle, Coefficients.of(obstacle))
+        found, record = CompliantLaw(None, 1e-6).resolve(scene, before, obstacle, Coefficients.of(obstacle))
+        assert record.duration == pytest.approx(3e-7 / math.sqrt(2.0 * ratio * 0.5), rel=1e-4)
+        assert found.rates == pytest.approx(rigid.rates, abs=1e-5)
+
+
+class TestCompliantRefusals:
+    @pytest.mark.parametrize(
+        ("call", "said"),
+        [
+            (
+                lambda: resolved(PAIR, Surface(0.3, None, 9e-4), CompliantLaw(None, 1e-6)),
+                "^restitution = 0.0009: must be 0, or at least 0.001, ",
+            ),
+            (
+                lambda: resolved(PAIR, Surface(0.3, None, 0.25), CompliantLaw(3e-7, 1e-6)),
+                "^contact_duration: must be at least 2 times ",
+            ),
+            (
+                lambda: resolved(PAIR, Surface(0.3, None, 0.0), CompliantLaw(1.5e-7, 1e-6)),
+                "^contact_duration: must be at least 2 times ",
+            ),
+            (
+                lambda: resolved(
+                    Chain((1.0, 1e4), (1.0, 1.0), (-0.3, -0.5), (0.1, 0.2)), ROUGH, CompliantLaw(None, 1e-6)
+                ),
+                "^contact = compliant: links must be at least 1e-3 times as heavy ",
+            ),
+        ],
+    )
+    def test_refusals_name_key_value_and_range(self, call: Callable[[], object], said: str) -> None:
+        with pytest.raises(ValueError, match=said):
+            call()
+
+    def test_the_least_values(self) -> None:
+        """e* = 1e-3, and a duration of 3e-7/sqrt(e*)."""
+        assert resolved(PAIR, Surface(0.3, None, 1e-3), CompliantLaw(1e-4, 1e-4)).outcome == "rebound"
+        assert resolved(PAIR, Surface(0.3, None, 0.25), CompliantLaw(3e-7 / math.sqrt(0.25), 1e-4)).outcome == "rebound"
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_record_of_a_contact_resolved_in_time(restitution: float) -> None:
+    """Every entry tends to that of the rigid-body law, as the rates do: within ten times the accuracy asked for."""
+    chain = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
+    surface = Surface(0.3, None, restitution)
+    limit = strike(chain, surface, Contact(), Settings()).contact
+    found = strike(chain, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
+    for name in ("compressive_impulse", "compressive_work", "restitutive_work", "velocity_before", "velocity_after"):
+        expected = getattr(limit, name)
+        # The tangential parts are shares of the normal ones; a final v_n of 0 is one beside that of the approach.
+        size = max(map(abs, limit.velocity_before if "velocity" in name else expected), default=0.0)
+        assert getattr(found, name) == pytest.approx(expected, rel=1e-4, abs=1e-4 * size + 1e-12), name

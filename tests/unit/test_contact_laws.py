@@ -1,0 +1,72 @@
+"""The energetic law and the engine's own, against angular momentum and Newton's restitution."""
+
+import math
+
+import pytest
+
+from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.contact_laws import Coefficients, EngineLaw
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.strike import Chain, build_strike, strike
+from bristle_sim.settings import Settings
+
+
+def test_the_rigid_law_takes_no_time() -> None:
+    record = strike(Chain((2.0,), (1.0,), (-0.6,), (1.0,)), Surface(0.3, None, 0.5), Contact(), Settings()).contact
+    assert (record.duration, record.time, record.law) == (0.0, 0.0, "energetic")
+
+
+class TestEngineLaw:
+    """Newton's restitution of one rod at 0.6: v_n is -e times what it was, whatever friction does (one freedom)."""
+
+    @pytest.mark.parametrize(("friction", "restitution"), [(0.0, 0.5), (0.3, 0.5), (0.0, 1.0), (0.0, 0.0)])
+    def test_one_rod(self, friction: float, restitution: float) -> None:
+        """Slip does not turn before the normal velocity does, so p_t = -mu p_n and p_n = -(1 + e) v_n/(K_nn + mu K_nt).
+
+        With friction that is so in compression; the clamp then takes what is left of slip as it comes.
+        """
+        chain, surface = Chain((2.0,), (1.0,), (-0.6,), (1.0,)), Surface(friction, None, restitution)
+        scene, state, obstacle, _ = build_strike(chain, surface)
+        after, record = EngineLaw(100).resolve(scene, state, obstacle, Coefficients.of(obstacle))
+        assert (record.obstacle, record.law, record.duration, record.time) == ("workpart", "engine", 0.0, 0.0)
+        assert record.outcome == ("rebound" if restitution else "no rebound")
+        assert (after.time, after.angles) == (state.time, state.angles)
+        assert (record.angles, record.rates_before, record.rates_after) == (state.angles, state.rates, after.rates)
+        before = (-math.sin(0.6), math.cos(0.6))
+        assert record.velocity_before == pytest.approx(before, rel=1e-14)
+        # Iterations solve the joint to rounding; the engine's bias of a step of 1e-12 is below it.
+        assert record.velocity_after == pytest.approx([-restitution * each for each in before], abs=1e-9)
+        sine, cosine = math.sin(0.6), math.cos(0.6)
+        moment = sine * record.impulse[0] - cosine * record.impulse[1]
+        assert moment == pytest.approx((1.0 + restitution) / 3.0, rel=1e-9), "angular momentum about the root"
+        if not friction:
+            assert record.impulse == pytest.approx(((1.0 + restitution) / (3.0 * sine), 0.0), rel=1e-9, abs=1e-12)
+        assert (record.compressive_impulse, record.compressive_work, record.restitutive_work) == (None, None, None)
+
+    def test_ten_iterations_unless_told_otherwise(self) -> None:
+        """More iterations of a chain give more: Stronge's double pendulum comes out otherwise with each number."""
+        chain, surface = (
+            Chain((5.0, 5.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2)),
+            Surface(0.5),
+        )
+        usual = strike(chain, surface, Contact("engine"), Settings()).contact
+        rates = []
+        for iterations in (10, 50):
+            scene, state, obstacle, units = build_strike(chain, surface)
+            after, _ = EngineLaw(iterations).resolve(scene, state, obstacle, Coefficients.of(obstacle))
+            rates.append(tuple(rate / units.time for rate in after.rates))
+        assert usual.rates_after == pytest.approx(rates[0], rel=1e-12)
+        assert usual.rates_after != pytest.approx(rates[1], rel=1e-3)
+
+    def test_the_scene_is_left_as_in_flight(self) -> None:
+        """Nothing of the contact acts any more: a rod within the workpart is let through, but for the step's error h^2."""
+        scene, state, obstacle, _ = build_strike(Chain((2.0,), (1.0,), (-0.6,), (1.0,)), Surface(0.3, None, 0.5))
+        iterations = scene.space.iterations
+        after, _ = EngineLaw().resolve(scene, state, obstacle, Coefficients.of(obstacle))
+        assert scene.space.iterations == iterations
+        assert scene.angles() == list(after.angles)
+        assert scene.rates() == list(after.rates)
+        inside = State(0.0, (-0.5,), (1.0,))
+        scene.place(inside)
+        scene.step(1e-3, 1)
+        assert scene.rates()[0] == pytest.approx(1.0, abs=1e-6)

@@ -1,0 +1,132 @@
+"""The engine's own contact as a load that keeps a link on an obstacle, against geometry and values by hand."""
+
+import math
+
+import pytest
+
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.engine_contact import ELBOW, EngineContact, elbow, locking, set_back, sustained_contact_record
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
+from bristle_sim.scene.stepping import Advance
+from bristle_sim.stop_reason import StopReason
+
+ROD = Mechanism((Link.rod(2.0, 1.0),))
+"""A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
+
+
+def on_workpart(angle: float, friction: float) -> EngineContact:
+    """The rod's tip on the workpart."""
+    obstacle = WorkpartObstacle(math.cos(angle), friction, friction, 0.5)
+    return EngineContact(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle)
+
+
+def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[EngineContact, BarObstacle]:
+    """The rod, at an angle, against a bar of reach 0.1 at a distance along it, on the side of larger angles."""
+    direction = (math.sin(angle), -math.cos(angle))
+    across = (math.cos(angle), math.sin(angle))
+    centre = (along * direction[0] + 0.1 * across[0], along * direction[1] + 0.1 * across[1])
+    obstacle = BarObstacle(centre, 0.1, 0.0, friction, 0.5)
+    return EngineContact(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle), obstacle
+
+
+class TestGrip:
+    """(K_nn - mu sign(v_t) K_nt) over that of the free rod, 1/m + lever^2/J."""
+
+    @pytest.mark.parametrize("rate", [-0.3, 0.0, 0.3])
+    @pytest.mark.parametrize("friction", [0.0, 0.4])
+    def test_on_the_workpart(self, rate: float, friction: float) -> None:
+        """K_nn = 3/m sin^2, K_nt = 3/m sin cos; free 1/m (1 + 12 (sin/2)^2); no slip, no friction."""
+        angle = 0.7
+        sine, cosine = math.sin(angle), math.cos(angle)
+        slip = math.copysign(1.0, rate) if rate else 0.0
+        expected = 3.0 * sine * (sine - friction * slip * cosine) / (1.0 + 3.0 * sine**2)
+        found = on_workpart(angle, friction).grip(State(0.0, (angle,), (rate,)))
+        assert found == pytest.approx(expected, rel=1e-13)
+
+    @pytest.mark.parametrize("angle", [0.0, 0.7, -2.0])
+    @pytest.mark.parametrize("along", [0.3, 0.5, 0.9])
+    def test_on_a_bar_in_any_direction(self, angle: float, along: float) -> None:
+        """K_nn = 3/m s^2 at a distance s from the root; free 1/m (1 + 12 (s - 1/2)^2)."""
+        hold, _ = beside_bar(angle, along)
+        found = hold.grip(State(0.0, (angle,), (0.1,)))
+        assert found == pytest.approx(3.0 * along**2 / (1.0 + 12.0 * (along - 0.5) ** 2), rel=1e-12)
+
+    @pytest.mark.parametrize("along", [0.2, 0.5, 0.8])
+    def test_iterations_solve_to_rounding_and_no_further(self, along: float) -> None:
+        """Each leaves 1 - grip of the error: as many as it takes to 1e-17."""
+        hold, _ = beside_bar(0.7, along)
+        left = abs(1.0 - hold.engage(State(0.0, (0.7,), (0.1,))))
+        rounds = hold.scene.space.iterations
+        assert left**rounds <= 1e-17 < left ** (rounds - 1)
+
+    def test_iterations_have_a_bound(self) -> None:
+        """Friction of tan gamma leaves no grip: no number of iterations is enough, 40 000 are taken."""
+        hold = on_workpart(0.7, math.tan(0.7))
+        assert hold.engage(State(0.0, (0.7,), (0.3,))) == pytest.approx(0.0, abs=1e-15)
+        assert hold.scene.space.iterations == 40_000
+
+    @pytest.mark.parametrize(("force", "impulse", "fails"), [(1.0, 0.0, False), (0.0, 1.0, True), (-1.0, 1.0, True)])
+    def test_a_contact_only_pushes(self, force: float, impulse: float, fails: bool) -> None:
+        """What counts is the force of the last step, not what was pushed before."""
+        assert on_workpart(0.7, 0.3).fails([force, impulse, 0.0, 0.0]) is fails
+
+
+class TestEventFunctions:
+    def test_friction_that_locks_is_a_jam(self) -> None:
+        """Zero where the grip is 1e-3; it ends the run and has a name in the record only with friction."""
+        state = State(0.0, (0.7,), (0.3,))
+        result = Advance(state, (0.0,), (), 0.0)
+        for friction, event in ((0.4, "jam"), (0.0, None)):
+            hold = on_workpart(0.7, friction)
+            watch = locking(hold)
+            assert watch.value(result) == pytest.approx(hold.grip(state) - 1e-3, abs=1e-15)
+            assert (watch.falling, watch.event) == (True, event)
+            assert watch.final is (StopReason.JAM if friction else StopReason.NO_GRIP)
+
+    def test_another_piece_that_meets_the_bar(self) -> None:
+        """Its gap falls to zero; a straight wire has no other piece."""
+        hold, _ = beside_bar(0.7, 0.5)
+        watch = elbow(hold)
+        assert (watch.name, watch.falling) == (ELBOW, True)
+        assert watch.value(Advance(State(0.0, (0.7,), (0.1,)), (0.0,), (), 0.0)) == math.inf
+
+
+class TestSetBack:
+    """Newton's method ends after three rounds: 1e-3 off is 1e-6, 1e-12 and then rounding."""
+
+    @pytest.mark.parametrize("off", [1e-3, -1e-3])
+    def test_onto_the_workpart(self, off: float) -> None:
+        """The tip is at -cos of the angle, and does not move along the normal where the rate is 0."""
+        hold = on_workpart(0.7, 0.0)
+        found = set_back(ROD, hold.obstacle, State(1.5, (0.7 + off,), (0.2,)))
+        assert found.time == 1.5
+        assert found.angles[0] == pytest.approx(0.7, abs=1e-14)
+        assert found.rates[0] == pytest.approx(0.0, abs=1e-14)
+
+    @pytest.mark.parametrize("angle", [0.0, 0.7, -2.0])
+    @pytest.mark.parametrize("off", [1e-3, -1e-3])
+    def test_onto_a_bar_in_any_direction(self, angle: float, off: float) -> None:
+        _, obstacle = beside_bar(angle, 0.6)
+        found = set_back(ROD, obstacle, State(0.0, (angle + off,), (0.2,)))
+        assert found.angles[0] == pytest.approx(angle, abs=1e-13)
+        assert found.rates[0] == pytest.approx(0.0, abs=1e-13)
+
+    def test_a_link_whose_turning_does_not_help_stays(self) -> None:
+        """A hanging rod's tip moves along the surface."""
+        state = State(0.0, (0.0,), (0.2,))
+        assert set_back(ROD, WorkpartObstacle(0.9, 0.0, 0.0, 0.5), state) == state
+
+
+def test_record_of_a_sustained_contact() -> None:
+    """Slip of a tip at 0.7 is the rate times cos 0.7; the normal velocity is 0 by definition."""
+    obstacle = WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5)
+    first, last = State(1.0, (0.7,), (0.5,)), State(1.5, (0.7,), (-0.25,))
+    record = sustained_contact_record(ROD, obstacle, first, last, (3.0, -1.0, -0.2), "released")
+    assert (record.obstacle, record.law, record.outcome) == ("workpart", "sustained", "released")
+    assert (record.time, record.duration, record.impulse) == (1.0, 0.5, (3.0, -1.0))
+    assert record.compressive_work == (0.0, -0.2)
+    assert record.compressive_impulse is record.restitutive_work is None
+    assert record.velocity_before == (0.0, pytest.approx(0.5 * math.cos(0.7), rel=1e-15))
+    assert record.velocity_after == (0.0, pytest.approx(-0.25 * math.cos(0.7), rel=1e-15))
+    assert (record.angles, record.rates_before, record.rates_after) == ((0.7,), (0.5,), (-0.25,))

@@ -1,0 +1,115 @@
+"""The course of an impact over its normal impulse: straight pieces, the scene's end, printed impulses."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.settings import Settings
+from bristle_sim.studies.impulse_course import contact_inverse_mass, energetic_course, recorded_course, tip_velocity
+
+IDENTICAL_RODS = Chain((5.0, 5.0), (1.0, 1.0), (-math.pi / 9.0, -math.pi / 6.0), (0.1, 0.2))
+"""Stronge's double pendulum (Zhang 2020, fig. 2.28 at n = 1)."""
+
+ROUNDING = 1e-11
+"""Relative: a few hundred operations on doubles, amplified by what cancels in K near a jam."""
+GAMMA = math.radians(23.4)
+BRISTLE = Chain((8.387e-5,), (0.027,), (-GAMMA,), (3.23 * 261.8,), 0.0275, 261.8, -GAMMA)
+ROD = Chain((8.387e-5,), (0.027,), (-GAMMA,), (845.6,))
+THREE_RODS = Chain((3.0, 1.5, 0.7), (0.4, 0.9, 0.6), (0.3, -0.5, -0.9), (-1.0, 2.0, 3.0))
+PRESSED = Chain((5.0, 5.0), (1.0, 1.0), (math.radians(-30.0), math.radians(40.0)), (0.3, -0.1))
+"""Its slip goes the way that friction would press the tip back: with enough of it in restitution, slip at rest."""
+STICKY = Surface(friction=0.7, restitution=0.5)
+ROUGH = Surface(friction=0.5, restitution=0.5)
+
+
+def test_inverse_mass_of_one_rod() -> None:
+    # A rod's tip weighs m/3 across the rod and nothing gives along it.
+    across = np.array([math.sin(-GAMMA), math.cos(-GAMMA)])
+    expected = 3.0 / ROD.masses[0] * np.outer(across, across)
+    np.testing.assert_allclose(contact_inverse_mass(ROD), expected, rtol=ROUNDING)
+
+
+def test_inverse_mass_of_identical_rods_has_the_printed_stick_threshold() -> None:
+    inverse_mass = contact_inverse_mass(IDENTICAL_RODS)
+    threshold = abs(inverse_mass[0, 1]) / inverse_mass[1, 1]
+    assert threshold == pytest.approx(0.623401, abs=5e-7)  # eq. 2.90 at 20, 30 deg, to the digits given
+
+
+@pytest.mark.parametrize(
+    ("chain", "surface"),
+    [
+        (BRISTLE, Surface()),
+        (IDENTICAL_RODS, ROUGH),
+        (IDENTICAL_RODS, STICKY),
+        (IDENTICAL_RODS, Surface(friction=0.1, restitution=0.5, restitution_friction=0.8)),
+        (PRESSED, Surface(friction=0.1, restitution=0.5, restitution_friction=5.0)),
+        (THREE_RODS, ROUGH),
+    ],
+)
+def test_course_ends_where_the_scene_does(chain: Chain, surface: Surface) -> None:
+    """The scene's K comes from the engine's bodies and joints, the course's from the rods' kinetic energy."""
+    course = energetic_course(chain, surface)
+    contact = strike(chain, surface, Contact("energetic"), Settings()).contact
+    speed = math.hypot(*contact.velocity_before)
+    np.testing.assert_allclose(tip_velocity(chain), contact.velocity_before, rtol=ROUNDING)
+    np.testing.assert_allclose(
+        (course.normal_velocity[-1], course.tangential_velocity[-1]), contact.velocity_after, atol=ROUNDING * speed
+    )
+    assert course.impulse[-1] == pytest.approx(contact.impulse[0], rel=ROUNDING)
+    assert course.phases == contact.phases
+
+
+@pytest.mark.parametrize(
+    ("friction", "compressive", "final", "motions"),
+    [
+        (0.3, 0.45772963, 0.70237711, ("slip", "slip", "reverse slip")),
+        (0.5, 0.37905577, 0.59199844, ("slip", "slip", "reverse slip")),
+        (0.7, 0.32345998, 0.51199185, ("slip", "slip", "stick")),
+    ],
+)
+def test_course_of_identical_rods(friction: float, compressive: float, final: float, motions: tuple[str, ...]) -> None:
+    """Impulses from Zhang 2020, eqs. 2.74-2.89, evaluated on their own to eight digits."""
+    course = energetic_course(IDENTICAL_RODS, Surface(friction=friction, restitution=0.5))
+    assert course.compression_end == pytest.approx(compressive, abs=5e-9)
+    assert course.impulse[-1] == pytest.approx(final, abs=5e-9)
+    assert tuple(phase.split(" ", 1)[1] for phase in course.phases) == motions
+    assert np.interp(course.compression_end, course.impulse, course.normal_velocity) == pytest.approx(0.0, abs=1e-15)
+    assert np.interp(course.slip_stop, course.impulse, course.tangential_velocity) == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(("chain", "surface"), [(BRISTLE, Surface()), (IDENTICAL_RODS, STICKY), (THREE_RODS, ROUGH)])
+def test_course_returns_the_work_that_restitution_asks_for(chain: Chain, surface: Surface) -> None:
+    course = energetic_course(chain, surface)
+    steps = np.diff(course.impulse) * 0.5 * (course.normal_velocity[1:] + course.normal_velocity[:-1])
+    compression = course.impulse[1:] <= course.compression_end * (1.0 + ROUNDING)
+    ratio = -steps[~compression].sum() / steps[compression].sum()
+    assert ratio == pytest.approx(surface.restitution**2, rel=ROUNDING)
+
+
+def test_course_without_approach_is_a_point() -> None:
+    course = energetic_course(Chain((1.0,), (1.0,), (-0.4,), (-1.0,)), Surface())
+    assert course.impulse.tolist() == [0.0]
+    assert course.phases == ()
+
+
+@pytest.mark.parametrize(
+    ("chain", "surface"), [(BRISTLE, Surface()), (IDENTICAL_RODS, ROUGH), (IDENTICAL_RODS, STICKY)]
+)
+def test_contact_resolved_in_time_lies_on_the_course(chain: Chain, surface: Surface) -> None:
+    course = energetic_course(chain, surface)
+    history = strike(chain, surface, Contact("compliant"), Settings()).contact.history
+    assert history is not None
+    recorded = recorded_course(history)
+    # 24 stretches of half a wave of force or more: the trapezoidal rule leaves (pi/24)^2/12 of the impulse.
+    trapezoidal = (math.pi / 24.0) ** 2 / 12.0
+    assert recorded.impulse[-1] == pytest.approx(course.impulse[-1], rel=trapezoidal)
+    for name in ("normal_velocity", "tangential_velocity"):
+        expected = np.interp(recorded.impulse, course.impulse, getattr(course, name))
+        change = np.ptp(getattr(course, name))
+        # The same share of the impulse moves a velocity by at most its steepest slope, at most 3 times the mean here.
+        np.testing.assert_allclose(getattr(recorded, name), expected, atol=3.0 * trapezoidal * change)

@@ -1,0 +1,370 @@
+"""What happens in a run and when: touches by a hair, at any speed and step, starts, limits, chatter, scale, repetition.
+
+A straight bristle without gravity stays radial until it touches something, so the instant of the first touch is plain
+geometry: the radial line meets the bar's circle, or the tip's circle meets bar or workpart.
+"""
+
+import math
+from dataclasses import fields, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.scene.tool import simulate, tool_units
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Trajectory
+
+TOOL = Tool()
+TIP = 0.0275 + 0.027
+"""Radius of a radial bristle's tip, m."""
+
+BARE = replace(TOOL, bar=None)
+HUB_SPEEDS = [1.0, 37.0, 261.8, 1e3, 1e4, 1e5]
+
+
+def with_hub_speed(tool: Tool, speed: float) -> Tool:
+    return replace(tool, hub=replace(tool.hub, speed=speed))
+
+
+def with_bar_at(distance: float, radius: float, angle: float = 1.2, **surface: float) -> Tool:
+    """A bar at a distance from the hub's centre, in a direction ``angle`` before the workpart, and a thin wire."""
+    bar = Bar(radius=radius, horizontal=distance * math.sin(angle), vertical=distance * math.cos(angle), **surface)
+    return replace(TOOL, bar=bar, bristle=replace(TOOL.bristle, wire_diameter=0.0))
+
+
+def first_bar_touch(tool: Tool) -> float:
+    """Time at which a radial bristle meets the bar: its end on the reach (law of cosines) or its flank (tangent)."""
+    assert tool.bar is not None
+    distance, reach = math.hypot(tool.bar.horizontal, tool.bar.vertical), tool.bar_reach
+    if distance * distance - reach * reach > TIP * TIP:
+        between = math.acos((distance**2 + TIP**2 - reach**2) / (2.0 * distance * TIP))
+    else:
+        between = math.asin(reach / distance)
+    return (math.pi / 2.0 - math.atan2(tool.bar.horizontal, tool.bar.vertical) - between) / tool.hub.speed
+
+
+def least_gap(tool: Tool, run: Trajectory) -> float:
+    """Least distance of the centre line from bar and workpart over all samples, m."""
+    hub, wire = (np.stack([np.sin(angle), -np.cos(angle)], axis=1) for angle in (run.hub_angle, run.angles[:, 0]))
+    gaps = []
+    if tool.bar is not None:
+        to_bar = np.array(tool.bar.centre) - tool.hub.radius * hub
+        along = np.clip((to_bar * wire).sum(axis=1), 0.0, tool.bristle.length)
+        gaps.append(np.linalg.norm(to_bar - along[:, None] * wire, axis=1).min() - tool.bar_reach)
+    if tool.workpart is not None:
+        gaps.append(run.tip[:, 1].min() + tool.workpart_depth)
+    return float(min(gaps))
+
+
+ACCURACY = Settings().accuracy
+"""Asked for by default: events of a run are good to it, relative to the run's time."""
+
+INSIDE = -ACCURACY * 0.027
+"""So is what is touched, relative to the bristle's length."""
+
+
+class TestByAHair:
+    @pytest.mark.parametrize("hair", [1e-6, 1e-8])
+    @pytest.mark.parametrize("radius", [1e-3, 1e-5])
+    def test_bar_grazed_and_missed(self, radius: float, hair: float) -> None:
+        """A bar that the tip's circle overlaps by a hair is touched at the instant of geometry; off by a hair, never.
+
+        The radial bristle has no error to speak of, and where the circles meet at grazing incidence it is magnified by
+        up to 1e3.
+        """
+        grazed = with_bar_at(TIP + radius - hair, radius)
+        found = simulate(grazed, stop_after="bar touch").event_time("bar touch")
+        assert found == pytest.approx(first_bar_touch(grazed), rel=ACCURACY)
+        missed = simulate(replace(with_bar_at(TIP + radius + hair, radius), workpart=None))
+        assert [each.name for each in missed.events] == ["bar not touched"]
+        assert missed.contacts == ()
+
+    @pytest.mark.parametrize("hair", [1e-6, 1e-9])
+    def test_workpart_grazed_and_missed(self, hair: float) -> None:
+        grazed = replace(BARE, workpart=Workpart(penetration=hair))
+        expected = (math.pi / 2.0 - math.acos(1.0 - hair / TIP)) / 261.8
+        # Rounding of the tip's height is magnified by sqrt(TIP/hair), 7e3 for a nanometre.
+        assert simulate(grazed, stop_after="strike").event_time("strike") == pytest.approx(expected, rel=ACCURACY)
+        missed = simulate(replace(BARE, workpart=Workpart(penetration=-hair)))
+        assert [each.name for each in missed.events] == ["workpart not reached"]
+        assert least_gap(BARE, missed) > -0.0046
+
+    def test_nothing_is_touched_twice_at_once(self) -> None:
+        """The graze of a frictionless inelastic bar by a hair lifts off by itself; the pass goes on past it."""
+        run = simulate(replace(with_bar_at(TIP + 1e-3 - 1e-7, 1e-3), workpart=None))
+        assert run.stop_reason == "end of the planned time"
+        assert len(run.contacts) <= 3
+
+
+class TestFastAndThin:
+    @pytest.mark.parametrize("speed", HUB_SPEEDS)
+    @pytest.mark.parametrize("radius", [4.37e-3, 1e-6])
+    def test_no_hub_speed_passes_through_the_bar(self, speed: float, radius: float) -> None:
+        """Down to a bar of a micrometre and an infinitely thin wire, that the flank meets at 0.9 of the tip's radius."""
+        tool = with_hub_speed(with_bar_at(0.9 * TIP, radius), speed)
+        run = simulate(tool, stop_after="bar touch")
+        assert run.event_time("bar touch") == pytest.approx(first_bar_touch(tool), rel=ACCURACY)
+        assert least_gap(tool, run) > INSIDE
+
+    @pytest.mark.parametrize("speed", HUB_SPEEDS)
+    def test_no_hub_speed_passes_through_the_workpart(self, speed: float) -> None:
+        tool = with_hub_speed(BARE, speed)
+        run = simulate(tool, stop_after="strike")
+        expected = (math.pi / 2.0 - math.acos(50.0 / 54.5)) / speed
+        assert run.event_time("strike") == pytest.approx(expected, rel=ACCURACY)
+        assert least_gap(tool, run) > INSIDE
+
+    @pytest.mark.parametrize("speed", [37.0, 261.8, 1e3, 1e4, 1e5])
+    def test_nothing_is_entered_in_a_whole_pass(self, speed: float) -> None:
+        tool = with_hub_speed(TOOL, speed)
+        run = simulate(tool, Settings(maximum_steps=200_000))
+        assert run.event_time("bar touch") == pytest.approx(first_bar_touch(tool), rel=ACCURACY)
+        assert least_gap(tool, run) > INSIDE
+
+    @pytest.mark.parametrize("share", [0.001, 0.03, 0.25])
+    @pytest.mark.parametrize("speed", [261.8, 1e4])
+    def test_plain_steps_meet_what_extrapolated_ones_meet(self, speed: float, share: float) -> None:
+        """Steps from 1/1000 to 1/4 of the fastest motion's radian; each touch comes within the first-order error."""
+        tool = with_hub_speed(with_bar_at(0.97 * TIP, 1e-5), speed)
+        step = share * tool_units(tool).time
+        run = simulate(tool, Settings(step=step), stop_after="bar touch")
+        # First order: each step drifts off the circle by (w h)^2/2, w h/2 per radian of the turn.
+        assert run.event_time("bar touch") == pytest.approx(first_bar_touch(tool), rel=share)
+
+    def test_plain_steps_do_not_enter_what_they_touch(self) -> None:
+        run = simulate(TOOL, Settings(step=2e-5), stop_after="strike")
+        assert least_gap(TOOL, run) > INSIDE
+        # First order in a step of 1/45 of a radian of the belt's motion.
+        assert run.event_time("strike") == pytest.approx(4.53e-3, rel=2e-2)
+
+    def test_too_long_a_plain_step_is_refused(self) -> None:
+        with pytest.raises(ValueError, match=r"step = 0\.01: at most .* is allowed"):
+            simulate(TOOL, Settings(step=0.01))
+
+
+class TestStarts:
+    GAMMA = math.acos(50.0 / 54.5)
+
+    def test_in_contact_and_approaching(self) -> None:
+        run = simulate(BARE, start_hub_angle=-self.GAMMA, start_relative_rate=583.8, stop_after="strike")
+        assert run.event_time("strike") == 0.0
+        assert run.contacts[0].rates_before[0] == pytest.approx(845.6, rel=1e-15)
+
+    def test_in_contact_and_leaving(self) -> None:
+        """Mirrored: the tip leaves the surface, and nothing has struck."""
+        run = simulate(BARE, start_hub_angle=self.GAMMA)
+        assert run.contacts == ()
+        assert [each.name for each in run.events] == ["workpart not reached"]
+
+    def test_in_contact_and_at_rest(self) -> None:
+        """Hub at rest, the belt pulls the tip onto the surface: it is held there, by k a = N L sin a."""
+        tool = replace(BARE, hub=Hub(speed=0.0), workpart=Workpart(penetration=0.003, friction=0.0))
+        angle = -math.acos(24.0 / 27.0)
+        run = simulate(tool, start_hub_angle=0.0, start_relative_angle=angle)
+        assert np.ptp(run.angles) < 1e-12
+        force = tool.belt.stiffness * angle / (0.027 * math.sin(angle))
+        # The engine's iterations leave rounding.
+        assert run.normal_force[-1] == pytest.approx(force, rel=1e-9)
+
+    @pytest.mark.parametrize(("start", "obstacle"), [(0.0, "workpart"), (-1.2, "bar")])
+    def test_overlapping(self, start: float, obstacle: str) -> None:
+        with pytest.raises(ValueError, match=f"a {obstacle} clear of the bristle"):
+            simulate(TOOL, start_hub_angle=start)
+
+    @pytest.mark.parametrize(
+        "start",
+        [
+            {"start_relative_rate": math.nan},
+            {"start_hub_angle": math.inf},
+            {"start_relative_angle": 1.6},
+            {"start_relative_rate": -1e10},
+            {"stop_after": "strik"},
+        ],
+    )
+    def test_bad_values_are_refused_in_one_line(self, start: dict[str, float]) -> None:
+        with pytest.raises(ValueError, match=f"^{next(iter(start))} = [^\n]* (is allowed|must be)[^\n]*$"):
+            simulate(BARE, **start)
+
+    def test_hub_at_rest_oscillates(self) -> None:
+        """No rotation, no gravity: harmonic, three periods of sqrt(k/I); released at rest, back at each period."""
+        tool = replace(TOOL, hub=Hub(speed=0.0), bar=None, workpart=None)
+        run = simulate(tool, start_relative_angle=-0.5)
+        period = 2.0 * math.pi / math.sqrt(tool.belt.stiffness / tool.bristle.inertia_about_root)
+        assert run.time[-1] == pytest.approx(3.0 * period, rel=1e-12)
+        # The accuracy asked for, 1e-6.
+        assert run.relative_angle[-1] == pytest.approx(-0.5, abs=1e-6)
+
+    def test_nothing_that_moves(self) -> None:
+        still = Tool(hub=Hub(speed=0.0), belt=Belt(stiffness=0.0), bar=None, workpart=None)
+        run = simulate(still, start_relative_angle=0.3)
+        # Extrapolation multiplies rounding by some tens.
+        assert np.ptp(run.angles) < 1e-13
+        assert run.stop_reason == "end of the planned time"
+
+
+class TestLimits:
+    def test_retraction_limit(self) -> None:
+        """A belt a thousand times softer does not turn the bristle back from the bar."""
+        run = simulate(replace(TOOL, belt=Belt(stiffness=TOOL.belt.stiffness * 1e-3)))
+        assert run.stop_reason == "retraction limit"
+        assert run.events[-2].name == "retraction limit"
+        assert run.relative_angle[-1] == pytest.approx(-math.pi / 2.0, abs=1e-9)
+        assert run.events[-1].name == "workpart not reached"
+
+    def test_step_budget(self) -> None:
+        run = simulate(TOOL, Settings(maximum_steps=1000))
+        assert run.stop_reason == "step budget spent"
+        assert run.cost.steps < 1500
+
+    @pytest.mark.parametrize("share", [1e-3, 1e-1, 10.0, 1e3])
+    def test_soft_and_stiff_belts(self, share: float) -> None:
+        run = simulate(replace(TOOL, belt=Belt(stiffness=TOOL.belt.stiffness * share)))
+        assert_sound(run)
+        assert run.event_time("bar touch") == pytest.approx(first_bar_touch(TOOL), rel=ACCURACY)
+
+    def test_belt_a_million_times_stiffer(self) -> None:
+        """A pass is thousands of its periods: followed as far as the budget goes, by the energy that it keeps."""
+        tool = replace(BARE, belt=Belt(stiffness=TOOL.belt.stiffness * 1e6), workpart=None)
+        run = simulate(tool, Settings(maximum_steps=20_000), start_relative_angle=-0.3)
+        assert run.stop_reason == "step budget spent"
+        assert_sound(run)
+        jacobi = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
+        jacobi += 0.5 * tool.belt.stiffness * run.relative_angle**2
+        # Centrifugal energy is 1e-7 of the belt's; the rest is the accuracy of 1e-6 per radian over 700 radians.
+        assert np.ptp(jacobi) < 1e-5 * jacobi[0]
+
+    @pytest.mark.parametrize("ratio", [0.01, 0.5, 1.0, 5.0, 100.0])
+    def test_damping(self, ratio: float) -> None:
+        """The belt's own damping alone takes energy in flight: at most what there was is left after every sample."""
+        tool = replace(BARE, belt=Belt(damping_ratio=ratio), workpart=None)
+        run = simulate(tool, Settings(hub_turn=1.0), start_relative_angle=-0.5)
+        assert_sound(run)
+        jacobi = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
+        jacobi += 0.5 * tool.belt.stiffness * run.relative_angle**2
+        centrifugal = 0.5 * 8.387e-5 * 0.027 * 0.0275 * 261.8**2
+        jacobi -= centrifugal * np.cos(run.relative_angle) - centrifugal
+        assert np.diff(jacobi).max() < 1e-6 * jacobi[0]
+
+    def test_bar_friction_that_locks_ends_in_a_jam(self) -> None:
+        run = simulate(replace(TOOL, bar=replace(TOOL.bar, friction=20.0)))
+        assert run.stop_reason == "jam"
+        assert_sound(run)
+
+    @pytest.mark.parametrize("friction", [1.0, 5.0, 1e6])
+    @pytest.mark.parametrize("speed", [30.0, 261.8])
+    def test_no_friction_hangs_or_fails(self, friction: float, speed: float) -> None:
+        tool = with_hub_speed(replace(TOOL, bar=replace(TOOL.bar, friction=friction)), speed)
+        assert_sound(simulate(tool, Settings(maximum_steps=200_000)))
+
+
+def assert_sound(run: Trajectory) -> None:
+    """Finite numbers, time that does not go back, events within the run, a reason for stopping."""
+    for each in ("time", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force"):
+        assert np.isfinite(getattr(run, each)).all(), each
+    assert np.diff(run.time).min() >= 0.0
+    assert all(0.0 <= each.time <= run.time[-1] * (1.0 + 1e-12) for each in run.events)
+    assert run.normal_force.min() >= 0.0
+    assert run.stop_reason
+
+
+class TestChatter:
+    @pytest.mark.parametrize("restitution", [0.5, 0.9, 0.99])
+    def test_bar(self, restitution: float) -> None:
+        """A stiff, damped belt presses the wire on: taps come ever faster, add up in finite time, and the wire slides.
+
+        Each tap leaves e of the normal velocity, down to 1e-8 of it at least: no more than ln 1e-8/ln e taps, doubled
+        for what the belt's swing adds in between.
+        """
+        belt = Belt(stiffness=100.0 * TOOL.belt.stiffness, damping_ratio=0.3)
+        tool = replace(TOOL, belt=belt, bar=replace(TOOL.bar, restitution=restitution), workpart=None)
+        run = simulate(tool)
+        taps = [each for each in run.contacts if each.law == "energetic"]
+        assert_sound(run)
+        assert 3 < len(taps) < 2.0 * math.log(1e-8) / math.log(restitution)
+        assert any(each.law == "sustained" for each in run.contacts)
+        assert least_gap(tool, run) > INSIDE
+
+    def test_workpart_at_rest_under_the_belt(self) -> None:
+        """Bouncing on one spot under a constant force: flights shrink by e, so the last touch is at t_1 (1 + e)/(1 - e).
+
+        Hub at rest and gravity alone, from 1e-4 rad above the surface: the force is constant to 1e-4. Hops shorter than
+        the root of the accuracy, in the scene's time units of 0.03 s, count as rest: 1e-4 of this chatter.
+        """
+        tool = Tool(
+            hub=Hub(speed=0.0, radius=0.0),
+            belt=Belt(stiffness=0.0),
+            bar=None,
+            workpart=Workpart(penetration=0.027 * (1.0 - math.cos(0.8)), friction=0.0, restitution=0.7),
+            gravity=9.81,
+        )
+        run = simulate(tool, Settings(accuracy=1e-10), start_hub_angle=0.0, start_relative_angle=0.8001)
+        strike = run.event_time("strike")
+        assert strike is not None
+        hold = next(each for each in run.contacts if each.law == "sustained")
+        assert hold.time == pytest.approx(strike * 1.7 / 0.3, rel=1e-3)
+        assert run.angles[-1, 0] == pytest.approx(0.8, abs=1e-9)
+
+
+def scaled(size: float, pace: float) -> Tool:
+    """Lengths times s at the same mass, rates times p: belt torque times s^2 p^2, impulses times s p."""
+    return Tool(
+        hub=Hub(speed=261.8 * pace, radius=0.0275 * size),
+        belt=Belt(stiffness=TOOL.belt.stiffness * size**2 * pace**2),
+        bristle=Bristle(length=0.027 * size, wire_diameter=7.1e-4 * size),
+        bar=Bar(radius=TOOL.bar.radius * size, horizontal=0.05037 * size, vertical=0.0225 * size),
+        workpart=Workpart(penetration=0.0045 * size),
+    )
+
+
+class TestScaleAndRepetition:
+    @pytest.mark.parametrize(("size", "pace"), [(1e-6 / 0.027, 1.0), (10.0 / 0.027, 1.0), (1.0, 1e-3), (1.0, 300.0)])
+    def test_similar_tools_move_alike(self, size: float, pace: float) -> None:
+        """Bristles of a micrometre and of ten metres, slow and fast; 1e-9 is ten times the accuracy asked for.
+
+        That the wire's end grazes the bar when it is released magnifies it by 1e3 for that instant.
+        """
+        first, second = (
+            simulate(tool, Settings(accuracy=1e-10), stop_after="strike") for tool in (TOOL, scaled(size, pace))
+        )
+        assert [each.name for each in first.events] == [each.name for each in second.events]
+        for a, b in zip(first.events, second.events, strict=True):
+            assert b.time * pace == pytest.approx(a.time, rel=1e-6 if a.name == "bar release" else 1e-9)
+        one, other = (run.first_contact("workpart") for run in (first, second))
+        assert one is not None
+        assert other is not None
+        assert other.angles == pytest.approx(one.angles, rel=1e-9)
+        assert other.rates_before[0] / pace == pytest.approx(one.rates_before[0], rel=1e-9)
+        assert other.rates_after[0] / pace == pytest.approx(one.rates_after[0], rel=1e-9)
+        # Tangential impulse is a difference of two phases, a thirtieth of the normal one.
+        expected = [each * size * pace for each in one.impulse]
+        assert other.impulse == pytest.approx(expected, rel=1e-9, abs=1e-9 * expected[0])
+
+    @pytest.mark.parametrize(("size", "pace"), [(2.0**-15, 1.0), (2.0**9, 1.0), (1.0, 2.0**-10), (1.0, 2.0**8)])
+    def test_powers_of_two_change_no_digit(self, size: float, pace: float) -> None:
+        """They scale exactly in floating point, and the scene runs in its own units."""
+        first, second = (simulate(tool, stop_after="strike") for tool in (TOOL, scaled(size, pace)))
+        assert np.array_equal(first.angles, second.angles)
+        assert np.array_equal(first.rates * pace, second.rates)
+        assert np.array_equal(first.tip * size, second.tip)
+        assert [each.time for each in first.events] == [each.time * pace for each in second.events]
+
+    def test_same_input_same_numbers(self) -> None:
+        """Bit for bit, whatever was simulated in between."""
+        first = simulate(TOOL)
+        simulate(replace(TOOL, belt=Belt(damping_ratio=0.5)), Settings(accuracy=1e-4))
+        again = simulate(TOOL)
+        for each in fields(Trajectory):
+            if each.name not in ("cost", "parameters"):
+                assert np.array_equal(getattr(first, each.name), getattr(again, each.name)), each.name
+        assert (first.cost.steps, first.cost.error_estimate) == (again.cost.steps, again.cost.error_estimate)
+
+
+class TestSamples:
+    def test_samples_are_as_close_as_asked(self) -> None:
+        """At least 24 a period of the belt with the hub's centrifugal stiffening, and events are samples."""
+        run = simulate(TOOL)
+        assert max(b - a for a, b in pairwise(run.time)) <= 2.0 * math.pi / 1121.3 / 24.0 * (1.0 + 1e-9)
+        for each in run.events:
+            assert np.abs(run.time - each.time).min() == 0.0

@@ -1,0 +1,128 @@
+"""Frequencies of a bending wire: limits of the beam equation, the printed wire, and the chain's convergence to the beam."""
+
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Bristle, Tool
+from bristle_sim.theory.wire import (
+    beam_frequencies,
+    chain_frequencies,
+    hinge_damping,
+    hinge_stiffness,
+    second_moment_of_area,
+)
+
+TOOL = Tool()
+WIRE = (TOOL.bristle.mass, TOOL.bristle.length, TOOL.bristle.wire_diameter, TOOL.bristle.modulus)
+BELT = TOOL.belt.stiffness
+
+
+def wave_numbers(root_stiffness: float, modes: int) -> np.ndarray:
+    """lambda of each mode, from omega = lambda^2 sqrt(E I_a/(m L^3))."""
+    mass, length, diameter, modulus = WIRE
+    scale = math.sqrt(modulus * math.pi * diameter**4 / 64.0 / (mass * length**3))
+    return np.sqrt(math.tau * beam_frequencies(*WIRE, root_stiffness, modes) / scale)
+
+
+def test_a_hinged_root_without_spring() -> None:
+    """tan = tanh has the roots 0, 3.926602, 7.068583 (Blevins, table 8-1: hinged-free)."""
+    assert wave_numbers(0.0, 3) == pytest.approx([0.0, 3.926602, 7.068583], abs=1e-6)
+
+
+def test_a_rigid_root() -> None:
+    """A cantilever, 1.875104, 4.694091, 7.854757; a spring of 1e9 N m/rad is 1e7 times as stiff as the wire."""
+    assert wave_numbers(1e9, 3) == pytest.approx([1.875104, 4.694091, 7.854757], abs=1e-6)
+
+
+def test_the_bristle_on_its_belt() -> None:
+    """165.962, 3062.10 and 9824.7 Hz, worked out apart from the program."""
+    assert beam_frequencies(*WIRE, BELT, 3) == pytest.approx([165.962, 3062.10, 9824.7], rel=5e-6)
+
+
+def test_a_stiff_wire_swings_as_a_rigid_rod() -> None:
+    """sqrt(k_T/I)/(2 pi), 170.9 Hz with I = m L^2/3; bending lowers it by a part of order k_T L/(E I_a), here 2e-6."""
+    mass, length, diameter, _ = WIRE
+    rigid = math.sqrt(BELT / (mass * length**2 / 3.0)) / math.tau
+    assert beam_frequencies(mass, length, diameter, 1e15, BELT, 1)[0] == pytest.approx(rigid, rel=1e-4)
+    assert chain_frequencies(*WIRE, BELT, 1)[0] == pytest.approx(rigid, rel=1e-13)
+
+
+def test_two_links_by_hand() -> None:
+    """det(K - omega^2 M) = 0 of two rods of m/2 and L/2: M = (m l^2/2) ((4/3, 1/2), (1/2, 1/3)), spring k between them."""
+    mass, length = WIRE[:2]
+    spring, half = hinge_stiffness(WIRE[2], length, WIRE[3], 2), mass / 2.0 * (length / 2.0) ** 2
+    a, b, c = (
+        half**2 * (4.0 / 9.0 - 0.25),
+        half * (4.0 / 3.0 + 1.0 + 1.0 / 3.0) * spring + half / 3.0 * BELT,
+        spring * BELT,
+    )
+    root = math.sqrt(b**2 - 4.0 * a * c)
+    expected = [math.sqrt(2.0 * c / (b + root)) / math.tau, math.sqrt((b + root) / (2.0 * a)) / math.tau]
+    assert chain_frequencies(*WIRE, BELT, 2) == pytest.approx(expected, rel=1e-11)
+
+
+def softened(links: int) -> float:
+    """The belt in series with the bending of half a link, L/(2 n E I_a) rad per N m."""
+    bending = WIRE[3] * second_moment_of_area(WIRE[2])
+    return 1.0 / (1.0 / BELT + WIRE[1] / (2.0 * links * bending))
+
+
+@pytest.mark.parametrize(
+    ("root", "modes", "factor"),
+    [(lambda _: BELT, slice(0, 1), 2.0), (softened, slice(0, 3), 4.0)],
+    ids=["belt", "softened"],
+)
+def test_order_in_which_the_chain_converges_to_the_beam(root: Callable, modes: slice, factor: float) -> None:
+    """Doubling the links halves the belt mode's error; with half a link's bending at the root it quarters all errors.
+
+    The next order is a twentieth of the error at 16 links (five in a hundred of the second bending mode).
+    """
+    beam = beam_frequencies(*WIRE, BELT, 3)[modes]
+    errors = [chain_frequencies(*WIRE, root(links), links)[modes] - beam for links in (16, 32, 64)]
+    for coarse, fine in itertools.pairwise(errors):
+        assert coarse / fine == pytest.approx(np.full_like(beam, factor), rel=0.15)
+
+
+@pytest.mark.parametrize(("links", "expected"), [(8, (167.14, 3060.6, 9813.0)), (16, (166.57, 3061.9, 9823.0))])
+def test_the_chain_at_rest(links: int, expected: tuple[float, ...]) -> None:
+    """To the digits that are known of it from another program."""
+    found = chain_frequencies(*WIRE, BELT, links)[:3]
+    assert np.all(np.abs(found - expected) <= (5e-3, 5e-2, 0.5))
+
+
+def test_hinges() -> None:
+    """I_a = pi d^4/64, k = E I_a n/L; the damper 2 zeta k/omega_1 of the first bending mode (Rayleigh)."""
+    assert second_moment_of_area(2.0) == pytest.approx(math.pi / 4.0, rel=1e-15)
+    assert hinge_stiffness(2.0, 3.0, 5.0, 4) == pytest.approx(5.0 * math.pi / 4.0 * 4.0 / 3.0, rel=1e-15)
+    omega = math.tau * beam_frequencies(*WIRE, BELT, 2)[1]
+    stiffness = hinge_stiffness(WIRE[2], WIRE[1], WIRE[3], 8)
+    assert hinge_damping(*WIRE, BELT, 0.02, 8) == pytest.approx(0.04 * stiffness / omega, rel=1e-14)
+    assert hinge_damping(*WIRE, BELT, 0.0, 8) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: beam_frequencies(*WIRE, BELT, 51), r"^modes = 51: must be a whole number with 1 <= modes <= 50"),
+        (lambda: beam_frequencies(0.0, *WIRE[1:], BELT, 2), r"^mass = 0\.0: .*\(in kg\)$"),
+        (lambda: beam_frequencies([1.0, 2.0], *WIRE[1:], BELT, 2), r"^mass = .*: must be a single number"),
+        (lambda: chain_frequencies(*WIRE, -1.0, 2), r"^root_stiffness = -1\.0: .*\(in N m/rad\)$"),
+        (lambda: chain_frequencies(*WIRE, BELT, 2.5), r"^links = 2\.5: must be a whole number"),
+        (lambda: hinge_stiffness(0.0, 1.0, 1.0, 2), r"^diameter = 0\.0: .*\(in m\)$"),
+        (lambda: Bristle(links=2.5), r"^wire_links = 2\.5: must be a whole number from 1 to 64 \(dimensionless\)$"),
+        (lambda: Bristle(links=65), r"^wire_links = 65\.0: must be a whole number from 1 to 64"),
+        (lambda: Bristle(modulus=0.0), r"^wire_modulus = 0\.0: .*\(in Pa\)$"),
+    ],
+)
+def test_bad_input_is_named_in_one_line(call, message) -> None:
+    with pytest.raises(ValueError, match=message) as refusal:
+        call()
+    assert "\n" not in str(refusal.value)
+
+
+def test_links_are_kept_as_an_int() -> None:
+    assert type(Bristle(links=8.0).links) is int
