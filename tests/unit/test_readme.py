@@ -42,7 +42,7 @@ def test_the_python_examples_run(
     assert first.energy_change < 0.0
     assert first.phases[0] == "compression slip"
     assert names["found"]["impulse"].shape == (3, 2)
-    assert {path.name for path in tmp_path.iterdir()} == {"pass.npz", "tool.toml"}
+    assert {path.name for path in tmp_path.iterdir()} == {"own.csv", "pass.npz", "tool.toml"}
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("rebound at ")
     assert said[-1].startswith("rebound (")
