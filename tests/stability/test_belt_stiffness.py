@@ -79,7 +79,7 @@ def test_the_longest_step_allowed_is_a_24th_of_the_period(factor: float) -> None
     longest = 2.0 * math.pi / 24.0 * math.sqrt(tool.bristle.inertia_about_root / tool.belt.stiffness)
     settings = Settings(step=longest * (1.0 - 1e-12))
     assert simulate(tool, settings, start_relative_angle=-0.1).stop_reason == "end of the planned time"
-    with pytest.raises(ValueError, match=r"^step = \S+: at most \S+ is allowed .* \(in s\)$"):
+    with pytest.raises(ValueError, match=r"^step = \S+: must be at most \S+ .* \(in s\)$"):
         simulate(tool, Settings(step=longest * (1.0 + 1e-12)), start_relative_angle=-0.1)
 
 

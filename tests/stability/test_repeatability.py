@@ -331,11 +331,11 @@ REFUSED = {
     ("name", "words"),
     [
         ("jam", "trajectory that stopped for jam"),
-        ("end", "hub_turn = 4.71239: more than the turn so far"),
+        ("end", "hub_turn = 4.71239: must be more than the turn so far"),
         ("reference", "one that simulate() returned"),
         ("nothing", "one that simulate() returned"),
         ("stop", "stop_after = 'lunch': must be one of bar touch"),
-        ("settings", "settings = 1e-06: Settings or None are allowed"),
+        ("settings", "settings = 1e-06: must be Settings or None"),
         ("array", "stop_after = array([0., 0.]): must be one of"),
     ],
 )

@@ -140,7 +140,7 @@ class TestFastAndThin:
         assert run.event_time("strike") == pytest.approx(4.53e-3, rel=2e-2)
 
     def test_too_long_a_plain_step_is_refused(self) -> None:
-        with pytest.raises(ValueError, match=r"step = 0\.01: at most .* is allowed"):
+        with pytest.raises(ValueError, match=r"step = 0\.01: must be at most "):
             simulate(TOOL, Settings(step=0.01))
 
 
@@ -170,7 +170,7 @@ class TestStarts:
 
     @pytest.mark.parametrize(("start", "obstacle"), [(0.0, "workpart"), (-1.2, "bar")])
     def test_overlapping(self, start: float, obstacle: str) -> None:
-        with pytest.raises(ValueError, match=f"a {obstacle} clear of the bristle"):
+        with pytest.raises(ValueError, match=f"the {obstacle} must be clear of the bristle"):
             simulate(TOOL, start_hub_angle=start)
 
     @pytest.mark.parametrize(
@@ -184,7 +184,7 @@ class TestStarts:
         ],
     )
     def test_bad_values_are_refused_in_one_line(self, start: dict[str, float]) -> None:
-        with pytest.raises(ValueError, match=f"^{next(iter(start))} = [^\n]* (is allowed|must be)[^\n]*$"):
+        with pytest.raises(ValueError, match=f"^{next(iter(start))} = [^\n]* must be[^\n]*$"):
             simulate(BARE, **start)
 
     def test_hub_at_rest_oscillates(self) -> None:

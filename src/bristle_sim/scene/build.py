@@ -29,7 +29,7 @@ SOLVED = math.log(1e-17)
 """Iterations in flight leave this fraction of the joints' error: rounding."""
 
 MOST_ITERATIONS = 40_000
-"""Of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
+"""Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 _EVERYWHERE = pymunk.ShapeFilter()

@@ -1,4 +1,4 @@
-"""Changes of sign of what a run looks out for, and where within an interval they are."""
+"""Changes of sign of event functions, and where within an interval they are."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Laws that carry a scene through an impact. One signature: scene, state, obstacle in; state after, ledger entry out.
+"""Laws that carry a scene through an impact. One signature: scene, state, obstacle in; state after, contact record out.
 
 To add a law, write a class with :meth:`ContactLaw.resolve` and name it in :func:`contact_law`.
 """

@@ -1,6 +1,6 @@
-"""Samples of a contact's course between those that its stretches leave.
+"""Samples of a contact's course between those at the ends of its intervals.
 
-Where only the outcome of a contact is asked for, its configuration hardly moves meanwhile, and K is constant. Between two
+Where only the outcome of a contact is requested, its configuration hardly moves meanwhile, and K is constant. Between two
 samples of one phase the forces are then linear in the penetration, and so is the tangential velocity in the normal one.
 The penetration follows the quintic through its values, velocities and accelerations at both samples,
 
@@ -18,7 +18,7 @@ __all__ = ["COLUMNS", "with_samples_between"]
 Array = NDArray[np.float64]
 
 COLUMNS = ("time", "normal force", "tangential force", "penetration", "normal velocity", "tangential velocity")
-"""What a sample holds, in this order."""
+"""Columns of a sample."""
 
 SHARES = np.array([1.0, 2.0]) / 3.0
 """Where samples are added, as shares of the time between two."""

@@ -23,7 +23,7 @@ from bristle_sim.trajectory import ContactAtEnd
 __all__ = ["Change", "ContactState", "InFlight", "Opening", "Release", "Separating", "Touch"]
 
 LONGEST = 1.0
-"""Of an interval, in the scene's time units: within a radian of the fastest motion each event function changes its sign
+"""Longest interval in the scene's time units: within a radian of the fastest motion each event function changes its sign
 once at most, and the cubic through the ends is good to 1/384 of the motion."""
 
 LEAST_HOP = 1e-6
@@ -67,7 +67,7 @@ class ContactState:
     """
 
     def __init__(self, progress: Progress, limit: float | None) -> None:
-        """Begin a motion: no acceleration and no sign of the last one holds."""
+        """Begin a motion: accelerations and signs of the last one are forgotten."""
         self.progress = progress
         self.before: Advance | None = None
         self.limit = limit
@@ -180,13 +180,13 @@ class InFlight(ContactState):
 
     @classmethod
     def after(cls, progress: Progress, opening: Opening) -> InFlight:
-        """Go on in flight with the motion that an opened gap does not interrupt."""
+        """Resume in flight the motion that an opened gap does not interrupt."""
         flight = cls.__new__(cls)
         flight.progress, flight.before, flight.limit = progress, opening.before, opening.limit
         return flight
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
-        """As for every motion; signs at the very start of a run are looked at exactly."""
+        """Return the interval up to its first event; signs at the very start of a run are looked at exactly."""
         at_start = self.before is None and self.limit is None
         if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
             # The bodies are no longer where the interval has left them.

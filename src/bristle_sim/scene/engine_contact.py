@@ -30,10 +30,10 @@ __all__ = [
 ]
 
 MOMENT = 1e-6
-"""In the scene's time unit."""
+"""Time after which the piece that touches is looked up again, in the scene's unit."""
 
 LEAST_LEVER = 1e-6
-"""With a lever of the contact normal shorter than this share of the link, turning the link cannot set it back."""
+"""With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
 
 
 class EngineContact:
@@ -50,7 +50,7 @@ class EngineContact:
         self._due = False
 
     def grip(self, state: State) -> float:
-        """Share of a free link's response to a push that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
+        """Fraction of a free link's response to a push that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
 
         Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
@@ -75,7 +75,7 @@ class EngineContact:
         return touch, (normal, coupling, 1.0 / link.mass + _cross(arm, touch.normal) ** 2 / link.inertia)
 
     def engage(self, state: State) -> float:
-        """Let the engine's contact act, with as many iterations as the state asks for; returns the grip.
+        """Let the engine's contact act, with as many iterations as the state needs; returns the grip.
 
         Each iteration corrects the contact as if the link were free, then the joints: it leaves 1 - grip of the error.
         """
@@ -154,13 +154,13 @@ def _cross(arm: Vector, direction: Vector) -> float:
 
 
 STILL = 1e-9
-"""Slip below this share of the scene's unit is rest: friction then has no direction."""
+"""Slip below this fraction of the scene's unit is rest: friction then has no direction."""
 
 SOLVED = math.log(1e-17)
-"""Iterations leave this share of the error: rounding."""
+"""Iterations leave this fraction of the error: rounding."""
 
 MOST_ITERATIONS = 40_000
-"""Of the engine's solver in a step: enough for the least grip."""
+"""Iterations of the engine's solver in a step: enough for the least grip."""
 
 LEAST_GRIP, MOST_GRIP = 1e-3, 1.99
 """With less, the force that keeps the link there grows beyond bounds: a jam. With more, each iteration overshoots twofold."""

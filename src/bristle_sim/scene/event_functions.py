@@ -1,4 +1,4 @@
-"""What a run looks out for besides touches: functions whose change of sign within a smooth interval is an event."""
+"""Event functions of a run besides touches: functions whose change of sign within a smooth interval is an event."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["EventFunction", "freedom", "in_flight", "in_touch"]
 
 @dataclass(frozen=True, slots=True)
 class EventFunction:
-    """One thing to look out for.
+    """A function whose change of sign is an event.
 
     Attributes:
         name: what it is.
@@ -27,7 +27,7 @@ class EventFunction:
         falling: True or False if only falling or rising through zero counts, None for both.
         event: name under which it is recorded; None for a mere kink in the motion, where an interval has to end.
         final: why the run stops there; None if it goes on.
-        exact: the same as a function of the state, where ``value`` has the error of a difference over the interval.
+        exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
     """
 
     name: str
@@ -63,7 +63,7 @@ def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[Eve
 
 
 def freedom(mechanism: Mechanism, limit: float, start: State) -> EventFunction:
-    """The first link's angle relative to the hub reaches what the geometry allows, be it only within an interval."""
+    """Watch the first link's angle relative to the hub reach what the geometry leaves it, be it only within an interval."""
 
     def left(at: Advance) -> float:
         return limit - max(_leaning(mechanism, state) for state in (at.state, *turns(mechanism, start, at.state)))

@@ -99,7 +99,7 @@ class Extrapolation:
         self.rows = LEAST_ROWS
 
     def interpolation_error(self, start: State, end: State) -> float:
-        """Nothing to speak of beside the cubic's own error."""
+        """Return 0: an extrapolated interval is off the cubic by the cubic's own error alone."""
         del start, end
         return 0.0
 

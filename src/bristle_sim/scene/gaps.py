@@ -29,7 +29,7 @@ class Gaps:
         return self.touch(obstacle, state).gap
 
     def gap_and_rate(self, obstacle: Obstacle, state: State) -> tuple[float, float]:
-        """The same, and how fast it opens."""
+        """Distance of link and obstacle, and how fast it opens."""
         touch = self.touch(obstacle, state)
         return touch.gap, touch.velocity[0]
 

@@ -61,7 +61,7 @@ class Stepper(Protocol):
 
     @property
     def noise(self) -> float:
-        """Rates of the scene below this are not told from none."""
+        """Rates of the scene below this cannot be distinguished from 0."""
 
     def propose(self, remaining: float) -> float:
         """Length of the next interval, at most ``remaining``."""
@@ -79,17 +79,41 @@ class Stepper(Protocol):
         """How far a link's tip may be, within the interval, off the cubic through the states at its ends."""
 
 
-class PlainSteps:
-    """One engine step after the other, of a fixed length: first order.
-
-    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
-    such as a held contact would take for a force; under a load each step starts from closed joints instead.
-    """
+class FixedSteps:
+    """Engine steps of one length, which know nothing of their error."""
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
         self.step = step
         self._left: tuple[State, int] | None = None
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """Return that every interval is accepted."""
+        del result, duration
+        return True
+
+    def begin_afresh(self) -> None:
+        """Nothing was learnt."""
+
+    def interpolation_error(self, start: State, end: State) -> float:
+        """Largest distance of a straight line from the cubic that has the rates of both ends, times two for safety.
+
+        The engine goes straight on at the old rates, which a cubic between old and new rates does not.
+        """
+        changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
+        return 0.3 * (end.time - start.time) * sum(changes)
+
+    def _left_at(self, scene: Scene, state: State) -> bool:
+        """Whether the bodies were left in this state and nobody has moved them since."""
+        return self._left is not None and self._left[0] is state and self._left[1] == scene.motions
+
+
+class PlainSteps(FixedSteps):
+    """One engine step after the other, of a fixed length: first order.
+
+    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
+    such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
+    """
 
     @property
     def noise(self) -> float:
@@ -106,7 +130,7 @@ class PlainSteps:
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
         that is next to nothing is not corrected.
         """
-        if load is not None or not _as_left(self._left, scene, state) or duration < self.step:
+        if load is not None or not self._left_at(scene, state) or duration < self.step:
             scene.place(state)
         scene.correct_joints(completely=load is None and duration > INSTANT)
         values = take_steps(scene, duration, 1, load)
@@ -117,20 +141,8 @@ class PlainSteps:
         self._left = (result.state, scene.motions)
         return result
 
-    def accepts(self, result: Advance, duration: float) -> bool:
-        """A plain step knows nothing of its error."""
-        del result, duration
-        return True
 
-    def begin_afresh(self) -> None:
-        """Nothing was learnt."""
-
-    def interpolation_error(self, start: State, end: State) -> float:
-        """The engine goes straight on at the old rates, which a cubic between old and new rates does not."""
-        return _straight(start, end)
-
-
-class SymmetricSteps:
+class SymmetricSteps(FixedSteps):
     """Engine steps started and read half a drift off, which makes undamped free motion of second order.
 
     The engine drifts, then kicks; shifting the positions back by half a drift before and on by half a drift after turns
@@ -142,8 +154,7 @@ class SymmetricSteps:
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
-        self.step = step
-        self._left: tuple[State, int] | None = None
+        super().__init__(step)
         self._shift = 0.0
 
     @property
@@ -156,11 +167,11 @@ class SymmetricSteps:
         return min(self.COUNT * self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """Go on from where the bodies were left, or shift them back to begin; read the state shifted on."""
+        """Resume from where the bodies were left, or shift them back to begin; read the state shifted on."""
         count = max(1, math.ceil(duration / self.step - 1e-9))
         step = duration / count
         scene.correct_joints(completely=True)
-        if _as_left(self._left, scene, state):
+        if self._left_at(scene, state):
             scene.drift(self._shift - 0.5 * step)
         else:
             scene.place(state, -0.5 * step)
@@ -172,29 +183,6 @@ class SymmetricSteps:
         result = unpack(scene, state, duration, values, 0.0, failed)
         self._left, self._shift = (result.state, scene.motions), 0.5 * step
         return result
-
-    def accepts(self, result: Advance, duration: float) -> bool:
-        """A fixed step knows nothing of its error."""
-        del result, duration
-        return True
-
-    def begin_afresh(self) -> None:
-        """Nothing was learnt."""
-
-    def interpolation_error(self, start: State, end: State) -> float:
-        """As for plain steps."""
-        return _straight(start, end)
-
-
-def _as_left(left: tuple[State, int] | None, scene: Scene, state: State) -> bool:
-    """Whether a stepper left the bodies in this state and nobody has moved them since."""
-    return left is not None and left[0] is state and left[1] == scene.motions
-
-
-def _straight(start: State, end: State) -> float:
-    """Largest distance of a straight line from the cubic that has the rates of both ends, times two for safety."""
-    changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
-    return 0.3 * (end.time - start.time) * sum(changes)
 
 
 def take_steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:

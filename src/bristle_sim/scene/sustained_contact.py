@@ -106,7 +106,7 @@ class InSustainedContact(ContactState):
         return [*in_touch(progress.mechanism, self.obstacle, progress.state), *self.limits()]
 
     def event_functions(self) -> list[EventFunction]:
-        """The same, and what ends the contact besides its force."""
+        """Extremes and kinks, and what ends the contact besides its force."""
         progress = self.progress
         found = in_touch(progress.mechanism, self.obstacle, progress.state)
         return [*found, locking(self.contact), elbow(self.contact), *self.limits()]

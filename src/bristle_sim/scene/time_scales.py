@@ -51,7 +51,7 @@ def longest_interval(scene: Scene, samples_per_period: float) -> float:
 def motion_scale(scene: Scene, start: State) -> float:
     """Size of the motion relative to the hub that errors are relative to: the rate that a free bristle reaches, at most 1.
 
-    A bristle let go at the angle a, at rest, on a belt of its own rate w reaches a w. With an obstacle, whose bar turns the
+    A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. With an obstacle, whose bar turns the
     hub's speed into the bristle's, or at rest, it is 1.
     """
     mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
@@ -75,7 +75,7 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
     least = LEAST_NOISE / (LOCAL_SHARE * scale)
     if settings.accuracy < least:
         raise ValueError(
-            f"accuracy = {settings.accuracy:g}: at least {least:.3g} is allowed for a motion as small and slow as this one,"
+            f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for a motion as small and slow as this one,"
             " whose rest rounding hides (dimensionless)"
         )
     share = _local_share(scene, end)
@@ -87,14 +87,14 @@ def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Uni
     largest = min(2.0 * math.pi / samples_per_period, LARGEST_STEP) / fastest
     if step > largest:
         raise ValueError(
-            f"step = {step:g}: at most {largest:g} is allowed with this belt, hub speed and bristle, whose"
+            f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle, whose"
             f" fastest motion has {fastest:g} rad/s (in s)"
         )
     return step
 
 
 def _local_share(scene: Scene, end: float) -> float:
-    """Share of the requested accuracy that each interval may spend."""
+    """Fraction of the requested accuracy that each interval may spend."""
     damping, stiffness = scene.effects.damping, scene.effects.stiffness
     if not damping or not stiffness:
         return LOCAL_SHARE

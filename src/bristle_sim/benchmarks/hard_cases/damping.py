@@ -144,7 +144,7 @@ def _too_long(ratio: float) -> HardCase:
 
 def _refused(ratio: float) -> Finding:
     tool = _tool(ratio)
-    return refusal(lambda: simulate(tool, Settings(step=1.1 * _longest_step(tool))), "step =", "is allowed", "in s")
+    return refusal(lambda: simulate(tool, Settings(step=1.1 * _longest_step(tool))), "step =", "must be", "in s")
 
 
 def _first_order(ratio: float, share: float) -> HardCase:

@@ -252,7 +252,7 @@ def _in_time_beside(angle: float, friction: float, expected: RodStrike, limit: f
         hit = strike(_rod(angle), Surface(friction, None, RESTITUTION), Contact("compliant"), Settings())
     except ValueError as error:
         line = str(error)
-        return Finding("refused", limit > WHOLE and "\n" not in line and "allowed" in line)
+        return Finding("refused", limit > WHOLE and "\n" not in line and "must be" in line)
     off, ratio = hit.contact.impulse[0] / expected.impulse - 1.0, hit.kinetic_energy_ratio
     assert ratio is not None
     lossy = 0.0 <= ratio <= 1.0 and math.isfinite(off)

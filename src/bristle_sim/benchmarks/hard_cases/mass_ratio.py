@@ -176,7 +176,7 @@ def _resolved(word: str, ratio: float, sure: bool) -> Finding:
         return _hit(chain(ratio, rates), friction, 0.5, "compliant")
 
     if not sure:
-        refused = refusal(resolve, "contact", "allowed")
+        refused = refusal(resolve, "contact", "must be")
         if refused.ok:
             return refused
     hit = resolve()

@@ -287,4 +287,4 @@ def _overlap(obstacle: str, share: float) -> Finding:
     relative = START[obstacle][1]
     tool = _alone(obstacle, relative, gap=-share * LENGTH)
     words = {"workpart": ("penetration =",), "bar": ("bar_horizontal =", "bar_vertical =")}[obstacle]
-    return refusal(lambda: _run(tool, obstacle, relative), *words, "allowed", "in m")
+    return refusal(lambda: _run(tool, obstacle, relative), *words, "must be", "in m")

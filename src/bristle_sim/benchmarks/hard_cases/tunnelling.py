@@ -245,5 +245,5 @@ def _one_swing(drawn: random.Random, accuracy: float) -> Try:
 def _too_thin(radius: float) -> HardCase:
     name = f"bar of {radius:.2g} m, wire of no width"
     tool = with_bar_at(0.9 * TIP, radius)
-    words = ("bar_radius + wire_diameter / 2", f"at least {LEAST_REACH:g}", "allowed")
+    words = ("bar_radius + wire_diameter / 2", f"must be at least {LEAST_REACH:g}")
     return HardCase(THEME, name, "refused in one clear line", lambda: refusal(lambda: simulate(tool), *words))
