@@ -12,7 +12,7 @@ from bristle_sim.scene.stepping import Advance
 
 
 class Tally:
-    """A load that does nothing, counts how often it is asked to, and fails below a step."""
+    """A load that does nothing, counts how often it is called, and fails below a step."""
 
     def __init__(self, least: float = 0.0) -> None:
         self.least = least
@@ -50,7 +50,7 @@ class TestExtrapolation:
         scene, state = oscillator()
         assert Extrapolation(1e-6).advance(scene, state, 0.1, Tally(1.0)).failed
 
-    def test_it_does_not_stray_from_the_cubic(self) -> None:
+    def test_no_error_besides_the_cubics_own(self) -> None:
         start, end = State(0.0, (0.1,), (1.0,)), State(1.0, (0.3,), (1.5,))
         assert Extrapolation(1e-6).interpolation_error(start, end) == 0.0
 
@@ -66,11 +66,11 @@ class TestExtrapolation:
             ({1: 1e-30, 2: 1.0, 3: 1.0}, 2, False),
         ],
     )
-    def test_the_cheapest_stretch_is_next(self, errors: dict[int, float], row: int, grows: bool) -> None:
-        """Row r (from 0) of error e: the stretch times 0.9 (limit/2e)^(1/(r + 1)), within 0.1 and 4, at a cost of r + 1
+    def test_the_cheapest_interval_is_next(self, errors: dict[int, float], row: int, grows: bool) -> None:
+        """Row r (from 0) of error e: the interval times 0.9 (limit/2e)^(1/(r + 1)), within 0.1 and 4, at a cost of r + 1
         overheads and its steps (Hairer, Norsett and Wanner, sec. II.9); the least cost per length wins, with two rows
         at least. If that is the last row and its price is a tenth below that before it, one more row is tried, with the
-        stretch that keeps the price.
+        interval that keeps the price.
         """
         stepper = Extrapolation(1e-6)
         counts, overhead = (4, 5, 6, 7, 8, 10), repetitions.RUN_OVERHEAD
@@ -92,8 +92,8 @@ class TestExtrapolation:
         assert stepper.length == pytest.approx(expected, rel=1e-14)
         assert stepper.rows == row + 1 + grows
 
-    def test_a_refused_stretch_is_halved_at_least(self) -> None:
-        """Row 3 of an error of 1.01 limits would go on with 0.9 (1/2.02)^(1/4) = 0.75 of the stretch."""
+    def test_a_refused_interval_is_halved_at_least(self) -> None:
+        """Row 3 of an error of 1.01 limits would go on with 0.9 (1/2.02)^(1/4) = 0.75 of the interval."""
         stepper = Extrapolation(1e-6)
         assert not stepper.accepts(Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), 1.01e-6, errors={3: 1.01e-6}), 0.3)
         assert stepper.length == 0.15
@@ -106,13 +106,13 @@ class TestExtrapolation:
             assert stepper.accepts(result, 0.3)
             assert stepper.rows == 4
 
-    def test_a_stretch_may_be_a_tenth_longer_to_save_a_stub(self) -> None:
-        """1.05 lengths are gone in one stretch, 1.15 in two halves."""
+    def test_an_interval_may_be_a_tenth_longer_to_save_a_stub(self) -> None:
+        """1.05 lengths are gone in one interval, 1.15 in two halves."""
         stepper = Extrapolation(1e-6)
         assert stepper.propose(1.05 * stepper.length) == 1.05 * stepper.length
         assert stepper.propose(1.15 * stepper.length) == 0.575 * stepper.length
 
-    def test_a_refused_stretch_is_cut_by_its_estimate(self) -> None:
+    def test_a_refused_interval_is_cut_by_its_estimate(self) -> None:
         """Twenty radians are far off 1e-9: an error e of order k needs (1e-9/e)^(1/k), at most 0.2 for e >= 0.01, k <= 10.
 
         No change is larger than tenfold at once.
@@ -126,7 +126,7 @@ class TestExtrapolation:
 
     @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
     def test_uniform_motion_is_hardly_ever_refused(self, tolerance: float) -> None:
-        """An oscillator's stretches are all alike, and each is aimed at half the tolerance: its phase alone is new."""
+        """An oscillator's intervals are all alike, and each is aimed at half the tolerance: its phase alone is new."""
         scene, state = oscillator()
         stepper = Extrapolation(tolerance)
         refused = accepted = 0

@@ -42,7 +42,7 @@ def oscillator(damping: float = 0.0) -> tuple[Scene, State, Callable[[float], np
 
 
 def carried(stepper: Stepper, scene: Scene, state: State, duration: float) -> np.ndarray:
-    """Angle and rate at the end, stretch by stretch."""
+    """Angle and rate at the end, interval by interval."""
     while duration - state.time > 1e-12:
         length = stepper.propose(duration - state.time)
         result = stepper.advance(scene, state, length)
@@ -91,7 +91,7 @@ class TestExtrapolation:
     @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
     @pytest.mark.parametrize("damping", [0.0, 0.3])
     def test_oscillation(self, tolerance: float, damping: float) -> None:
-        """Three radians are a few stretches; each keeps the tolerance, and an oscillator does not magnify errors."""
+        """Three radians are a few intervals; each keeps the tolerance, and an oscillator does not magnify errors."""
         scene, start, exact = oscillator(damping)
         found = carried(Extrapolation(tolerance), scene, start, 3.0)
         assert np.abs(found - exact(3.0)).max() < 10.0 * tolerance
@@ -105,7 +105,7 @@ class TestExtrapolation:
                     scale = np.abs(weights) @ counts**-power
                     assert abs(weights @ counts**-power - (power == 0)) < 1e-14 * scale
 
-    def test_a_stretch_ends_exactly_where_it_was_asked_to(self) -> None:
+    def test_an_interval_ends_exactly_where_it_was_requested(self) -> None:
         scene, start, _ = oscillator()
         result = Extrapolation(1e-6).advance(scene, start, 0.1234)
         assert result.state.time == 0.1234
@@ -119,7 +119,7 @@ class TestExtrapolation:
             assert pieces == pytest.approx(round(pieces), rel=1e-14)
             assert remaining / pieces <= 1.2 * stepper.length
 
-    def test_too_long_a_stretch_is_refused_and_shortened(self) -> None:
+    def test_too_long_an_interval_is_refused_and_shortened(self) -> None:
         scene, start, _ = oscillator()
         stepper = Extrapolation(1e-9)
         result = stepper.advance(scene, start, 20.0)
@@ -134,13 +134,13 @@ class TestExtrapolation:
         assert results[0] == results[1]
 
     def test_what_the_engine_remembers_does_not_matter(self) -> None:
-        """It starts each joint from its last impulse; a stretch repeated after another one differs by the tolerance."""
+        """It starts each joint from its last impulse; an interval repeated after another one differs by the tolerance."""
         scene, start, _ = oscillator(0.2)
         first, _, second = (Extrapolation(1e-8).advance(scene, start, length) for length in (0.3, 1.7, 0.3))
         assert second.state.angles == pytest.approx(first.state.angles, abs=1e-8)
         assert second.state.rates == pytest.approx(first.state.rates, abs=1e-8)
 
-    def test_a_load_that_fails_makes_the_stretch_fail(self) -> None:
+    def test_a_load_that_fails_makes_the_interval_fail(self) -> None:
         class Lost:
             def begin(self) -> None: ...
 
@@ -181,7 +181,7 @@ def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[...,
 
 
 def flown(scene: Scene, start: State, accuracy: float, duration: float) -> Recording:
-    """A flight as a pass runs it: a tenth of the accuracy for each stretch, 24 stretches a period at least."""
+    """A flight as a pass runs it: a tenth of the accuracy for each interval, 24 intervals a period at least."""
     plan = Plan(end=duration, accuracy=accuracy, longest_interval=2.0 * math.pi / 24.0)
     return run(scene, start, Extrapolation(0.1 * accuracy), EnergeticLaw(), plan)
 
@@ -197,7 +197,7 @@ def true_error(scene: Scene, start: State, equation: Callable[..., tuple[float, 
 def test_error_of_random_flights_is_within_estimate_and_accuracy(
     record_property: Callable[[str, object], None],
 ) -> None:
-    """Three hundred flights of 1 to 12 radians, asked for accuracies from 1e-3 to 1e-9.
+    """Three hundred flights of 1 to 12 radians, with requested accuracies from 1e-3 to 1e-9.
 
     The estimate is that of the extrapolate before the last and adds up absolute errors, so the true error should be a
     small share of it: more than the estimate means that it lies, less than 1e-4 of it that steps are wasted.
@@ -226,7 +226,7 @@ def test_more_accuracy_costs_more_steps() -> None:
 
 
 class Tally:
-    """A load that does nothing, counts how often it is asked to, and fails below a step."""
+    """A load that does nothing, counts how often it is called, and fails below a step."""
 
     def __init__(self, least: float = 0.0) -> None:
         self.least = least
@@ -250,8 +250,8 @@ class TestFixedSteps:
     @pytest.mark.parametrize(
         ("share", "count"), [(0.5, 1), (1.0, 1), (2.0, 2), (2.5, 3), (8.0, 8), (8.0 * (1.0 + 1e-14), 8)]
     )
-    def test_a_stretch_takes_as_many_steps_as_it_needs(self, share: float, count: int) -> None:
-        """Equal steps no longer than the one asked for; a stretch of whole steps is not cut once more by rounding."""
+    def test_an_interval_takes_as_many_steps_as_it_needs(self, share: float, count: int) -> None:
+        """Equal steps no longer than the requested one; an interval of whole steps is not cut once more by rounding."""
         scene, state = oscillator()[:2]
         load = Tally()
         result = SymmetricSteps(0.01).advance(scene, state, 0.01 * share, load)
@@ -264,7 +264,7 @@ class TestFixedSteps:
         assert stepper.propose(0.03) == 0.03
 
     @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
-    def test_a_load_that_fails_makes_the_stretch_fail(self, kind: type[PlainSteps] | type[SymmetricSteps]) -> None:
+    def test_a_load_that_fails_makes_the_interval_fail(self, kind: type[PlainSteps] | type[SymmetricSteps]) -> None:
         scene, state = oscillator()[:2]
         for least, failed in ((0.0, False), (0.05, True)):
             result = kind(0.1).advance(scene, state, 0.01, Tally(least))
@@ -290,7 +290,9 @@ class TestFixedSteps:
 
     @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
     @pytest.mark.parametrize("step", [0.01, 3.0])
-    def test_stray_of_a_straight_line(self, kind: type[PlainSteps] | type[SymmetricSteps], step: float) -> None:
+    def test_interpolation_error_of_a_straight_line(
+        self, kind: type[PlainSteps] | type[SymmetricSteps], step: float
+    ) -> None:
         """A cubic that ends on the line of its first rate, at another rate, is off it by h dr (s^2 - s^3), at most 4/27.
 
         Twice that for each link; 2 % for a factor of 8/27 rounded to two digits.
