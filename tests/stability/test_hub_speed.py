@@ -120,7 +120,7 @@ class TestBroken:
 
     def test_energy_lost(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Steps as coarse as an accuracy of 1e-4 asks for, where 1e-9 is promised."""
-        monkeypatch.setattr(time_scales, "LOCAL_SHARE", 1e4)
+        monkeypatch.setattr(time_scales, "LOCAL_FRACTION", 1e4)
         (case,) = named("at rest: three periods")
         assert not case.measure().ok
 

@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 COLUMNS = ("time", "normal force", "tangential force", "penetration", "normal velocity", "tangential velocity")
 """Columns of a sample."""
 
-SHARES = np.array([1.0, 2.0]) / 3.0
-"""Where samples are added, as shares of the time between two."""
+FRACTIONS = np.array([1.0, 2.0]) / 3.0
+"""Where samples are added, as fractions of the time between two."""
 
 _BASIS = [
     Polynomial(coefficients)
@@ -36,8 +36,8 @@ _BASIS = [
 ]
 """The quintic's parts of value, slope and curvature at its beginning, and of the same at its end."""
 
-_VALUES = np.array([each(SHARES) for each in _BASIS])
-_SLOPES = np.array([each.deriv()(SHARES) for each in _BASIS])
+_VALUES = np.array([each(FRACTIONS) for each in _BASIS])
+_SLOPES = np.array([each.deriv()(FRACTIONS) for each in _BASIS])
 
 
 def with_samples_between(samples: Array, inverse_mass: Array) -> Array:
@@ -61,7 +61,7 @@ def _of_two_phases(start: Array, end: Array) -> NDArray[np.bool_]:
 
 
 def _between(start: Array, end: Array, normal_row: Array) -> Array:
-    """Samples at the shares of each pair, shape (pairs, shares, columns)."""
+    """Samples at the fractions of each pair, shape (pairs, fractions, columns)."""
     length = end[:, 0] - start[:, 0]
     sides = []
     for side in (start, end):
@@ -73,23 +73,23 @@ def _between(start: Array, end: Array, normal_row: Array) -> Array:
     speed = -(known @ _SLOPES) / np.where(length > 0.0, length, 1.0)[:, None]
     return np.stack(
         [
-            start[:, :1] + length[:, None] * SHARES,
-            _linear(start[:, 1], end[:, 1], _share(depth, start[:, 3], end[:, 3])),
-            _linear(start[:, 2], end[:, 2], _share(depth, start[:, 3], end[:, 3])),
+            start[:, :1] + length[:, None] * FRACTIONS,
+            _linear(start[:, 1], end[:, 1], _fraction(depth, start[:, 3], end[:, 3])),
+            _linear(start[:, 2], end[:, 2], _fraction(depth, start[:, 3], end[:, 3])),
             depth,
             speed,
-            _linear(start[:, 5], end[:, 5], _share(speed, start[:, 4], end[:, 4])),
+            _linear(start[:, 5], end[:, 5], _fraction(speed, start[:, 4], end[:, 4])),
         ],
         axis=2,
     )
 
 
-def _share(value: Array, first: Array, last: Array) -> Array:
+def _fraction(value: Array, first: Array, last: Array) -> Array:
     """Where a value lies between the two of its pair; in the order of time if they are one."""
     change = (last - first)[:, None]
-    share = (value - first[:, None]) / np.where(change != 0.0, change, 1.0)
-    return np.where(change != 0.0, np.clip(share, 0.0, 1.0), SHARES)
+    fraction = (value - first[:, None]) / np.where(change != 0.0, change, 1.0)
+    return np.where(change != 0.0, np.clip(fraction, 0.0, 1.0), FRACTIONS)
 
 
-def _linear(first: Array, last: Array, share: Array) -> Array:
-    return np.asarray(first[:, None] + (last - first)[:, None] * share)
+def _linear(first: Array, last: Array, fraction: Array) -> Array:
+    return np.asarray(first[:, None] + (last - first)[:, None] * fraction)

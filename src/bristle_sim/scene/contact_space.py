@@ -241,12 +241,12 @@ def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
     It is compared in the norm of the kinetic energy, where rates of turning and shifting have the same units.
     """
     excess, size = limit.excess()
-    shares = (
+    parts = (
         (x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in limit.entries if body in bodies
     )
     energies = (each.mass * each.velocity.dot(each.velocity) for each in bodies)
     turning = (each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf)
-    return excess > OPENS * max(size, math.sqrt(sum(shares) * (sum(energies) + sum(turning))))
+    return excess > OPENS * max(size, math.sqrt(sum(parts) * (sum(energies) + sum(turning))))
 
 
 def _lengths(columns: Array) -> Array:

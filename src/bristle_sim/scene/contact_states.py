@@ -44,7 +44,7 @@ class Release(NamedTuple):
 
 
 class Opening(NamedTuple):
-    """The gap of the obstacle that the link leaves is open; the motion goes on after the interval ``before``."""
+    """The gap of the obstacle that the link leaves is open; the motion continues after the interval ``before``."""
 
     before: Advance
     limit: float

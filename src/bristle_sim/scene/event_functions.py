@@ -26,7 +26,7 @@ class EventFunction:
         value: function of the result of an interval; a change of its sign is the event.
         falling: True or False if only falling or rising through zero counts, None for both.
         event: name under which it is recorded; None for a mere kink in the motion, where an interval has to end.
-        final: why the run stops there; None if it goes on.
+        final: why the run stops there; None if the run continues.
         exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
     """
 

@@ -27,7 +27,7 @@ LARGEST_STEP = 1.0
 """Of the engine, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
 unstable, and its damping is half of what it should be."""
 
-LOCAL_SHARE, SOME_INTERVALS = 0.1, 50.0
+LOCAL_FRACTION, SOME_INTERVALS = 0.1, 50.0
 """Errors of some fifty intervals do not add up to more than the accuracy. Where damping calls for more of them in the time
 that the belt takes to forget an error, c/k, each spends less."""
 
@@ -72,14 +72,16 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
     if settings.step is not None:
         return PlainSteps(_checked_step(scene, settings.step, settings.samples_per_period, units) / units.time)
     scale = motion_scale(scene, start)
-    least = LEAST_NOISE / (LOCAL_SHARE * scale)
+    least = LEAST_NOISE / (LOCAL_FRACTION * scale)
     if settings.accuracy < least:
         raise ValueError(
             f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for a motion as small and slow as this one,"
             " whose rest rounding hides (dimensionless)"
         )
-    share = _local_share(scene, end)
-    return Extrapolation(share * settings.accuracy, scale, longest=longest_interval(scene, settings.samples_per_period))
+    fraction = _local_fraction(scene, end)
+    return Extrapolation(
+        fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples_per_period)
+    )
 
 
 def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:
@@ -93,10 +95,10 @@ def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Uni
     return step
 
 
-def _local_share(scene: Scene, end: float) -> float:
+def _local_fraction(scene: Scene, end: float) -> float:
     """Fraction of the requested accuracy that each interval may spend."""
     damping, stiffness = scene.effects.damping, scene.effects.stiffness
     if not damping or not stiffness:
-        return LOCAL_SHARE
+        return LOCAL_FRACTION
     remembered = min(end, damping / stiffness)
-    return LOCAL_SHARE * min(1.0, SOME_INTERVALS * MOST_DAMPING / (remembered * damping_rate(scene)))
+    return LOCAL_FRACTION * min(1.0, SOME_INTERVALS * MOST_DAMPING / (remembered * damping_rate(scene)))
