@@ -122,7 +122,7 @@ class ContactIntegration:
             self.outcome = "no rebound"
 
     def _turns(self) -> list[Turn]:
-        """What can end the smooth motion that the contact is in."""
+        """Return what can end the smooth motion that the contact is in."""
         spring, motion = self.motion.spring, self.motion
         turns: list[Turn] = []
         if spring.loading:

@@ -41,7 +41,7 @@ _SLOPES = np.array([each.deriv()(FRACTIONS) for each in _BASIS])
 
 
 def with_samples_between(samples: Array, inverse_mass: Array) -> Array:
-    """The samples with others between them, in rows of ``COLUMNS``; two at one instant are ends of two phases.
+    """Return the samples with others between them, in rows of ``COLUMNS``; two at one instant are ends of two phases.
 
     Args:
         samples: rows of ``COLUMNS``, in order of time, shape (samples, 6).
@@ -56,12 +56,12 @@ def with_samples_between(samples: Array, inverse_mass: Array) -> Array:
 
 
 def _of_two_phases(start: Array, end: Array) -> NDArray[np.bool_]:
-    """Pairs that nothing lies between."""
+    """Return pairs that nothing lies between."""
     return np.asarray(end[:, 0] - start[:, 0] <= 0.0)
 
 
 def _between(start: Array, end: Array, normal_row: Array) -> Array:
-    """Samples at the fractions of each pair, shape (pairs, fractions, columns)."""
+    """Return samples at the fractions of each pair, shape (pairs, fractions, columns)."""
     length = end[:, 0] - start[:, 0]
     sides = []
     for side in (start, end):
@@ -85,7 +85,7 @@ def _between(start: Array, end: Array, normal_row: Array) -> Array:
 
 
 def _fraction(value: Array, first: Array, last: Array) -> Array:
-    """Where a value lies between the two of its pair; in the order of time if they are one."""
+    """Return where a value lies between the two of its pair; in the order of time if they are one."""
     change = (last - first)[:, None]
     fraction = (value - first[:, None]) / np.where(change != 0.0, change, 1.0)
     return np.where(change != 0.0, np.clip(fraction, 0.0, 1.0), FRACTIONS)

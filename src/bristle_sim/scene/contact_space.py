@@ -227,7 +227,7 @@ def _orthogonal(vectors: Array, span: Array) -> Array:
 
 
 def _limit_response(columns: Array, limits: list[bool]) -> Array:
-    """Impulses of the limits per unit contact impulse (normal, tangential): the lambda that keeps J dV = 0, but for units."""
+    """Return the limits' impulses per unit contact impulse (normal, tangential): lambda of J dV = 0, but for units."""
     if not any(limits):
         return np.zeros((0, 2))
     joints = _of_length_one(columns[:, : len(limits)])
@@ -254,6 +254,6 @@ def _lengths(columns: Array) -> Array:
 
 
 def _of_length_one(columns: Array) -> Array:
-    """Columns scaled to length 1: joints that turn and joints that shift have different units."""
+    """Return the columns scaled to length 1: joints that turn and joints that shift have different units."""
     lengths = _lengths(columns)
     return columns / np.where(lengths > 0.0, lengths, 1.0)

@@ -175,7 +175,7 @@ class EnergeticContact:
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:
-    """The space's collision handlers by types: pymunk 7 has no public way to ask who listens already."""
+    """Return the space's collision handlers by types: pymunk 7 has no public way to ask who listens already."""
     return space._handlers
 
 

@@ -39,7 +39,7 @@ class EventFunction:
 
 
 def in_flight(scene: Scene) -> list[EventFunction]:
-    """Extremes of the first link's motion relative to the hub."""
+    """Return extremes of the first link's motion relative to the hub."""
     name = "highest relative speed"
     return [
         _retraction(scene.mechanism),
@@ -48,7 +48,7 @@ def in_flight(scene: Scene) -> list[EventFunction]:
 
 
 def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[EventFunction]:
-    """Largest retraction, and kinks of a motion in sustained contact: contact passing the wire's end, slip that turns."""
+    """Return largest retraction, and kinks of sustained contact: contact passing the wire's end, slip that turns."""
 
     def kink(index: int, at: Advance) -> float:
         return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).kinks[index]

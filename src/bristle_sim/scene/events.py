@@ -31,7 +31,7 @@ RESOLUTION = 1.0 / 8.0
 
 
 def interpolate(start: State, end: State, fraction: float) -> State:
-    """The cubic through angles and rates at both ends, at a fraction of the interval between them."""
+    """Return the cubic through angles and rates at both ends, at a fraction of the interval between them."""
     length = end.time - start.time
     rest = 1.0 - fraction
     h_00, h_01 = (1.0 + 2.0 * fraction) * rest * rest, fraction * fraction * (3.0 - 2.0 * fraction)
@@ -70,7 +70,7 @@ Gap = Callable[[State], tuple[float, float]]
 def first_touch(
     mechanism: Mechanism, gap: Gap, start: State, end: State, interpolation_error: float = 0.0
 ) -> float | None:
-    """Share of the interval at which the gap is closed, or nearly so at its least, on the cubic; None if it stays open.
+    """Return the fraction of the interval at which the gap is closed or nearly so, on the cubic; None if it stays open.
 
     The fraction may be later than the touch but never past a second one. ``interpolation_error`` is how far the motion may be off the
     cubic besides its own error.
@@ -93,7 +93,7 @@ def first_touch(
 
 
 def _dip(gap: Callable[[float], tuple[float, float]], left: float, right: float) -> tuple[float, float]:
-    """Where a gap that falls at its left and rises at its right end is closed, or else least: the fraction, and the gap."""
+    """Return where a gap that falls at its left and rises at its right end is closed, or least: fraction, and gap."""
     for _ in range(40):
         middle = 0.5 * (left + right)
         value, rate = gap(middle)
@@ -106,7 +106,7 @@ def _dip(gap: Callable[[float], tuple[float, float]], left: float, right: float)
 def locate(
     value: Callable[[float], float], left: float, right: float, at_left: float, at_right: float, tolerance: float
 ) -> float:
-    """Root of a function between two durations at which its signs differ: false position, Illinois variant.
+    """Return the root of a function between two durations at which its signs differ: false position, Illinois variant.
 
     The function runs the engine, so evaluations are dear and a library's root finder not worth its import. One that
     jumps is halved in the end. The result is where the value is within ``tolerance``, or the first duration past the root.

@@ -48,7 +48,7 @@ class Extrapolation:
         return self.limit
 
     def propose(self, remaining: float) -> float:
-        """The interval that costs least per time; what is left is cut evenly rather than into a stub."""
+        """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:

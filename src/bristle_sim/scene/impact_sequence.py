@@ -86,7 +86,7 @@ class ImpactSequence:
                 point.measure()
 
     def _strike(self, point: TouchingPoint) -> tuple[pymunk.Body, ...]:
-        """Resolve one point; the bodies whose velocities changed."""
+        """Resolve one point, and return the bodies whose velocities changed."""
         point.impacts += 1
         if point.impacts > MOST:
             x, y = point.point
@@ -130,7 +130,7 @@ class ImpactSequence:
 
 
 def _subsets(limits: Sequence[JointRow]) -> Iterator[tuple[JointRow, ...]]:
-    """Every choice of some of the limits, few first."""
+    """Return every choice of some of the limits, few first."""
     return itertools.chain.from_iterable(itertools.combinations(limits, count + 1) for count in range(len(limits)))
 
 

@@ -52,7 +52,7 @@ def close_joints(*ends: pymunk.Body) -> None:
 
 
 def _least_change(columns: Array, rates: Array, rounding: Array, limits: Flags) -> Array:
-    """The dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
+    """Return the dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):
         rigid = columns[:, active]

@@ -80,13 +80,13 @@ class Obstacle(Protocol):
         """Coefficient of restitution."""
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """The closest approach of a link in the given pose, or of one straight piece of its centre line."""
+        """Return the closest approach of a link in the given pose, or of one straight piece of its centre line."""
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Gap of the other straight pieces of the centre line, but for the corners they share with this one."""
+        """Return the gap of the other straight pieces of the centre line, but for the corners common with this one."""
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """Engine shapes: first the obstacle's on the static body, then the link's on its body.
+        """Return engine shapes: first the obstacle's on the static body, then the link's on its body.
 
         ``corners`` are those of the link's centre line from joint to tip, seen from the body's centre.
         """
@@ -96,7 +96,7 @@ _Closest = tuple[float, Vector, tuple[float, float]]
 
 
 def _closest(centre: Vector, joint: Vector, start: Vector, end: Vector) -> _Closest:
-    """Squared distance of a straight piece from a point, its closest point seen from the joint, how far past its ends."""
+    """Return a straight piece's squared distance from a point, closest point from the joint, and place past its ends."""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
     to_x, to_y = centre[0] - start[0], centre[1] - start[1]
     along = (to_x * along_x + to_y * along_y) / (along_x**2 + along_y**2)
@@ -138,7 +138,7 @@ class BarObstacle:
         return self.friction
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """The closest approach of the centre line (with a round end); the contact is on the wire's surface.
+        """Return the closest approach of the centre line (with a round end); the contact is on the wire's surface.
 
         Of two pieces that touch, the one that approaches faster counts, unless one is named.
         """
@@ -164,7 +164,7 @@ class BarObstacle:
         return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Gap of a piece in whose elbow the bar lies; infinite where there is none."""
+        """Return the gap of a piece in whose elbow the bar lies; infinite where there is none."""
         corners = (pose.joint, *pose.knees, pose.tip)
         gaps = [math.inf]
         for index, (start, end) in enumerate(itertools.pairwise(corners)):
@@ -175,7 +175,7 @@ class BarObstacle:
         return min(gaps)
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """A circle, and the wire as segments with round ends."""
+        """Return a circle, and the wire as segments with round ends."""
         bar = pymunk.Circle(space.static_body, self.radius + MARGIN, self.centre)
         pieces = itertools.pairwise(corners)
         return [bar, *(pymunk.Segment(body, start, end, self.wire_radius) for start, end in pieces)]
@@ -192,7 +192,7 @@ class WorkpartObstacle:
     name: str = "workpart"
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """The tip above the surface; normal +y, tangent +x."""
+        """Return the tip above the surface; normal +y, tangent +x."""
         del piece
         arm = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
         normal = (0.0, 1.0)
@@ -204,7 +204,7 @@ class WorkpartObstacle:
         return math.inf
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """A thick segment whose upper face is the surface, and the tip as a point."""
+        """Return a thick segment whose upper face is the surface, and the tip as a point."""
         middle = -self.depth - HALF_PLANE
         surface = pymunk.Segment(space.static_body, (-HALF_PLANE, middle), (HALF_PLANE, middle), HALF_PLANE + MARGIN)
         return [surface, pymunk.Circle(body, 0.0, corners[-1])]

@@ -25,7 +25,7 @@ class Repetitions:
     """
 
     def __init__(self, *counts: int) -> None:
-        """Ascending numbers of steps."""
+        """Compute all from ascending numbers of steps."""
         rows = range(len(counts))
         self.counts = counts
         self.costs = [RUN_OVERHEAD * (row + 1) + sum(counts[: row + 1]) for row in rows]
@@ -38,7 +38,7 @@ class Repetitions:
 
 
 def lagrange_weights(counts: tuple[int, ...]) -> tuple[float, ...]:
-    """Weights that extrapolate results of ``counts`` steps to zero step: the Lagrange polynomial in h = 1/n at h = 0."""
+    """Return the weights that extrapolate ``counts`` steps to zero step: Lagrange's polynomial in h = 1/n at h = 0."""
     return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
 
 

@@ -99,7 +99,7 @@ def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_aft
 
 
 def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
-    """The tool and the settings of a run.
+    """Return the tool and the settings of a run.
 
     Raises:
         ValueError: for a trajectory that ``simulate`` did not return.
@@ -126,7 +126,7 @@ def _check(trajectory: Trajectory, stop_after: str | None) -> None:
 
 
 def _turn_left(trajectory: Trajectory, settings: Settings, later: float) -> float:
-    """What is left of the hub's turn, rad."""
+    """Return what is left of the hub's turn, rad."""
     done = trajectory.hub_speed * (float(trajectory.time[-1]) + later)
     if done >= settings.hub_turn * (1.0 - 1e-12):
         raise ValueError(f"hub_turn = {settings.hub_turn:g}: must be more than the turn so far, {done:g} (in rad)")
@@ -138,7 +138,7 @@ def _touches(name: str) -> tuple[str, ...]:
 
 
 def _name_from_now_on(trajectory: Trajectory, event: str | None) -> str | None:
-    """What an event is called in a run that begins now: its first touch of the workpart is a strike."""
+    """Return what an event is called in a run that begins now: its first touch of the workpart is a strike."""
     struck = trajectory.event_time("strike") is not None
     return {"strike": None, "workpart touch": "strike"}.get(event, event) if struck and event else event
 
@@ -171,7 +171,7 @@ def _leaves(scene: Scene, state: State, obstacle: Obstacle, trajectory: Trajecto
 
 
 def _pressed(scene: Scene, state: State, obstacle: Obstacle) -> State:
-    """The state with an approach that rounding cannot turn into a departure: what touches without leaving is in sustained contact."""
+    """Return the state with an approach that rounding cannot turn into a departure, as sustained contact begins."""
     touch = _touch(scene, state, obstacle)
     lever = touch.arm[0] * touch.normal[1] - touch.arm[1] * touch.normal[0]
     if abs(lever) < LEAST_LEVER:
@@ -181,7 +181,7 @@ def _pressed(scene: Scene, state: State, obstacle: Obstacle) -> State:
 
 
 def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> State:
-    """The state at which the gap is open, which a contact resolved in time leaves closed, or where it closes again."""
+    """Return the state at which a gap that a contact in time leaves closed is open, or where it closes again."""
     stepper = Extrapolation(0.1 * accuracy)
 
     def after(span: float) -> State:
@@ -202,7 +202,7 @@ def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> S
 def _joined(
     first: Trajectory, rest: Trajectory, later: float, kept: list[str], settings: Settings, stop_after: str | None
 ) -> Trajectory:
-    """Both parts as one run; what the rest tells of the touch that it began in is left out."""
+    """Return both parts as one run; what the rest tells of the touch that it began in is left out."""
     begin, skip = float(first.time[-1]) + later, 0 if later else 1
     struck = first.event_time("strike") is not None
 

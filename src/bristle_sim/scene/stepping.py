@@ -24,13 +24,13 @@ class Load(Protocol):
     """What acts on the links besides springs and joints, and what it adds up over an interval."""
 
     def begin(self) -> None:
-        """A run over an interval begins: forget what was added up."""
+        """Begin a run over an interval: forget what was added up."""
 
     def apply(self, step: float) -> None:
         """Act on the bodies for the next engine step."""
 
     def totals(self, step: float) -> list[float]:
-        """What was added up, as numbers that are smooth in the step."""
+        """Return what was added up, as numbers that are smooth in the step."""
 
     def fails(self, totals: list[float]) -> bool:
         """Whether the load could not act as it should, so that the interval is of no use."""
@@ -64,7 +64,7 @@ class Stepper(Protocol):
         """Rates of the scene below this cannot be distinguished from 0."""
 
     def propose(self, remaining: float) -> float:
-        """Length of the next interval, at most ``remaining``."""
+        """Return the length of the next interval, at most ``remaining``."""
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Carry the scene over exactly ``duration``; says nothing about events."""
@@ -76,7 +76,7 @@ class Stepper(Protocol):
         """Forget what earlier intervals have taught: the next ones are of another length."""
 
     def interpolation_error(self, start: State, end: State) -> float:
-        """How far a link's tip may be, within the interval, off the cubic through the states at its ends."""
+        """Return how far a link's tip may be, within the interval, off the cubic through the states at its ends."""
 
 
 class FixedSteps:
@@ -96,7 +96,7 @@ class FixedSteps:
         """Nothing was learnt."""
 
     def interpolation_error(self, start: State, end: State) -> float:
-        """Largest distance of a straight line from the cubic that has the rates of both ends, times two for safety.
+        """Return twice the largest distance of a straight line from the cubic that has the rates of both ends.
 
         The engine goes straight on at the old rates, which a cubic between old and new rates does not.
         """
@@ -121,11 +121,11 @@ class PlainSteps(FixedSteps):
         return self.step
 
     def propose(self, remaining: float) -> float:
-        """One step."""
+        """Return one step, or what is left."""
         return min(self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """One engine step of the given length, in flight from where the bodies are if they were left there.
+        """Take one engine step of the given length, in flight from where the bodies are if they were left there.
 
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
         that is next to nothing is not corrected.
@@ -163,7 +163,7 @@ class SymmetricSteps(FixedSteps):
         return self.step**2
 
     def propose(self, remaining: float) -> float:
-        """Some steps, or what is left in as many steps as it takes."""
+        """Return eight steps, or what is left."""
         return min(self.COUNT * self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:

@@ -46,7 +46,7 @@ class Chain:
     hub_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        """A mass that is no number ends the process inside the engine: nothing gets there unchecked."""
+        """Check every number: a mass that is none ends the process inside the engine."""
         for name in ("masses", "lengths", "angles", "rates"):
             if not isinstance(getattr(self, name), tuple | list):
                 raise ValueError(f"{name} = {shown(getattr(self, name))}: must be one number for each rod")
@@ -139,7 +139,7 @@ SLOWEST = 1e-300
 
 
 def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
-    """The chain's scene with its tip on the surface, the state at that instant, and the units the scene runs in."""
+    """Return the chain's scene with its tip on the surface, the state at that instant, and the scene's units."""
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
     units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST) if fastest else 1.0)
     links = tuple(

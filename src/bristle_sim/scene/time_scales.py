@@ -33,18 +33,18 @@ that the belt takes to forget an error, c/k, each spends less."""
 
 
 def damping_rate(scene: Scene) -> float:
-    """Rate at which the engine's damping acts: it sees the bristle as if free, about its centre, then the joint corrects."""
+    """Return the engine's rate of damping: it sees the bristle as if free, about its centre, then the joint corrects."""
     return scene.effects.damping / scene.mechanism.links[0].inertia
 
 
 def damped_interval(scene: Scene) -> float:
-    """The longest interval in which the engine's steps see the damping; infinite where there is none."""
+    """Return the longest interval in which the engine's steps see the damping; infinite where there is none."""
     rate = damping_rate(scene)
     return MOST_DAMPING / rate if rate else math.inf
 
 
 def longest_interval(scene: Scene, samples_per_period: float) -> float:
-    """Between samples, and short enough for the damping."""
+    """Return the longest interval between samples that is short enough for the damping."""
     return min(2.0 * math.pi / samples_per_period, damped_interval(scene))
 
 
@@ -64,7 +64,7 @@ def motion_scale(scene: Scene, start: State) -> float:
 
 
 def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, end: float) -> Stepper:
-    """Plain steps if a step is given, else extrapolation to the accuracy.
+    """Return plain steps if a step is given, else extrapolation to the accuracy.
 
     Raises:
         ValueError: if the step is too long for this scene, or rounding would hide the accuracy of so small a motion.
@@ -96,7 +96,7 @@ def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Uni
 
 
 def _local_fraction(scene: Scene, end: float) -> float:
-    """Fraction of the requested accuracy that each interval may spend."""
+    """Return the fraction of the requested accuracy that each interval may spend."""
     damping, stiffness = scene.effects.damping, scene.effects.stiffness
     if not damping or not stiffness:
         return LOCAL_FRACTION

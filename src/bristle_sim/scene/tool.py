@@ -82,7 +82,7 @@ def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
 
 
 def _link(bristle: Bristle) -> Link:
-    """The bristle in units of its own length and mass."""
+    """Return the bristle in units of its own length and mass."""
     size = bristle.length
     *knees, tip = ((x / size, y / size) for x, y in bristle.path)
     centre = (bristle.centre[0] / size, bristle.centre[1] / size)
@@ -225,7 +225,7 @@ ONE_CONTACT = 20_000
 
 
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
-    """The contact law that the parameters name."""
+    """Return the contact law that the parameters name."""
     if contact.law == "compliant":
         duration = None if contact.duration is None else contact.duration / units.time
         return CompliantLaw(duration, settings.accuracy, maximum_steps=max(settings.maximum_steps, ONE_CONTACT))

@@ -36,14 +36,14 @@ class Interval(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Its duration."""
+        """Duration of the interval."""
         return self.end.state.time - self.start.time
 
 
 def find_touch(
     interval: Interval, gaps: Gaps, obstacle: Obstacle, interpolation_error: float
 ) -> tuple[Advance, bool] | None:
-    """The interval up to its first touch and True; up to where it nearly touched and False; None if the gap stays open.
+    """Return the interval up to its first touch and True, or up to where it nearly touched and False; else None.
 
     ``interpolation_error`` is how far the motion may be off the cubic through the ends besides the cubic's own error.
     """
@@ -68,7 +68,7 @@ def find_touch(
 
 
 def least_gap(interval: Interval, gaps: Gaps, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:
-    """Where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
+    """Return where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
     fastest = 1.5 * gaps.mechanism.speed_bound(interval.start)
     left, right = 0.0, span
     while gap <= fastest * (right - left) and max(1.0, fastest) * (right - left) > SHORTEST:
