@@ -33,7 +33,7 @@ def swing() -> list[tuple[float, ...]]:
 
 
 def swing_by_pymunk() -> list[tuple[float, ...]]:
-    """The same in pymunk's documented calls."""
+    """Swing the pendulum by pymunk's documented calls."""
     space, body = pendulum()
     body.angle, body.position, body.velocity, body.angular_velocity = 0.7, (0.5, -0.1), (0.25, 0.125), -1.5
     seen = []

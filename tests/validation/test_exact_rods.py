@@ -23,7 +23,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.theory.pendulums import stick_friction
 
 ROUNDING = 256.0 * sys.float_info.epsilon
-"""Of a strike: some hundred operations on numbers of the order of the result."""
+"""Rounding of a strike: some hundred operations on numbers of the order of the result."""
 
 RODS = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
 

@@ -73,10 +73,7 @@ class ContactIntegration:
         self._sample()
 
     def run(self, last: int) -> str:
-        """Integrate interval after interval until the contact is over, up to a number of steps of the scene.
-
-        Returns:
-            The outcome.
+        """Integrate until the contact is over, up to a number of steps of the scene, and return the outcome.
 
         Raises:
             ValueError: if the contact comes to no end.

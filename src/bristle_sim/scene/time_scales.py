@@ -24,7 +24,7 @@ Damping takes all of a rate in far longer steps, whatever their length: they agr
 move, and no estimate of their error shows it."""
 
 LARGEST_STEP = 1.0
-"""Of the engine, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
+"""Largest engine step, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
 unstable, and its damping is half of what it should be."""
 
 LOCAL_FRACTION, SOME_INTERVALS = 0.1, 50.0
