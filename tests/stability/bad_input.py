@@ -138,7 +138,8 @@ def _energetic_contact() -> Tally:
             given: dict[str, Any] = {"space": build_tool(Tool())[0].space, **good, name: value}
 
             def known(contact: EnergeticContact) -> bool:
-                return finite((contact.friction, contact.restitution_friction, contact.resting_speed))
+                (pair,) = contact.pairs.values()
+                return finite((pair.friction, pair.restitution_friction, contact.resting_speed))
 
             tally.attempt(f"{name} = {shown(value)}", partial(EnergeticContact, **given), known, name)
     contact = EnergeticContact(build_tool(Tool())[0].space, 1, 2, friction=0.3, restitution=0.4)

@@ -1,4 +1,4 @@
-"""A scene holds exactly what it was asked for, and its bodies stand where the state says."""
+"""A scene holds exactly what was requested, and its bodies stand where the state says."""
 
 import itertools
 import math

@@ -39,7 +39,7 @@ class TestCompliantContact:
 
     @pytest.mark.parametrize("duration", [1e-4, 1e-3])
     def test_duration_as_given(self, duration: float) -> None:
-        """To its own share of a second, in which the chain moves by 0.2 rad; sampled 24 times at least."""
+        """To a thousandth and less, in which the chain moves by 0.2 rad; sampled 24 times at least."""
         found = strike(PAIR, ROUGH, Contact("compliant", duration), Settings()).contact
         assert found.duration == pytest.approx(duration, rel=duration)
         assert found.history is not None
@@ -88,7 +88,7 @@ class TestCompliantContact:
 
     @pytest.mark.parametrize("friction", [0.0, 0.1, 0.9])
     def test_no_slip_before(self, friction: float) -> None:
-        """Rods at 0.5 and -0.5 with opposite rates come straight down: slip begins as K drives it, or friction holds."""
+        """Rods at 0.5 and -0.5 with opposite rates come straight down: slip begins as K drives it, or friction sticks."""
         chain, surface = Chain((1.0, 1.0), (1.0, 1.0), (-0.5, 0.5), (1.0, -1.0)), Surface(friction, None, 0.5)
         limit = strike(chain, surface, Contact(), Settings()).contact
         found = strike(chain, surface, Contact("compliant"), Settings(accuracy=1e-5)).contact
@@ -121,7 +121,7 @@ class TestCompliantContact:
     @pytest.mark.parametrize("duration", [1e-5, 1e-2, 0.1])
     @pytest.mark.parametrize(("friction", "later"), [(2.0, 2.0), (0.3, 5.0)])
     def test_stiction_ends_with_compression(self, duration: float, friction: float, later: float) -> None:
-        """A rod at 0.6 that friction holds: p_c = m L w/(3 (sin + mu cos)) is all, but for the turn meanwhile."""
+        """A rod at 0.6 that friction sticks: p_c = m L w/(3 (sin + mu cos)) is all, but for the turn meanwhile."""
         chain = Chain((1.0,), (1.0,), (-0.6,), (1.0,))
         found = resolved(chain, Surface(friction, later, 0.5), CompliantLaw(duration, 1e-6))
         assert (found.outcome, found.phases) == ("stiction", ("compression slip",))
@@ -265,7 +265,7 @@ class TestCompliantRefusals:
 
 @pytest.mark.parametrize("restitution", [0.0, 0.5])
 def test_record_of_a_contact_resolved_in_time(restitution: float) -> None:
-    """Every entry tends to that of the rigid-body law, as the rates do: within ten times the accuracy asked for."""
+    """Every entry tends to that of the rigid-body law, as the rates do: within ten times the requested accuracy."""
     chain = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
     surface = Surface(0.3, None, restitution)
     limit = strike(chain, surface, Contact(), Settings()).contact

@@ -56,7 +56,7 @@ def test_frictionless_rod_against_the_textbook() -> None:
 
 
 def test_energy_of_the_bodies_changes_by_the_works() -> None:
-    """The impact's own ledger and the engine's bodies agree; no gravity here, so nothing else acts."""
+    """The impact's own contact record and the engine's bodies agree; no gravity here, so nothing else acts."""
     contact, rod, impacts = falling_rod(0.9, 0.6, 0.3)
     before = kinetic_energy(rod)
     for _ in range(60):
@@ -127,7 +127,7 @@ def test_bad_coefficients_are_refused(name: str, value: float) -> None:
 
 @pytest.mark.parametrize("ratio", [1.0, 1e9, 1e12])
 def test_a_tip_that_sticks_under_a_heavy_rod(ratio: float) -> None:
-    """Two hinged rods, the upper one hung up at rest: the bodies lose what the impact's ledger says.
+    """Two hinged rods, the upper one hung up at rest: the bodies lose what the impact's contact record says.
 
     To 1e-9 of the light rod's energy: impulses that cancel but for the last digits would leave 1e-8 at a ratio of 1e9
     and 1e-6 at 1e12.

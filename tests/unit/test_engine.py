@@ -4,6 +4,7 @@ import pymunk
 import pytest
 
 from bristle_sim.scene import engine
+from bristle_sim.scene.energetic_contact import EnergeticContact
 
 POINT = (0.1, -0.5)
 
@@ -32,7 +33,7 @@ def swing() -> list[tuple[float, ...]]:
 
 
 def swing_by_pymunk() -> list[tuple[float, ...]]:
-    """The same in pymunk's documented calls."""
+    """Swing the pendulum by pymunk's documented calls."""
     space, body = pendulum()
     body.angle, body.position, body.velocity, body.angular_velocity = 0.7, (0.5, -0.1), (0.25, 0.125), -1.5
     seen = []
@@ -56,15 +57,32 @@ def test_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
     assert swing() == swing_by_pymunk()
 
 
-def test_a_space_that_is_not_as_it_was_known(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where a version keeps its own objects elsewhere, the documented calls serve."""
-    monkeypatch.setattr(engine, "_bare", lambda *_: None)
-    assert swing() == swing_by_pymunk()
-
-
 def test_the_first_step_is_checked_by_pymunk() -> None:
     """A body without mass would abort the process in the bare call."""
     space = pymunk.Space()
     space.add(pymunk.Body())
     with pytest.raises(AssertionError, match="mass"):
         engine.stepper(space)
+
+
+def bounces() -> list[float]:
+    """Heights of two balls that fall on each other and on a floor, under the energetic law."""
+    space = pymunk.Space()
+    space.gravity, floor = (0.0, -9.81), pymunk.Segment(space.static_body, (-9.0, -1.0), (9.0, -1.0), 1.0)
+    space.add(floor)
+    balls = []
+    for height, sideways in ((0.3, 0.02), (0.7, 0.0)):
+        body = pymunk.Body(1.0, 0.004)
+        body.position = (sideways, height)
+        space.add(body, pymunk.Circle(body, 0.1))
+        balls.append(body)
+    contact = EnergeticContact(space, 0, 0, friction=0.3, restitution=0.5)
+    for _ in range(300):
+        contact.step(1e-3)
+    return [each for body in balls for each in (*body.position, body.angle)]
+
+
+def test_contacts_are_read_alike_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
+    bare = bounces()
+    monkeypatch.setattr(engine, "lib", None)
+    assert bounces() == bare

@@ -48,23 +48,23 @@ class TestGrip:
     @pytest.mark.parametrize("along", [0.3, 0.5, 0.9])
     def test_on_a_bar_in_any_direction(self, angle: float, along: float) -> None:
         """K_nn = 3/m s^2 at a distance s from the root; free 1/m (1 + 12 (s - 1/2)^2)."""
-        hold, _ = beside_bar(angle, along)
-        found = hold.grip(State(0.0, (angle,), (0.1,)))
+        contact, _ = beside_bar(angle, along)
+        found = contact.grip(State(0.0, (angle,), (0.1,)))
         assert found == pytest.approx(3.0 * along**2 / (1.0 + 12.0 * (along - 0.5) ** 2), rel=1e-12)
 
     @pytest.mark.parametrize("along", [0.2, 0.5, 0.8])
     def test_iterations_solve_to_rounding_and_no_further(self, along: float) -> None:
         """Each leaves 1 - grip of the error: as many as it takes to 1e-17."""
-        hold, _ = beside_bar(0.7, along)
-        left = abs(1.0 - hold.engage(State(0.0, (0.7,), (0.1,))))
-        rounds = hold.scene.space.iterations
+        contact, _ = beside_bar(0.7, along)
+        left = abs(1.0 - contact.engage(State(0.0, (0.7,), (0.1,))))
+        rounds = contact.scene.space.iterations
         assert left**rounds <= 1e-17 < left ** (rounds - 1)
 
     def test_iterations_have_a_bound(self) -> None:
         """Friction of tan gamma leaves no grip: no number of iterations is enough, 40 000 are taken."""
-        hold = on_workpart(0.7, math.tan(0.7))
-        assert hold.engage(State(0.0, (0.7,), (0.3,))) == pytest.approx(0.0, abs=1e-15)
-        assert hold.scene.space.iterations == 40_000
+        contact = on_workpart(0.7, math.tan(0.7))
+        assert contact.engage(State(0.0, (0.7,), (0.3,))) == pytest.approx(0.0, abs=1e-15)
+        assert contact.scene.space.iterations == 40_000
 
     @pytest.mark.parametrize(("force", "impulse", "fails"), [(1.0, 0.0, False), (0.0, 1.0, True), (-1.0, 1.0, True)])
     def test_a_contact_only_pushes(self, force: float, impulse: float, fails: bool) -> None:
@@ -78,18 +78,18 @@ class TestEventFunctions:
         state = State(0.0, (0.7,), (0.3,))
         result = Advance(state, (0.0,), (), 0.0)
         for friction, event in ((0.4, "jam"), (0.0, None)):
-            hold = on_workpart(0.7, friction)
-            watch = locking(hold)
-            assert watch.value(result) == pytest.approx(hold.grip(state) - 1e-3, abs=1e-15)
-            assert (watch.falling, watch.event) == (True, event)
-            assert watch.final is (StopReason.JAM if friction else StopReason.NO_GRIP)
+            contact = on_workpart(0.7, friction)
+            function = locking(contact)
+            assert function.value(result) == pytest.approx(contact.grip(state) - 1e-3, abs=1e-15)
+            assert (function.falling, function.event) == (True, event)
+            assert function.final is (StopReason.JAM if friction else StopReason.NO_GRIP)
 
     def test_another_piece_that_meets_the_bar(self) -> None:
         """Its gap falls to zero; a straight wire has no other piece."""
-        hold, _ = beside_bar(0.7, 0.5)
-        watch = elbow(hold)
-        assert (watch.name, watch.falling) == (ELBOW, True)
-        assert watch.value(Advance(State(0.0, (0.7,), (0.1,)), (0.0,), (), 0.0)) == math.inf
+        contact, _ = beside_bar(0.7, 0.5)
+        function = elbow(contact)
+        assert (function.name, function.falling) == (ELBOW, True)
+        assert function.value(Advance(State(0.0, (0.7,), (0.1,)), (0.0,), (), 0.0)) == math.inf
 
 
 class TestSetBack:
@@ -98,8 +98,8 @@ class TestSetBack:
     @pytest.mark.parametrize("off", [1e-3, -1e-3])
     def test_onto_the_workpart(self, off: float) -> None:
         """The tip is at -cos of the angle, and does not move along the normal where the rate is 0."""
-        hold = on_workpart(0.7, 0.0)
-        found = set_back(ROD, hold.obstacle, State(1.5, (0.7 + off,), (0.2,)))
+        contact = on_workpart(0.7, 0.0)
+        found = set_back(ROD, contact.obstacle, State(1.5, (0.7 + off,), (0.2,)))
         assert found.time == 1.5
         assert found.angles[0] == pytest.approx(0.7, abs=1e-14)
         assert found.rates[0] == pytest.approx(0.0, abs=1e-14)

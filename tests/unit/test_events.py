@@ -12,7 +12,7 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 
 
-def stretch(length: float = 1.0, rate: float = 1.0) -> tuple[State, State]:
+def interval(length: float = 1.0, rate: float = 1.0) -> tuple[State, State]:
     """A link that turns by rate times length at a constant rate, so that its angle is rate times the time."""
     return State(0.0, (0.0,), (rate,)), State(length, (rate * length,), (rate,))
 
@@ -39,10 +39,10 @@ def notch(left: float, right: float) -> Callable[[State], tuple[float, float]]:
 
 
 class TestFirstTouch:
-    """The cubic is good to 0.01 h^4 in a stretch of length h: a gap that gets smaller than that may be closed."""
+    """The cubic is good to 0.01 h^4 in an interval of length h: a gap that gets smaller than that may be closed."""
 
     @pytest.mark.parametrize(
-        ("length", "height", "stray", "found"),
+        ("length", "height", "error", "found"),
         [
             (1.0, 0.02, 0.0, False),
             (1.0, 0.005, 0.0, True),
@@ -54,28 +54,28 @@ class TestFirstTouch:
             (0.1, -1e-10, 0.0, True),
         ],
     )
-    def test_a_gap_that_is_least_in_between(self, length: float, height: float, stray: float, found: bool) -> None:
-        """The place of least gap, 0.3 of the stretch, to 2^-40 of it, or where it is closed, within its square root."""
-        share = first_touch(ROD, valley(0.3 * length, height), *stretch(length), stray)
+    def test_a_gap_that_is_least_in_between(self, length: float, height: float, error: float, found: bool) -> None:
+        """The place of least gap, 0.3 of the interval, to 2^-40 of it, or where it is closed, within its square root."""
+        share = first_touch(ROD, valley(0.3 * length, height), *interval(length), error)
         if not found:
             assert share is None
         else:
             assert share == pytest.approx(0.3, abs=2e-5 / length if height < 0.0 else 1e-11)
 
-    def test_a_gap_that_is_least_where_the_stretch_begins(self) -> None:
+    def test_a_gap_that_is_least_where_the_interval_begins(self) -> None:
         """That is the touch which has just ended."""
-        assert first_touch(ROD, valley(1e-10, 1e-4), *stretch()) is None
-        assert first_touch(ROD, valley(1e-8, 1e-4), *stretch()) == pytest.approx(1e-8, abs=1e-11)
-        # What counts is the time, 1e-10, not the share of the stretch.
-        assert first_touch(ROD, valley(1e-10, 1e-12), *stretch(0.01)) is None
+        assert first_touch(ROD, valley(1e-10, 1e-4), *interval()) is None
+        assert first_touch(ROD, valley(1e-8, 1e-4), *interval()) == pytest.approx(1e-8, abs=1e-11)
+        # What counts is the time, 1e-10, not the share of the interval.
+        assert first_touch(ROD, valley(1e-10, 1e-12), *interval(0.01)) is None
 
     def test_the_first_of_two(self) -> None:
-        """Closed from 0.1 to 0.2 and from 0.55 to 0.65: in the middle of the stretch the gap is falling again."""
+        """Closed from 0.1 to 0.2 and from 0.55 to 0.65: in the middle of the interval the gap is falling again."""
 
         def gap(state: State) -> tuple[float, float]:
             return min(notch(0.1, 0.2)(state), notch(0.55, 0.65)(state))
 
-        share = first_touch(ROD, gap, *stretch())
+        share = first_touch(ROD, gap, *interval())
         assert share is not None
         assert 0.1 <= share <= 0.2
 
@@ -83,17 +83,17 @@ class TestFirstTouch:
     @pytest.mark.parametrize("width", [0.2, 1.0])
     def test_no_gap_is_jumped_over(self, left: float, width: float) -> None:
         """A link of length 1 that turns at 1 closes a gap no faster than 1.5: it is found while it is closed."""
-        share = first_touch(ROD, notch(left, left + width), *stretch())
+        share = first_touch(ROD, notch(left, left + width), *interval())
         assert share is not None
         assert left <= share <= min(left + width, 1.0)
 
     def test_nothing_touches_while_all_is_at_rest(self) -> None:
         """Without any speed there is no bound to advance by."""
         for bottom, height in ((0.3, 0.0), (0.3, 0.5), (0.0, 0.005)):
-            assert first_touch(ROD, valley(bottom, height), *stretch(1.0, 0.0)) is None
+            assert first_touch(ROD, valley(bottom, height), *interval(1.0, 0.0)) is None
 
     def test_a_gap_that_stays_open(self) -> None:
-        assert first_touch(ROD, notch(1.1, 2.0), *stretch()) is None
+        assert first_touch(ROD, notch(1.1, 2.0), *interval()) is None
 
 
 class TestLocate:
@@ -144,12 +144,12 @@ def test_a_cubic_has_the_states_and_rates_of_its_ends() -> None:
 
 
 class TestTurns:
-    """The angle relative to a hub that turns at 0.5, in a stretch from t = 1 to t = 3 with s = (t - 1)/2."""
+    """The angle relative to a hub that turns at 0.5, in an interval from t = 1 to t = 3 with s = (t - 1)/2."""
 
     @pytest.mark.parametrize(
         ("way", "slopes", "shares"),
         [
-            # x' = 16 (s - 1/4)(s - 3/4), whose integral over the stretch is 16 (1/3 - 1/2 + 3/16).
+            # x' = 16 (s - 1/4)(s - 3/4), whose integral over the interval is 16 (1/3 - 1/2 + 3/16).
             (1.0 / 3.0, (3.0, 3.0), (0.25, 0.75)),
             (-1.0 / 3.0, (-3.0, -3.0), (0.25, 0.75)),
             # x' = (s - 0.2)(s - 2): one of the roots is outside.

@@ -9,7 +9,7 @@ import pytest
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
 
 STEP = 1e-5
-"""Of central differences: h^2/6 times third derivatives of order 10 is 2e-10, rounding 1e-11."""
+"""Error of central differences: h^2/6 times third derivatives of order 10 is 2e-10, rounding 1e-11."""
 
 BENT = Link(1.3, 0.2, (0.1, -0.45), (0.3, -0.9), ((0.0, -0.6),))
 
@@ -25,7 +25,7 @@ def random_state(rng: np.random.Generator, links: int = 3) -> State:
 
 
 def moved(state: State, time: float) -> State:
-    """The same links a little later, at constant rates."""
+    """Return the links a little later, at constant rates."""
     angles = tuple(angle + rate * time for angle, rate in zip(state.angles, state.rates, strict=True))
     return State(state.time + time, angles, state.rates)
 

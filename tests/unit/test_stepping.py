@@ -1,31 +1,16 @@
-"""Steps of the engine: their observed order, and extrapolation's error against its estimate and its tolerance.
-
-Free flights are referred to closed forms, or to scipy's integrator at a tolerance of 3e-14 on the equation
-
-    a'' = -3 (k a + c a' + (r/2) w^2 sin a + (g/2) sin(psi + a))
-
-of a rod of mass and length 1 on a hub of radius r (moment of inertia about the root 1/3).
-"""
+"""Fixed steps of the engine: their observed order against a closed form, loads, and what they know of their error."""
 
 import math
 from collections.abc import Callable
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact_laws import EnergeticLaw
-from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.plan import Plan, Recording
-from bristle_sim.scene.run import run
 from bristle_sim.scene.stepping import PlainSteps, Stepper, SymmetricSteps
 
 ROD = Link.rod(1.0, 1.0)
-REFEREE = 1e-13
-"""Error of scipy's integration over a few radians."""
 
 
 def oscillator(damping: float = 0.0) -> tuple[Scene, State, Callable[[float], np.ndarray]]:
@@ -42,7 +27,7 @@ def oscillator(damping: float = 0.0) -> tuple[Scene, State, Callable[[float], np
 
 
 def carried(stepper: Stepper, scene: Scene, state: State, duration: float) -> np.ndarray:
-    """Angle and rate at the end, stretch by stretch."""
+    """Angle and rate at the end, interval by interval."""
     while duration - state.time > 1e-12:
         length = stepper.propose(duration - state.time)
         result = stepper.advance(scene, state, length)
@@ -87,146 +72,8 @@ class TestOrder:
         assert found == pytest.approx([angle, rate], abs=0.01 * first_order)
 
 
-class TestExtrapolation:
-    @pytest.mark.parametrize("tolerance", [1e-4, 1e-7, 1e-10])
-    @pytest.mark.parametrize("damping", [0.0, 0.3])
-    def test_oscillation(self, tolerance: float, damping: float) -> None:
-        """Three radians are a few stretches; each keeps the tolerance, and an oscillator does not magnify errors."""
-        scene, start, exact = oscillator(damping)
-        found = carried(Extrapolation(tolerance), scene, start, 3.0)
-        assert np.abs(found - exact(3.0)).max() < 10.0 * tolerance
-
-    def test_repetitions_remove_one_power_of_the_step_each(self) -> None:
-        """Weights add up to 1 and annihilate n^-j, j = 1 ... rows - 1; they magnify rounding by their own size."""
-        for table in (repetitions.CLOSE, repetitions.WIDE):
-            for row, weights in enumerate(table.weights):
-                counts = np.array(table.counts[: row + 1], dtype=float)
-                for power in range(row + 1):
-                    scale = np.abs(weights) @ counts**-power
-                    assert abs(weights @ counts**-power - (power == 0)) < 1e-14 * scale
-
-    def test_a_stretch_ends_exactly_where_it_was_asked_to(self) -> None:
-        scene, start, _ = oscillator()
-        result = Extrapolation(1e-6).advance(scene, start, 0.1234)
-        assert result.state.time == 0.1234
-        # The acceleration at the end is that of the oscillator, found from the last step's change of rate.
-        assert result.accelerations[0] == pytest.approx(-result.state.angles[0], abs=1e-5)
-
-    def test_what_is_left_is_cut_evenly(self) -> None:
-        stepper = Extrapolation(1e-6)
-        for remaining in np.geomspace(1e-6, 1e3, 40).tolist():
-            pieces = remaining / stepper.propose(remaining)
-            assert pieces == pytest.approx(round(pieces), rel=1e-14)
-            assert remaining / pieces <= 1.2 * stepper.length
-
-    def test_too_long_a_stretch_is_refused_and_shortened(self) -> None:
-        scene, start, _ = oscillator()
-        stepper = Extrapolation(1e-9)
-        result = stepper.advance(scene, start, 20.0)
-        assert not stepper.accepts(result, 20.0)
-        assert stepper.length <= 10.0
-
-    def test_repeats_bit_for_bit(self) -> None:
-        results = []
-        for _ in range(2):
-            scene, start, _ = oscillator(0.2)
-            results.append([Extrapolation(1e-8).advance(scene, start, length) for length in (0.3, 1.7, 0.3)])
-        assert results[0] == results[1]
-
-    def test_what_the_engine_remembers_does_not_matter(self) -> None:
-        """It starts each joint from its last impulse; a stretch repeated after another one differs by the tolerance."""
-        scene, start, _ = oscillator(0.2)
-        first, _, second = (Extrapolation(1e-8).advance(scene, start, length) for length in (0.3, 1.7, 0.3))
-        assert second.state.angles == pytest.approx(first.state.angles, abs=1e-8)
-        assert second.state.rates == pytest.approx(first.state.rates, abs=1e-8)
-
-    def test_a_load_that_fails_makes_the_stretch_fail(self) -> None:
-        class Lost:
-            def begin(self) -> None: ...
-
-            def apply(self, step: float) -> None: ...
-
-            def totals(self, step: float) -> list[float]:
-                return [step]
-
-            def fails(self, totals: list[float]) -> bool:
-                return totals[0] < 0.02
-
-        scene, start, _ = oscillator()
-        assert Extrapolation(1e-12).advance(scene, start, 0.16, Lost()).failed
-        assert not PlainSteps(0.1).advance(scene, start, 0.1, Lost()).failed
-        assert PlainSteps(0.1).advance(scene, start, 0.01, Lost()).failed
-
-
-def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[..., tuple[float, float]]]:
-    """A rod on a hub with each of belt, damping and gravity there or not; natural rates are at most of order 1.
-
-    Gravity is weaker than the belt: an inverted pendulum would magnify errors without bound, which no estimate knows.
-    """
-    stiffness = float(rng.uniform(0.01, 0.33))
-    most = {"radius": 1.0, "damping": 0.5, "gravity": stiffness}
-    radius, damping, gravity = (float(rng.choice([0.0, rng.uniform(0.0, each)])) for each in most.values())
-    speed, start_hub = float(rng.uniform(-1, 1)), float(rng.uniform(-3, 3))
-    mechanism = Mechanism((ROD,), radius, speed, start_hub)
-    scene = Scene(mechanism, Effects(stiffness=stiffness, damping=damping, gravity=gravity))
-
-    def equation(time: float, state: np.ndarray) -> tuple[float, float]:
-        angle, rate = state
-        weight = 0.5 * gravity * math.sin(mechanism.hub_angle(time) + angle)
-        centrifugal = 0.5 * radius * speed**2 * math.sin(angle)
-        return rate, -3.0 * (stiffness * angle + damping * rate + centrifugal + weight)
-
-    angle, rate = rng.uniform(-1.4, 1.4), rng.uniform(-1.0, 1.0)
-    return scene, State(0.0, (start_hub + float(angle),), (speed + float(rate),)), equation
-
-
-def flown(scene: Scene, start: State, accuracy: float, duration: float) -> Recording:
-    """A flight as a pass runs it: a tenth of the accuracy for each stretch, 24 stretches a period at least."""
-    plan = Plan(end=duration, accuracy=accuracy, longest_interval=2.0 * math.pi / 24.0)
-    return run(scene, start, Extrapolation(0.1 * accuracy), EnergeticLaw(), plan)
-
-
-def true_error(scene: Scene, start: State, equation: Callable[..., tuple[float, float]], end: State) -> float:
-    mechanism = scene.mechanism
-    relative = (start.angles[0] - mechanism.hub_start, start.rates[0] - mechanism.hub_speed)
-    exact = solve_ivp(equation, (0.0, end.time), relative, method="DOP853", rtol=3e-14, atol=1e-15).y[:, -1]
-    angle = end.angles[0] - mechanism.hub_angle(end.time)
-    return max(abs(angle - exact[0]), abs(end.rates[0] - mechanism.hub_speed - exact[1]))
-
-
-def test_error_of_random_flights_is_within_estimate_and_accuracy(
-    record_property: Callable[[str, object], None],
-) -> None:
-    """Three hundred flights of 1 to 12 radians, asked for accuracies from 1e-3 to 1e-9.
-
-    The estimate is that of the extrapolate before the last and adds up absolute errors, so the true error should be a
-    small share of it: more than the estimate means that it lies, less than 1e-4 of it that steps are wasted.
-    """
-    rng = np.random.default_rng(2020)
-    shares, met = [], []
-    for number in range(300):
-        scene, start, equation = random_flight(rng)
-        accuracy = 10.0 ** -(3 + 2 * (number % 4))
-        recording = flown(scene, start, accuracy, float(rng.uniform(1.0, 12.0)))
-        error = true_error(scene, start, equation, recording.states[-1])
-        shares.append(max(error - REFEREE, 0.0) / recording.error)
-        met.append(error <= accuracy)
-    median = float(np.median(shares))
-    record_property("median of true error over estimate", median)
-    assert np.mean(np.array(shares) <= 1.0) >= 0.99
-    assert 1e-3 < median < 1.0
-    assert all(met)
-
-
-def test_more_accuracy_costs_more_steps() -> None:
-    scene, start, _ = random_flight(np.random.default_rng(1))
-    steps = [flown(scene, start, accuracy, 5.0).steps for accuracy in (1e-3, 1e-5, 1e-7, 1e-9)]
-    assert steps == sorted(steps)
-    assert steps[0] < steps[-1]
-
-
 class Tally:
-    """A load that does nothing, counts how often it is asked to, and fails below a step."""
+    """A load that does nothing, counts how often it is called, and fails below a step."""
 
     def __init__(self, least: float = 0.0) -> None:
         self.least = least
@@ -250,8 +97,8 @@ class TestFixedSteps:
     @pytest.mark.parametrize(
         ("share", "count"), [(0.5, 1), (1.0, 1), (2.0, 2), (2.5, 3), (8.0, 8), (8.0 * (1.0 + 1e-14), 8)]
     )
-    def test_a_stretch_takes_as_many_steps_as_it_needs(self, share: float, count: int) -> None:
-        """Equal steps no longer than the one asked for; a stretch of whole steps is not cut once more by rounding."""
+    def test_an_interval_takes_as_many_steps_as_it_needs(self, share: float, count: int) -> None:
+        """Equal steps no longer than the requested one; an interval of whole steps is not cut once more by rounding."""
         scene, state = oscillator()[:2]
         load = Tally()
         result = SymmetricSteps(0.01).advance(scene, state, 0.01 * share, load)
@@ -264,7 +111,7 @@ class TestFixedSteps:
         assert stepper.propose(0.03) == 0.03
 
     @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
-    def test_a_load_that_fails_makes_the_stretch_fail(self, kind: type[PlainSteps] | type[SymmetricSteps]) -> None:
+    def test_a_load_that_fails_makes_the_interval_fail(self, kind: type[PlainSteps] | type[SymmetricSteps]) -> None:
         scene, state = oscillator()[:2]
         for least, failed in ((0.0, False), (0.05, True)):
             result = kind(0.1).advance(scene, state, 0.01, Tally(least))
@@ -290,7 +137,9 @@ class TestFixedSteps:
 
     @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
     @pytest.mark.parametrize("step", [0.01, 3.0])
-    def test_stray_of_a_straight_line(self, kind: type[PlainSteps] | type[SymmetricSteps], step: float) -> None:
+    def test_interpolation_error_of_a_straight_line(
+        self, kind: type[PlainSteps] | type[SymmetricSteps], step: float
+    ) -> None:
         """A cubic that ends on the line of its first rate, at another rate, is off it by h dr (s^2 - s^3), at most 4/27.
 
         Twice that for each link; 2 % for a factor of 8/27 rounded to two digits.

@@ -65,7 +65,7 @@ def test_a_run_builds_only_what_its_tool_has(census: Census, bar: bool, workpart
     assert len(springs) == 1
     assert (springs[0].damping > 0.0) == (damping_ratio > 0.0)
     assert census.count(pymunk.Constraint) == 2
-    # Only a wire held by the bar asks the engine for contact forces.
+    # Only a wire in sustained contact with the bar asks the engine for contact forces.
     assert set(census.callbacks) <= ({"each_arbiter"} if bar else set())
 
 
@@ -131,7 +131,7 @@ def test_frictionless_bar_rubs_nothing() -> None:
 
 
 def test_effects_that_are_there_are_felt() -> None:
-    """Each of them moves the strike or the bar's ledger, so that none is absent by mistake."""
+    """Each of them moves the strike or the bar's contact record, so that none is absent by mistake."""
     tool = Tool()
     assert tool.bar is not None
     rubbing = simulate(replace(tool, bar=replace(tool.bar, friction=0.3)), stop_after="strike")
@@ -147,5 +147,5 @@ def test_effects_that_are_there_are_felt() -> None:
     for name, other in others.items():
         strike = simulate(other, stop_after="strike").event_time("strike")
         assert strike is not None
-        # The weakest is gravity, 1e-4 of the centrifugal acceleration; the accuracy asked for is 1e-6.
+        # The weakest is gravity, 1e-4 of the centrifugal acceleration; the requested accuracy is 1e-6.
         assert abs(strike / base - 1.0) > 1e-5, name

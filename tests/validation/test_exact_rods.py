@@ -23,7 +23,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.theory.pendulums import stick_friction
 
 ROUNDING = 256.0 * sys.float_info.epsilon
-"""Of a strike: some hundred operations on numbers of the order of the result."""
+"""Rounding of a strike: some hundred operations on numbers of the order of the result."""
 
 RODS = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
 
@@ -274,7 +274,7 @@ def test_the_hub_is_approached_as_one_over_n() -> None:
 
 @pytest.mark.parametrize("ratio", [1e-2, 1.0, 1e6, 1e12])
 def test_flight_beside_an_independent_integration(ratio: float) -> None:
-    """Lagrange's equations of two rods of 1 m: both ways are good to some stretches of 1e-10."""
+    """Lagrange's equations of two rods of 1 m: both ways are good to some intervals of 1e-10."""
     scene = Scene(Mechanism((Link.rod(ratio, 1.0), Link.rod(1.0, 1.0))), Effects())
     state, stepper = State(0.0, (0.3, 1.2), (1.0, -2.0)), Extrapolation(1e-10)
     while state.time < 0.5:

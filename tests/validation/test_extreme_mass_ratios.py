@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from bristle_sim.benchmarks.hard_cases.mass_ratio import ANGLES, MOTIONS, approaching, two_rods
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.theory.pendulums import double_pendulum_impact

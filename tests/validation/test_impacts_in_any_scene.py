@@ -32,7 +32,7 @@ INSTANT = 1e-13
 """Step, in which bodies move by 1e-13 and forces of 100 change velocities by 1e-10."""
 
 AGREEMENT = 1e-9
-"""Of velocities relative to the fastest one: INSTANT's forces and a condition number of some 1e5 in the joints."""
+"""Error of velocities relative to the fastest one: INSTANT's forces and a condition number of some 1e5 in the joints."""
 
 LOOSE = 1e-4
 """Determinant of K over the product of its diagonal, and K_nn itself, below which the referee has too few digits."""

@@ -53,7 +53,7 @@ class TestBelt:
         """The speed goes with the root of the stiffness: 0.5 % of it."""
         assert check_strike in failing(replace(Tool(), belt=Belt(stiffness=math.degrees(0.00041) * share)))
 
-    def test_damping_that_was_not_asked_for(self) -> None:
+    def test_damping_that_was_not_requested(self) -> None:
         assert check_strike in failing(replace(Tool(), belt=Belt(damping_ratio=0.002)))
 
 

@@ -23,7 +23,7 @@ def natural_rate(tool: Tool) -> float:
 
 
 class TestFlight:
-    """A run asks each stretch for a tenth of the accuracy; some twenty stretches of a pass add up to less than ten of it."""
+    """A run asks each interval for a tenth of the accuracy; some twenty intervals of a pass add up to less than ten of it."""
 
     @pytest.mark.parametrize("accuracy", ACCURACIES)
     @pytest.mark.parametrize("damping", [0.0, 0.018, 0.7])
@@ -50,7 +50,7 @@ class TestFlight:
         else:
             slow, fast = (natural * (-ratio + sign * math.sqrt(ratio**2 - 1.0)) for sign in (1.0, -1.0))
             expected = -0.6 * (fast * np.exp(slow * run.time) - slow * np.exp(fast * run.time)) / (fast - slow)
-        # The accuracy of 1e-6, asked for over as many fast decay times as there are in the run.
+        # The accuracy of 1e-6, requested over as many fast decay times as there are in the run.
         np.testing.assert_allclose(run.relative_angle, expected, rtol=0.0, atol=1e-5)
 
     @pytest.mark.parametrize("speed", [0.0, 261.8])
@@ -148,7 +148,7 @@ class TestRadialStrike:
         assert_monofilament(run, tool, part, speed_ratio)
 
     def test_compliant_and_rigid_agree(self) -> None:
-        """A contact resolved in time tends to the law's outcome to the accuracy asked for, ten times it at most."""
+        """A contact resolved in time tends to the law's outcome to the requested accuracy, ten times it at most."""
         runs = []
         for law in ("energetic", "compliant"):
             tool = Tool(bar=None)

@@ -1,7 +1,7 @@
-"""The acceleration of the first link as a function of the state: what the engine's steps from there tend to.
+"""The acceleration of the first link as a function of the state: the limit of the engine's steps from there.
 
-A difference of rates over a stretch holds the stretch's error, divided by the length of a step. The difference over the
-second of two steps from a given state has no such share: it is the acceleration there but for powers of the step, which
+A difference of rates over an interval has the interval's error, divided by the length of a step. The difference over the
+second of two steps from a given state has no such part: it is the acceleration there but for powers of the step, which
 extrapolation to zero step removes. (The first step will not do: what the engine's rotary damper does to the joint in one
 step is only put right in the next.)
 """
@@ -29,7 +29,7 @@ WEIGHTS = lagrange_weights(COUNTS)
 
 
 def acceleration(scene: Scene, state: State) -> float:
-    """Of the first link, where nothing touches, in engine units."""
+    """Return the acceleration of the first link where nothing touches, in engine units."""
     reach = REACH / (1.0 + damping_rate(scene))
     return math.fsum(map(mul, WEIGHTS, (_second_difference(scene, state, reach / count) for count in COUNTS)))
 

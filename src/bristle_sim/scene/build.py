@@ -29,7 +29,7 @@ SOLVED = math.log(1e-17)
 """Iterations in flight leave this fraction of the joints' error: rounding."""
 
 MOST_ITERATIONS = 40_000
-"""Of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
+"""Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 _EVERYWHERE = pymunk.ShapeFilter()
@@ -131,11 +131,11 @@ class Scene:
         self._placement.place(state, drift)
 
     def angles(self) -> list[float]:
-        """Angles of the links as they are in the engine, less ``turned``, rad."""
+        """Return the angles of the links as they are in the engine, less ``turned``, rad."""
         return [body.angle for body in self.links]
 
     def rates(self) -> list[float]:
-        """Absolute rates of the links as they are in the engine."""
+        """Return the absolute rates of the links as they are in the engine."""
         return [body.angular_velocity for body in self.links]
 
     def step(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
@@ -155,7 +155,7 @@ class Scene:
             joint.error_bias = 0.0 if completely else 1.0
 
     def contact_impulse(self) -> tuple[float, float]:
-        """(normal, tangential) impulse of the last step on the last link, whatever it touches."""
+        """Return (normal, tangential) impulse of the last step on the last link, whatever it touches."""
         total = [0.0, 0.0]
 
         def add(arbiter: pymunk.Arbiter) -> None:
@@ -178,7 +178,7 @@ class Placement:
     """
 
     def __init__(self, mechanism: Mechanism, hub: pymunk.Body | None, links: Sequence[pymunk.Body]) -> None:
-        """Nothing is placed yet."""
+        """Prepare to place the bodies."""
         self.mechanism, self.hub = mechanism, hub
         self.turned = 0.0
         self._placers = [placer(body) for body in links]
@@ -266,7 +266,7 @@ def _add_obstacle(
 
 
 def _flight_iterations(links: Sequence[Link]) -> int:
-    """Iterations that solve the joints to rounding.
+    """Return the number of iterations that solve the joints to rounding.
 
     One joint is solved exactly at once. Along a link the joints at its ends share all of its response, so that each
     iteration leaves 1/(1 + r) of the error, r being the link's mass over the next one's; errors cross longer chains link

@@ -1,4 +1,4 @@
-"""Changes of sign of what a run looks out for, and where within an interval they are."""
+"""Changes of sign of event functions, and where within an interval they are."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Changes:
     """
 
     def __init__(self, scene: Scene, stepper: Stepper, accuracy: float) -> None:
-        """Nothing is known yet."""
+        """Begin without any sign."""
         self.stepper = stepper
         self.accuracy = accuracy
         # A damped spring turns an error of the rate into one of the acceleration.
@@ -39,7 +39,7 @@ class Changes:
         self.signs: dict[str, float] = {}
 
     def begin(self, state: State, functions: Sequence[EventFunction]) -> None:
-        """A new smooth motion begins: signs that the state alone tells; what changes in its first interval is an event, too."""
+        """Begin a smooth motion with the signs that the state alone tells: a change in its first interval is an event, too."""
         here = _no_interval(state)
         values = [(function, function.value(here)) for function in functions]
         known = {function.name: math.copysign(1.0, value) for function, value in values if abs(value) > self.noise}
@@ -61,7 +61,7 @@ class Changes:
         return True
 
     def find(self, function: EventFunction, interval: Interval, before: Advance | None) -> Advance | None:
-        """The interval up to where the function's value changes its sign, or None; ``before`` is the one before it."""
+        """Return the interval up to where the function changes its sign, or None; ``before`` is the one before it."""
         length, instant = interval.length, 1e-15 * (1.0 + interval.end.state.time)
         if length <= instant:
             return None
@@ -84,7 +84,7 @@ class Changes:
         return interval.again(max(duration, instant))
 
     def _locate(self, function: EventFunction, interval: Interval, left: float, right: float) -> float:
-        """When a value that differs in sign at the two ends of an interval is zero."""
+        """Return when a value that differs in sign at the two ends of an interval is zero."""
 
         def value(span: float) -> float:
             at = interval.again(span)
@@ -96,5 +96,5 @@ class Changes:
 
 
 def _no_interval(state: State) -> Advance:
-    """A state as the end of an interval of no length."""
+    """Return a state as the end of an interval of no length."""
     return Advance(state, (math.nan,) * len(state.angles), (), 0.0)

@@ -91,10 +91,8 @@ class CompliantLaw:
             space.stick_compliance,
         )
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
-        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
         way_out = coefficients.restitution or 1.0
-        least = LEAST_DURATION / math.sqrt(way_out * damping)
-        duration = self.duration or max(least, 0.1 * self.accuracy / max(fastest, damping))
+        duration = self.duration or self._shortest(scene, fastest, way_out)
         if -space.velocity[0] * duration * way_out < LEAST_DEPTH:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
         stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
@@ -112,6 +110,12 @@ class CompliantLaw:
         names, constant = (obstacle.name, self.name, outcome), None if expected.moves else space.inverse_mass
         after = contact.motion.state
         return after, contact.course.record(names, state, after, constant)
+
+    def _shortest(self, scene: Scene, fastest: float, way_out: float) -> float:
+        """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""
+        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
+        least = LEAST_DURATION / math.sqrt(way_out * damping)
+        return max(least, 0.1 * self.accuracy / max(fastest, damping))
 
     def _check(self, scene: Scene, restitution: float) -> None:
         if 0.0 < restitution < LEAST_RESTITUTION:

@@ -24,6 +24,16 @@ SHORTEST = 1e-9
 MOST_INTERVALS = 1000
 """A contact that takes more intervals than this is given up."""
 
+OUT_OF_STEPS = "contact: step budget spent before it is over; must have more steps, a larger accuracy or a shorter contact_duration"
+ENDLESS = (
+    "contact: not over after {} intervals of its motion; friction must be further from the jam, or links' masses closer to"
+    " each other"
+)
+TOO_ACCURATE = (
+    "contact: no interval of its motion is short enough for the requested accuracy; accuracy must be larger, or friction"
+    " further from the jam"
+)
+
 
 @dataclass(frozen=True, slots=True)
 class _Stop:
@@ -63,10 +73,7 @@ class ContactIntegration:
         self._sample()
 
     def run(self, last: int) -> str:
-        """Integrate interval after interval until the contact is over, up to a number of steps of the scene.
-
-        Returns:
-            The outcome.
+        """Integrate until the contact is over, up to a number of steps of the scene, and return the outcome.
 
         Raises:
             ValueError: if the contact comes to no end.
@@ -83,18 +90,12 @@ class ContactIntegration:
     def _run(self, last: int) -> None:
         most = max(MOST_INTERVALS, int(4 * self.expected.duration / self.motion.stepper.propose(self.expected.longest)))
         for _ in range(most):
-            if self.outcome is not None:
+            if self.outcome:
                 return
             if self.motion.scene.steps > last:
-                raise ValueError(
-                    "contact: step budget spent before it is over; must be given more steps, less accuracy or a shorter"
-                    " contact_duration"
-                )
+                raise ValueError(OUT_OF_STEPS)
             self._interval()
-        raise ValueError(
-            f"contact: not over after {most} intervals of its motion; friction must be further from the jam, or links'"
-            " masses closer to each other"
-        )
+        raise ValueError(ENDLESS.format(most))
 
     def _interval(self) -> None:
         """Integrate one interval, up to what first ends the smooth motion."""
@@ -103,10 +104,7 @@ class ContactIntegration:
         result = self.motion.advance(length)
         if not self.motion.stepper.accepts(result, length):
             if length < SHORTEST * self.expected.duration:
-                raise ValueError(
-                    "contact: no interval of its motion is short enough for the requested accuracy; accuracy must be"
-                    " larger, or friction further from the jam"
-                )
+                raise ValueError(TOO_ACCURATE)
             return
         result, act = self.motion.up_to_first(result, self._turns())
         self.motion.state = result.state
@@ -121,7 +119,7 @@ class ContactIntegration:
             self.outcome = "no rebound"
 
     def _turns(self) -> list[Turn]:
-        """What can end the smooth motion that the contact is in."""
+        """Return what can end the smooth motion that the contact is in."""
         spring, motion = self.motion.spring, self.motion
         turns: list[Turn] = []
         if spring.loading:
@@ -132,7 +130,7 @@ class ContactIntegration:
                 Turn(
                     lambda at: motion.penetration(at.state) - spring.residual,
                     False,
-                    partial(self._end, "rebound"),
+                    partial(setattr, self, "outcome", "rebound"),
                     depth,
                 )
             )
@@ -155,16 +153,13 @@ class ContactIntegration:
         if not spring.slip and self.outcome is None:
             self._settle()
 
-    def _end(self, outcome: str) -> None:
-        self.outcome = outcome
-
     def _reload(self) -> None:
         self.motion.spring.loading = True
         if not self.motion.spring.slip:
             self._settle()
 
     def _settle(self) -> None:
-        """Slip has stopped: the point sticks if friction can hold it, else slips the way it is driven."""
+        """Let the point stick or slip on where slip has stopped, or end the compression that stops with it."""
         spring = self.motion.spring
         self.motion.stop_slip()
         if not (spring.loading and self.course.rows):
@@ -183,7 +178,7 @@ class ContactIntegration:
             return
         spring = self.motion.spring
         self.course.begin_phase(spring.loading, spring.slip)
-        if self.expected.outcome == "jam" and not spring.slip and spring.loading:
+        if self.expected.outcome == "jam" and spring.loading and not spring.slip:
             self._stopped()
 
     def _stopped(self) -> None:

@@ -1,4 +1,4 @@
-"""Laws that carry a scene through an impact. One signature: scene, state, obstacle in; state after, ledger entry out.
+"""Laws that carry a scene through an impact. One signature: scene, state, obstacle in; state after, contact record out.
 
 To add a law, write a class with :meth:`ContactLaw.resolve` and name it in :func:`contact_law`.
 """
@@ -28,7 +28,7 @@ class Coefficients:
 
     @classmethod
     def of(cls, obstacle: Obstacle) -> Coefficients:
-        """Those of an obstacle."""
+        """Return the coefficients of an obstacle."""
         return cls(obstacle.friction, obstacle.restitution_friction, obstacle.restitution)
 
 
@@ -60,7 +60,7 @@ class EnergeticLaw:
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
-        """Instantaneous: positions stay, all bodies' velocities change."""
+        """Change all bodies' velocities at once; positions stay."""
         _, space = contact_at(scene, state, obstacle)
         impact = energetic_impact(
             space.inverse_mass,
@@ -103,13 +103,13 @@ class EngineLaw:
     name = "engine"
 
     def __init__(self, iterations: int = 10) -> None:
-        """``iterations`` of the engine's solver; 10 is the engine's default."""
+        """Take ``iterations`` of the engine's solver; 10 is the engine's default."""
         self.iterations = iterations
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
-        """One engine step, so short that nothing but the impact happens in it."""
+        """Take one engine step, so short that nothing but the impact happens in it."""
         touch, space = contact_at(scene, state, obstacle)
         scene.engage(
             obstacle,

@@ -165,13 +165,13 @@ class ContactMotion:
         self.spring.slip = -math.copysign(1.0, self.stick_force)
 
     def _quickest(self) -> float:
-        """Time scale of slip, much shorter than the contact where a heavy link lets the tip hardly out of stick."""
+        """Return the time scale of slip, far below the contact's where a heavy link lets the tip hardly out of stick."""
         stiffness, _, _ = self.spring.line()
         most = self.spring.inverse_mass[0, 0] + self.spring.friction * abs(self.spring.coupling)
         return math.pi / math.sqrt(stiffness * most) if stiffness * most else math.inf
 
     def spare(self, at: Advance) -> float:
-        """Force by which friction's limit exceeds what stick takes."""
+        """Return the force by which friction's limit exceeds what stick takes."""
         normal, _ = self.spring.forces(self.penetration(at.state))
         return (1.0 + CONE) * self.spring.friction * normal - abs(at.totals[5])
 

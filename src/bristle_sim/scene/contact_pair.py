@@ -39,7 +39,7 @@ class LocatedImpact(Impact):
 
     @classmethod
     def of(cls, impact: Impact, touching: TouchingPoint, time: float) -> LocatedImpact:
-        """The impact at a touching point."""
+        """Return the impact at a touching point."""
         given = {each.name: getattr(impact, each.name) for each in fields(Impact)}
         return cls(**given, time=time, point=touching.point, normal=touching.normal, bodies=touching.bodies)
 
@@ -84,7 +84,7 @@ class ContactPair:
         return frozenset((self.collision_type_a, self.collision_type_b))
 
     def impact(self, space: ContactSpace, restitution: float) -> Impact:
-        """The law's answer for a contact."""
+        """Return the law's answer for a contact."""
         extra = (space.stick_compliance,) if self.takes_stick_compliance else ()
         return self.law(
             space.inverse_mass, space.velocity, self.friction, restitution, self.restitution_friction, *extra
@@ -129,7 +129,7 @@ class TouchingPoint:
 def read_points(
     arbiter: pymunk.Arbiter, pair: ContactPair, surface_velocity: Vector | None = None
 ) -> list[TouchingPoint]:
-    """The points of an engine's contact; ``surface_velocity``, of its second shape less the first's, if known better."""
+    """Return the points of a contact; ``surface_velocity``, of its second shape less the first's, if known better."""
     first, second = arbiter.bodies
     points = arbiter.contact_point_set
     slide = arbiter.surface_velocity if surface_velocity is None else surface_velocity

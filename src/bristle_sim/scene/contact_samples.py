@@ -1,6 +1,6 @@
-"""Samples of a contact's course between those that its stretches leave.
+"""Samples of a contact's course between those at the ends of its intervals.
 
-Where only the outcome of a contact is asked for, its configuration hardly moves meanwhile, and K is constant. Between two
+Where only the outcome of a contact is requested, its configuration hardly moves meanwhile, and K is constant. Between two
 samples of one phase the forces are then linear in the penetration, and so is the tangential velocity in the normal one.
 The penetration follows the quintic through its values, velocities and accelerations at both samples,
 
@@ -18,10 +18,10 @@ __all__ = ["COLUMNS", "with_samples_between"]
 Array = NDArray[np.float64]
 
 COLUMNS = ("time", "normal force", "tangential force", "penetration", "normal velocity", "tangential velocity")
-"""What a sample holds, in this order."""
+"""Columns of a sample."""
 
-SHARES = np.array([1.0, 2.0]) / 3.0
-"""Where samples are added, as shares of the time between two."""
+FRACTIONS = np.array([1.0, 2.0]) / 3.0
+"""Where samples are added, as fractions of the time between two."""
 
 ONE_INSTANT = 1e-6
 """Samples nearer to each other than this fraction of the contact's duration are two sides of one instant: over a shorter
@@ -40,12 +40,12 @@ _BASIS = [
 ]
 """The quintic's parts of value, slope and curvature at its beginning, and of the same at its end."""
 
-_VALUES = np.array([each(SHARES) for each in _BASIS])
-_SLOPES = np.array([each.deriv()(SHARES) for each in _BASIS])
+_VALUES = np.array([each(FRACTIONS) for each in _BASIS])
+_SLOPES = np.array([each.deriv()(FRACTIONS) for each in _BASIS])
 
 
 def with_samples_between(samples: Array, inverse_mass: Array) -> Array:
-    """The samples with others between them, in rows of ``COLUMNS``; two at one instant are ends of two phases.
+    """Return the samples with others between them, in rows of ``COLUMNS``; two at one instant are ends of two phases.
 
     Args:
         samples: rows of ``COLUMNS``, in order of time, shape (samples, 6).
@@ -60,7 +60,7 @@ def with_samples_between(samples: Array, inverse_mass: Array) -> Array:
 
 
 def _between(start: Array, end: Array, normal_row: Array) -> Array:
-    """Samples at the shares of each pair, shape (pairs, shares, columns)."""
+    """Return samples at the fractions of each pair, shape (pairs, fractions, columns)."""
     length = end[:, 0] - start[:, 0]
     sides = []
     for side in (start, end):
@@ -72,23 +72,23 @@ def _between(start: Array, end: Array, normal_row: Array) -> Array:
     speed = -(known @ _SLOPES) / np.where(length > 0.0, length, 1.0)[:, None]
     return np.stack(
         [
-            start[:, :1] + length[:, None] * SHARES,
-            _linear(start[:, 1], end[:, 1], _share(depth, start[:, 3], end[:, 3])),
-            _linear(start[:, 2], end[:, 2], _share(depth, start[:, 3], end[:, 3])),
+            start[:, :1] + length[:, None] * FRACTIONS,
+            _linear(start[:, 1], end[:, 1], _fraction(depth, start[:, 3], end[:, 3])),
+            _linear(start[:, 2], end[:, 2], _fraction(depth, start[:, 3], end[:, 3])),
             depth,
             speed,
-            _linear(start[:, 5], end[:, 5], _share(speed, start[:, 4], end[:, 4])),
+            _linear(start[:, 5], end[:, 5], _fraction(speed, start[:, 4], end[:, 4])),
         ],
         axis=2,
     )
 
 
-def _share(value: Array, first: Array, last: Array) -> Array:
-    """Where a value lies between the two of its pair; in the order of time if they are one."""
+def _fraction(value: Array, first: Array, last: Array) -> Array:
+    """Return where a value lies between the two of its pair; in the order of time if they are one."""
     change = (last - first)[:, None]
-    share = (value - first[:, None]) / np.where(change != 0.0, change, 1.0)
-    return np.where(change != 0.0, np.clip(share, 0.0, 1.0), SHARES)
+    fraction = (value - first[:, None]) / np.where(change != 0.0, change, 1.0)
+    return np.where(change != 0.0, np.clip(fraction, 0.0, 1.0), FRACTIONS)
 
 
-def _linear(first: Array, last: Array, share: Array) -> Array:
-    return np.asarray(first[:, None] + (last - first)[:, None] * share)
+def _linear(first: Array, last: Array, fraction: Array) -> Array:
+    return np.asarray(first[:, None] + (last - first)[:, None] * fraction)

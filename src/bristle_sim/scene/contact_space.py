@@ -7,7 +7,7 @@ the part B' of B = M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^
 
     K = B'^T B'    and    dV = M^-1/2 B' p.
 
-One orthogonal factorization [A B] = Q R holds both, B' = Q_2 R_22, so K = R_22^T R_22 is symmetric and positive
+One orthogonal factorization [A B] = Q R gives both, B' = Q_2 R_22, so K = R_22^T R_22 is symmetric and positive
 semidefinite whatever the mass ratios. With the tangential column first, R_22 = ((t, c), (0, s)) also tells what K has lost
 to rounding where a heavy body leaves the tip hardly a way out of stick: the normal compliance in stick, s^2, which is
 K_nn - K_nt^2/K_tt, to the square root of the error that this difference has. There the impulses are large, and their
@@ -30,21 +30,21 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from bristle_sim.scene.joints import Entry, JointRow, joined, joint_rows, point_entry, scaled_jacobian
+from bristle_sim.scene.joints import Entry, JointRow, Vector, joined, joint_rows, point_entry, scaled_jacobian
 
 __all__ = ["ContactSpace", "contact_space"]
 
 Array = NDArray[np.float64]
 
 CANCELS = 100.0
-"""An impulse whose parts change the tangential velocity so many times as much as it changes after all is applied by what it
+"""An impulse whose parts change the tangential velocity this many times as much as their sum does is applied by what it
 does: two digits are kept in any case."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon
-"""A way out of stick below this share of the normal column is rounding: the contact has one degree of freedom."""
+"""A way out of stick below this fraction of the normal column is rounding: the contact has one degree of freedom."""
 
 WEAK = 1e-2
-"""A way out of stick below this share of the normal column has lost digits worth getting back."""
+"""A way out of stick below this fraction of the normal column has lost digits worth getting back."""
 
 DEPENDENT = 1e-12
 """A joint whose scaled rows are shortened to this fraction by orthogonalization repeats what other joints already say."""
@@ -70,7 +70,7 @@ class ContactSpace:
     """
 
     inverse_mass: Array
-    velocity: tuple[float, float]
+    velocity: Vector
     bodies: tuple[pymunk.Body, ...]
     response: Array
     stick_compliance: float
@@ -124,14 +124,14 @@ class ContactSpace:
 
 def contact_space(
     body: pymunk.Body,
-    point: tuple[float, float],
-    normal: tuple[float, float],
+    point: Vector,
+    normal: Vector,
     other: pymunk.Body | None = None,
     *,
-    surface_velocity: tuple[float, float] = (0.0, 0.0),
+    surface_velocity: Vector = (0.0, 0.0),
     released: Collection[pymunk.Constraint] = (),
 ) -> ContactSpace:
-    """Contact of ``body`` at a world point with ``other``, or with something fixed.
+    """Describe the contact of ``body`` at a world point with ``other``, or with something fixed.
 
     Args:
         body: the body that the impulse acts on; it may be joined to others by any joints.
@@ -154,24 +154,14 @@ def contact_space(
     bodies, joints = joined(ends)
     rows = [row for joint in joints for row in joint_rows(joint) if not (row.limit and joint in released)]
     rows = [row for row in rows if not (row.limit and _opens(row, bodies))]
-    contact: list[list[Entry]] = []
-    velocity = []
-    for direction in ((normal[1], -normal[0]), normal):
-        entries = []
-        speed = 0.0
-        for each, sign in zip(ends, (1.0, -1.0), strict=False):
-            entries.append(point_entry(each, point, direction, sign))
-            moving = each.velocity_at_world_point(point)
-            speed += sign * (moving.x * direction[0] + moving.y * direction[1])
-        contact.append(entries)
-        velocity.append(speed - (surface_velocity[0] * direction[0] + surface_velocity[1] * direction[1]))
+    contact, velocity = _relative_motion(ends, point, normal, surface_velocity)
     columns, scale = scaled_jacobian([*(row.entries for row in rows), *contact], bodies)
     free, basis, factor = _free_part(columns, len(rows))
     stick = abs(float(factor[1, 1])) if len(factor) > 1 else 0.0
     response = free[:, ::-1]
     return ContactSpace(
         inverse_mass=response.T @ response,
-        velocity=(velocity[1], velocity[0]),
+        velocity=velocity,
         bodies=tuple(bodies),
         response=scale[:, None] * response,
         stick_compliance=stick**2 if stick > SINGULAR * math.hypot(*columns[:, -1].tolist()) else 0.0,
@@ -183,8 +173,23 @@ def contact_space(
     )
 
 
+def _relative_motion(
+    ends: Sequence[pymunk.Body], point: Vector, normal: Vector, surface_velocity: Vector
+) -> tuple[list[list[Entry]], Vector]:
+    """Return the rows of C in the order (tangential, normal), and the relative velocity (normal, tangential)."""
+    rows, velocity = [], []
+    for direction in ((normal[1], -normal[0]), normal):
+        speed = 0.0
+        for each, sign in zip(ends, (1.0, -1.0), strict=False):
+            moving = each.velocity_at_world_point(point)
+            speed += sign * (moving.x * direction[0] + moving.y * direction[1])
+        rows.append([point_entry(each, point, direction, sign) for each, sign in zip(ends, (1.0, -1.0), strict=False)])
+        velocity.append(speed - (surface_velocity[0] * direction[0] + surface_velocity[1] * direction[1]))
+    return rows, (velocity[1], velocity[0])
+
+
 def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
-    """The part of the last two columns that is orthogonal to the first ones, and its factors Q_2 and R_22."""
+    """Return the part of the last two columns that is orthogonal to the first ones, and its factors Q_2 and R_22."""
     basis, triangle = np.linalg.qr(columns)
     if not constraints:
         return columns, basis, triangle
@@ -200,19 +205,19 @@ def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:
-    """Give the way out of stick, the last column of the basis, and its share of the normal column their digits back.
+    """Give the way out of stick, the last column of the basis, and its part of the normal column their digits back.
 
     Nearly all of it is motion of the heavy bodies; what the light ones do is small beside rounding of the whole. It is
     what the joints and stick, the other columns, make of it, and that correction is accurate (iterative refinement).
     """
-    held, out = basis[:, :-1], basis[:, -1]
+    others, out = basis[:, :-1], basis[:, -1]
     for _ in range(2):
-        out -= held @ np.linalg.solve(triangle[:-1, :-1].T, columns[:, :-1].T @ out)
+        out -= others @ np.linalg.solve(triangle[:-1, :-1].T, columns[:, :-1].T @ out)
     triangle[-1, -1] = columns[:, -1] @ out
 
 
 def _orthogonal(vectors: Array, span: Array) -> Array:
-    """The part of vectors that is orthogonal to columns some of which repeat the others."""
+    """Return the part of vectors that is orthogonal to columns some of which repeat the others."""
     directions, sizes, _ = np.linalg.svd(_of_length_one(span), full_matrices=False)
     kept = directions[:, sizes > DEPENDENT * sizes[0]]
     # Twice is enough: the second pass removes what rounding left of the first (Kahan and Parlett).
@@ -222,11 +227,11 @@ def _orthogonal(vectors: Array, span: Array) -> Array:
 
 
 def _limit_response(columns: Array, limits: list[bool]) -> Array:
-    """Impulses of the limits per unit contact impulse (normal, tangential): the lambda that keeps J dV = 0, but for units."""
+    """Return the limits' impulses per unit contact impulse (normal, tangential): lambda of J dV = 0, but for units."""
     if not any(limits):
         return np.zeros((0, 2))
-    held = _of_length_one(columns[:, : len(limits)])
-    impulses = np.asarray(np.linalg.lstsq(held, columns[:, :-3:-1], rcond=DEPENDENT)[0], dtype=float)
+    joints = _of_length_one(columns[:, : len(limits)])
+    impulses = np.asarray(np.linalg.lstsq(joints, columns[:, :-3:-1], rcond=DEPENDENT)[0], dtype=float)
     return -impulses[limits]
 
 
@@ -236,12 +241,12 @@ def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
     It is compared in the norm of the kinetic energy, where rates of turning and shifting have the same units.
     """
     excess, size = limit.excess()
-    shares = (
+    parts = (
         (x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in limit.entries if body in bodies
     )
     energies = (each.mass * each.velocity.dot(each.velocity) for each in bodies)
     turning = (each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf)
-    return excess > OPENS * max(size, math.sqrt(sum(shares) * (sum(energies) + sum(turning))))
+    return excess > OPENS * max(size, math.sqrt(sum(parts) * (sum(energies) + sum(turning))))
 
 
 def _lengths(columns: Array) -> Array:
@@ -249,6 +254,6 @@ def _lengths(columns: Array) -> Array:
 
 
 def _of_length_one(columns: Array) -> Array:
-    """Columns scaled to length 1: joints that turn and joints that shift have different units."""
+    """Return the columns scaled to length 1: joints that turn and joints that shift have different units."""
     lengths = _lengths(columns)
     return columns / np.where(lengths > 0.0, lengths, 1.0)

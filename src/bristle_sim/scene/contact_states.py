@@ -23,7 +23,7 @@ from bristle_sim.trajectory import ContactAtEnd
 __all__ = ["Change", "ContactState", "InFlight", "Opening", "Release", "Separating", "Touch"]
 
 LONGEST = 1.0
-"""Of an interval, in the scene's time units: within a radian of the fastest motion each event function changes its sign
+"""Longest interval in the scene's time units: within a radian of the fastest motion each event function changes its sign
 once at most, and the cubic through the ends is good to 1/384 of the motion."""
 
 LEAST_HOP = 1e-6
@@ -44,7 +44,7 @@ class Release(NamedTuple):
 
 
 class Opening(NamedTuple):
-    """The gap of the obstacle that the link leaves is open; the motion goes on after the interval ``before``."""
+    """The gap of the obstacle that the link leaves is open; the motion continues after the interval ``before``."""
 
     before: Advance
     limit: float
@@ -67,7 +67,7 @@ class ContactState:
     """
 
     def __init__(self, progress: Progress, limit: float | None) -> None:
-        """Begin a motion: no acceleration and no sign of the last one holds."""
+        """Begin a motion: accelerations and signs of the last one are forgotten."""
         self.progress = progress
         self.before: Advance | None = None
         self.limit = limit
@@ -115,7 +115,7 @@ class ContactState:
         return None
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
-        """The interval up to its first event, and how that is resolved."""
+        """Return the interval up to its first event, and how that is resolved."""
         resolve: Resolve | None = None
         for obstacle in self.progress.scene.effects.obstacles:
             result, resolve = self.search_touch(obstacle, result, resolve)
@@ -128,7 +128,7 @@ class ContactState:
     def search_touch(
         self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
     ) -> tuple[Advance, Resolve | None]:
-        """The interval cut short where it comes nearest to an obstacle, and the impact if it touches."""
+        """Return the interval cut short where it comes nearest to an obstacle, and the impact if it touches."""
         progress = self.progress
         error = progress.stepper.interpolation_error(progress.state, result.state)
         found = find_touch(self.interval_to(result), progress.gaps, obstacle, error)
@@ -138,19 +138,19 @@ class ContactState:
         return reached, partial(self.meet, obstacle) if closed else None
 
     def interval_to(self, end: Advance) -> Interval:
-        """The interval from the state that was reached to its end."""
+        """Return the interval from the state that was reached to its end."""
         return Interval(self.progress.state, end, self.advance)
 
     def event_functions(self) -> list[EventFunction]:
-        """Functions whose change of sign is an event of this motion, besides touches."""
+        """Return functions whose change of sign is an event of this motion, besides touches."""
         return self._shared_functions()
 
     def _shared_functions(self) -> list[EventFunction]:
-        """Those whose signs are known when the motion begins."""
+        """Return the event functions whose signs are known when the motion begins."""
         return [*in_flight(self.progress.scene), *self.limits()]
 
     def limits(self) -> list[EventFunction]:
-        """The angle at which the bristle lies on the hub, if there is one."""
+        """Return the angle at which the bristle lies on the hub, if there is one."""
         limit = self.progress.plan.retraction_limit
         return [freedom(self.progress.mechanism, limit, self.progress.state)] if math.isfinite(limit) else []
 
@@ -180,13 +180,13 @@ class InFlight(ContactState):
 
     @classmethod
     def after(cls, progress: Progress, opening: Opening) -> InFlight:
-        """Go on in flight with the motion that an opened gap does not interrupt."""
+        """Resume in flight the motion that an opened gap does not interrupt."""
         flight = cls.__new__(cls)
         flight.progress, flight.before, flight.limit = progress, opening.before, opening.limit
         return flight
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
-        """As for every motion; signs at the very start of a run are looked at exactly."""
+        """Return the interval up to its first event; signs at the very start of a run are looked at exactly."""
         at_start = self.before is None and self.limit is None
         if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
             # The bodies are no longer where the interval has left them.
@@ -198,7 +198,7 @@ class Separating(ContactState):
     """The link has left an obstacle whose gap is not open yet."""
 
     def __init__(self, progress: Progress, obstacle: Obstacle) -> None:
-        """From the instant at which it leaves."""
+        """Begin at the instant at which the link leaves."""
         super().__init__(progress, progress.first_interval)
         self.obstacle = obstacle
 
@@ -209,7 +209,7 @@ class Separating(ContactState):
     def search_touch(
         self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
     ) -> tuple[Advance, Resolve | None]:
-        """The obstacle that the link leaves is touched again only by coming back within the interval."""
+        """Search a touch; the obstacle that the link leaves is touched again only by coming back within the interval."""
         if obstacle is not self.obstacle:
             return super().search_touch(obstacle, result, resolve)
         gap, rate = self.progress.gaps.gap_and_rate(obstacle, result.state)
@@ -227,7 +227,7 @@ class Separating(ContactState):
         return result, partial(self.meet, obstacle, True)
 
     def _rise(self, result: Advance) -> Advance:
-        """The part of an interval that ends deep inside the obstacle in which the rebound is still above it."""
+        """Return the part of an interval that ends deep inside the obstacle in which the rebound is still above it."""
         interval = self.interval_to(result)
         span = interval.length
         while (

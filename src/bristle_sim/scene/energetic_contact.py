@@ -25,7 +25,7 @@ LONGEST = 1e9
 """Step, in the scene's unit of time; the engine lets NaN and infinity pass."""
 
 DURATION = Range("duration", "time", 0.0, LONGEST, True, "chosen")
-"""Of a step."""
+"""Duration of a step."""
 
 
 class EnergeticContact:
@@ -51,7 +51,7 @@ class EnergeticContact:
     Energy: just before an impact all bodies that take part get the nearest velocities at which the joints do not open,
     which costs energy, if any; the impact itself changes the energy by the works of its record, a sum that is never positive
     for ``energetic_impact`` (moving kinematic bodies, motors and surface velocities do work of their own). What the engine
-    does between impacts is not held to this: joints are solved in iterations and given extra velocity to correct their
+    does between impacts is not bound to this: joints are solved in iterations and given extra velocity to correct their
     positions (``error_bias``; none at 1), overlap is reduced by moving bodies apart (``collision_bias``), which can lift them.
 
     Joints of any kind take part by their Jacobian, at limits if they push throughout the impact; springs, joints with a
@@ -127,20 +127,6 @@ class EnergeticContact:
         pair.chained, handler.pre_solve = handler.pre_solve, callback
         self._callbacks.append((handler, callback, pair))
 
-    @property
-    def _first(self) -> ContactPair:
-        return next(iter(self.pairs.values()))
-
-    @property
-    def friction(self) -> float:
-        """Friction of the first pair."""
-        return self._first.friction
-
-    @property
-    def restitution_friction(self) -> float | None:
-        """Friction in restitution of the first pair."""
-        return self._first.restitution_friction
-
     def step(self, duration: float) -> None:
         """Advance the space by one step and resolve the impacts in it.
 
@@ -189,7 +175,7 @@ class EnergeticContact:
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:
-    """The space's collision handlers by types: pymunk 7 has no public way to ask who listens already."""
+    """Return the space's collision handlers by types: pymunk 7 has no public way to ask who listens already."""
     return space._handlers
 
 

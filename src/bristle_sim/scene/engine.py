@@ -81,12 +81,12 @@ _CALLS = (
 
 
 def _bare(owner: object, attribute: str) -> Any:
-    """The engine's own object behind pymunk's, or None where it cannot be had."""
+    """Return the engine's own object behind pymunk's, or None where it cannot be had."""
     return getattr(owner, attribute, None) if all(hasattr(lib, call) for call in _CALLS) else None
 
 
 def stepper(space: pymunk.Space) -> Callable[[float], None]:
-    """A step of a space whose bodies, joints and shapes are all in it by now."""
+    """Return a step of a space whose bodies, joints and shapes are all in it by now."""
     space.step(0.0)
     bare = _bare(space, "_space")
     return space.step if bare is None else partial(lib.cpSpaceStep, bare)
@@ -143,7 +143,7 @@ def take_back(bodies: Sequence[pymunk.Body], step: Callable[[], None]) -> None:
 
 
 def placer(body: pymunk.Body) -> Placer:
-    """What puts a body somewhere, with its velocity."""
+    """Return what puts a body somewhere, with its velocity."""
     bare = _bare(body, "_body")
     return partial(_place, body) if bare is None else partial(_place_bare, bare)
 
@@ -161,7 +161,7 @@ def _place_bare(body: Any, angle: float, centre: Vector, velocity: Vector, rate:
 
 
 def point_reader(body: pymunk.Body, point: Vector) -> Reader:
-    """What tells where a body's point is and how it moves."""
+    """Return what tells where a body's point is and how it moves."""
     bare = _bare(body, "_body")
     return partial(_read, body, point) if bare is None else partial(_read_bare, bare, point)
 
@@ -176,13 +176,13 @@ def _read_bare(body: Any, point: Vector) -> tuple[float, float, float, float]:
 
 
 def pusher(body: pymunk.Body) -> Pusher:
-    """What pushes on a body."""
+    """Return what pushes on a body."""
     bare = _bare(body, "_body")
     return body.apply_force_at_world_point if bare is None else partial(lib.cpBodyApplyForceAtWorldPoint, bare)
 
 
 def approach_reader(space: pymunk.Space) -> Approach:
-    """What tells within a step how fast a contact of the space approaches."""
+    """Return what tells within a step how fast a contact of the space approaches."""
     bare = _bare(space, "_space")
     if bare is None or ffi is None:
         return partial(_approach, space.static_body)
@@ -223,7 +223,7 @@ def _approach_bare(still: Any, first: Any, second: Any, arbiter: pymunk.Arbiter)
 
 
 def contact_tuner(space: pymunk.Space) -> Tuner:
-    """What gives a contact of the space its friction."""
+    """Return what gives a contact of the space its friction."""
     return _tune if _bare(space, "_space") is None else _tune_bare
 
 

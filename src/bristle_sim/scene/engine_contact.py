@@ -30,17 +30,17 @@ __all__ = [
 ]
 
 MOMENT = 1e-6
-"""In the scene's time unit."""
+"""Time after which the piece that touches is looked up again, in the scene's unit."""
 
 LEAST_LEVER = 1e-6
-"""With a lever of the contact normal shorter than this share of the link, turning the link cannot set it back."""
+"""With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
 
 
 class EngineContact:
     """The engine's own contact as a load: it acts by itself, and is lost once its force is gone."""
 
     def __init__(self, scene: Scene, obstacle: Obstacle) -> None:
-        """For the obstacle that the scene's last link is to stay on."""
+        """Prepare the contact for the obstacle that the scene's last link is to stay on."""
         self.scene = scene
         self.obstacle = obstacle
         self.piece = 0
@@ -50,7 +50,7 @@ class EngineContact:
         self._due = False
 
     def grip(self, state: State) -> float:
-        """Share of a free link's response to a push that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
+        """Return the fraction of a free link's response that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
 
         Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
@@ -60,7 +60,7 @@ class EngineContact:
         return (normal - self.obstacle.friction * slip * coupling) / free
 
     def _response(self, state: State) -> tuple[Touch, tuple[float, float, float]]:
-        """The touch, and what a push gives: K_nn, K_nt, and K_nn of the last link if it were free."""
+        """Return the touch, and what a push gives: K_nn, K_nt, and K_nn of the last link if it were free."""
         mechanism, link = self.scene.mechanism, self.scene.mechanism.links[-1]
         pose = mechanism.poses(state)[-1]
         joint, centre = pose.joint, pose.centre
@@ -75,7 +75,7 @@ class EngineContact:
         return touch, (normal, coupling, 1.0 / link.mass + _cross(arm, touch.normal) ** 2 / link.inertia)
 
     def engage(self, state: State) -> float:
-        """Let the engine's contact act, with as many iterations as the state asks for; returns the grip.
+        """Let the engine's contact act, with as many iterations as the state needs; returns the grip.
 
         Each iteration corrects the contact as if the link were free, then the joints: it leaves 1 - grip of the error.
         """
@@ -89,7 +89,7 @@ class EngineContact:
         return grip
 
     def _next_piece(self, state: State) -> int:
-        """The piece that touches from now on: at a corner two do, a moment later one."""
+        """Return the piece that touches from now on: at a corner two do, a moment later one."""
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
         later = State(state.time + MOMENT, angles, state.rates)
         return self.obstacle.touch(self.scene.mechanism.poses(later)[-1], later.rates[-1]).piece
@@ -99,7 +99,7 @@ class EngineContact:
         self._sums, self._due = [0.0, 0.0, 0.0], False
 
     def apply(self, step: float) -> None:
-        """The engine acts by itself; add up what it did in the step before."""
+        """Add up what the engine, which acts by itself, did in the step before."""
         if self._due:
             self._add()
         elif step != self._step:
@@ -107,13 +107,13 @@ class EngineContact:
         self._due, self._step = True, step
 
     def totals(self, step: float) -> list[float]:
-        """The normal force of the last step, normal and tangential impulse, and friction's work."""
+        """Return the normal force of the last step, normal and tangential impulse, and friction's work."""
         if self._due:
             self._add()
         return [self._last / step, *self._sums]
 
     def fails(self, totals: list[float]) -> bool:
-        """A contact only pushes."""
+        """Return whether the contact would have to pull."""
         return totals[0] <= 0.0
 
     def _add(self) -> None:
@@ -134,7 +134,7 @@ class EngineContact:
         take_back(bodies, lambda: self.scene.step(step, 1))
 
     def _slip(self) -> float:
-        """Tangential velocity of the link where it touches, as the bodies are."""
+        """Return the tangential velocity of the link where it touches, as the bodies are."""
         body = self.scene.links[-1]
         found = [0.0]
 
@@ -154,13 +154,13 @@ def _cross(arm: Vector, direction: Vector) -> float:
 
 
 STILL = 1e-9
-"""Slip below this share of the scene's unit is rest: friction then has no direction."""
+"""Slip below this fraction of the scene's unit is rest: friction then has no direction."""
 
 SOLVED = math.log(1e-17)
-"""Iterations leave this share of the error: rounding."""
+"""Iterations leave this fraction of the error: rounding."""
 
 MOST_ITERATIONS = 40_000
-"""Of the engine's solver in a step: enough for the least grip."""
+"""Iterations of the engine's solver in a step: enough for the least grip."""
 
 LEAST_GRIP, MOST_GRIP = 1e-3, 1.99
 """With less, the force that keeps the link there grows beyond bounds: a jam. With more, each iteration overshoots twofold."""
@@ -170,7 +170,7 @@ ELBOW = "other piece of the wire"
 
 
 def elbow(contact: EngineContact) -> EventFunction:
-    """Another piece of a bent wire meets the obstacle that this one is on."""
+    """Watch another piece of a bent wire meet the obstacle that this one is on."""
 
     def beside(at: Advance) -> float:
         return contact.obstacle.gap_beside(contact.scene.mechanism.poses(at.state)[-1], contact.piece)
@@ -179,7 +179,7 @@ def elbow(contact: EngineContact) -> EventFunction:
 
 
 def locking(contact: EngineContact) -> EventFunction:
-    """The grip gets too small: friction locks the link, or without friction the link meets the obstacle end-on."""
+    """Watch the grip get too small: friction locks the link, or without it the link meets the obstacle end-on."""
     jams = contact.obstacle.friction > 0.0
     final = StopReason.JAM if jams else StopReason.NO_GRIP
     return EventFunction(
@@ -217,7 +217,7 @@ def opening_rate(first: Touch, second: Touch, rate: float) -> float:
 def sustained_contact_record(
     mechanism: Mechanism, obstacle: Obstacle, first: State, last: State, sums: tuple[float, ...], outcome: str
 ) -> ContactRecord:
-    """Contact record of a sustained touch; ``sums`` are normal and tangential impulse and friction's work."""
+    """Return the contact record of a sustained touch; ``sums`` are normal and tangential impulse and friction's work."""
 
     def slip(state: State) -> float:
         return obstacle.touch(mechanism.poses(state)[-1], state.rates[-1]).velocity[1]

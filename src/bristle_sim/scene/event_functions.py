@@ -1,4 +1,4 @@
-"""What a run looks out for besides touches: functions whose change of sign within a smooth interval is an event."""
+"""Event functions of a run besides touches: functions whose change of sign within a smooth interval is an event."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ __all__ = ["EventFunction", "freedom", "in_flight", "in_touch"]
 
 @dataclass(frozen=True, slots=True)
 class EventFunction:
-    """One thing to look out for.
+    """A function whose change of sign is an event.
 
     Attributes:
         name: what it is.
         value: function of the result of an interval; a change of its sign is the event.
         falling: True or False if only falling or rising through zero counts, None for both.
         event: name under which it is recorded; None for a mere kink in the motion, where an interval has to end.
-        final: why the run stops there; None if it goes on.
-        exact: the same as a function of the state, where ``value`` has the error of a difference over the interval.
+        final: why the run stops there; None if the run continues.
+        exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
     """
 
     name: str
@@ -39,7 +39,7 @@ class EventFunction:
 
 
 def in_flight(scene: Scene) -> list[EventFunction]:
-    """Extremes of the first link's motion relative to the hub."""
+    """Return extremes of the first link's motion relative to the hub."""
     name = "highest relative speed"
     return [
         _retraction(scene.mechanism),
@@ -48,7 +48,7 @@ def in_flight(scene: Scene) -> list[EventFunction]:
 
 
 def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[EventFunction]:
-    """Largest retraction, and kinks of a motion in sustained contact: contact passing the wire's end, slip that turns."""
+    """Return largest retraction, and kinks of sustained contact: contact passing the wire's end, slip that turns."""
 
     def kink(index: int, at: Advance) -> float:
         return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).kinks[index]
@@ -63,7 +63,7 @@ def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[Eve
 
 
 def freedom(mechanism: Mechanism, limit: float, start: State) -> EventFunction:
-    """The first link's angle relative to the hub reaches what the geometry allows, be it only within an interval."""
+    """Watch the first link's angle relative to the hub reach what the geometry leaves it, be it only within an interval."""
 
     def left(at: Advance) -> float:
         return limit - max(_leaning(mechanism, state) for state in (at.state, *turns(mechanism, start, at.state)))

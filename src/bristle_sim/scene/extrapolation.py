@@ -48,7 +48,7 @@ class Extrapolation:
         return self.limit
 
     def propose(self, remaining: float) -> float:
-        """The interval that costs least per time; what is left is cut evenly rather than into a stub."""
+        """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
@@ -99,7 +99,7 @@ class Extrapolation:
         self.rows = LEAST_ROWS
 
     def interpolation_error(self, start: State, end: State) -> float:
-        """Nothing to speak of beside the cubic's own error."""
+        """Return 0: an extrapolated interval is off the cubic by the cubic's own error alone."""
         del start, end
         return 0.0
 

@@ -16,20 +16,20 @@ class Gaps:
     """Looks from one state after the other; both ends of an interval are looked up again and again, so they are kept."""
 
     def __init__(self, mechanism: Mechanism, start: State) -> None:
-        """From a state on."""
+        """Begin with the pose of a state."""
         self.mechanism = mechanism
         self._poses: tuple[tuple[State, Pose], ...] = ((start, mechanism.poses(start)[-1]),)
 
     def touch(self, obstacle: Obstacle, state: State) -> Touch:
-        """Where and how the link would touch the obstacle."""
+        """Return where and how the link would touch the obstacle."""
         return obstacle.touch(self._pose(state), state.rates[-1])
 
     def gap(self, obstacle: Obstacle, state: State) -> float:
-        """Distance of link and obstacle, negative inside."""
+        """Return the distance of link and obstacle, negative inside."""
         return self.touch(obstacle, state).gap
 
     def gap_and_rate(self, obstacle: Obstacle, state: State) -> tuple[float, float]:
-        """The same, and how fast it opens."""
+        """Return the distance of link and obstacle, and how fast it opens."""
         touch = self.touch(obstacle, state)
         return touch.gap, touch.velocity[0]
 

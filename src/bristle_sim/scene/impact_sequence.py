@@ -26,7 +26,7 @@ COLLAPSE = 50
 """Impacts at one point after which it gives no restitution: bodies that bounce without end within an instant come to rest."""
 
 TRIALS = 255
-"""Sets of limits that are tried, all of them for up to eight limits reached at once; if none will do, all are held."""
+"""Sets of limits that are tried, all of them for up to eight limits reached at once; if none will do, all are rigid."""
 
 MOST = 10_000
 """Impacts at one point after which the step is given up."""
@@ -86,7 +86,7 @@ class ImpactSequence:
                 point.measure()
 
     def _strike(self, point: TouchingPoint) -> tuple[pymunk.Body, ...]:
-        """Resolve one point; the bodies whose velocities changed."""
+        """Resolve one point, and return the bodies whose velocities changed."""
         point.impacts += 1
         if point.impacts > MOST:
             x, y = point.point
@@ -103,16 +103,16 @@ class ImpactSequence:
         return space.bodies
 
     def _law(self, point: TouchingPoint) -> tuple[ContactSpace, Impact, bool]:
-        """The impact, joints' limits pushing only and not passed, and whether it is one of bodies at rest."""
-        held = self._with_limits(point, ())
-        limits = held[0].limits
-        if _agrees(*held[:2], ()):
-            return held
+        """Return the impact in which limits of joints push only and are not passed, and whether it is one of bodies at rest."""
+        rigid = self._with_limits(point, ())
+        limits = rigid[0].limits
+        if _agrees(*rigid[:2], ()):
+            return rigid
         for released in itertools.islice(_subsets(limits), TRIALS):
             found = self._with_limits(point, released)
             if _agrees(*found[:2], released):
                 return found
-        return held
+        return rigid
 
     def _with_limits(self, point: TouchingPoint, released: Sequence[JointRow]) -> tuple[ContactSpace, Impact, bool]:
         first, second = point.bodies
@@ -130,11 +130,11 @@ class ImpactSequence:
 
 
 def _subsets(limits: Sequence[JointRow]) -> Iterator[tuple[JointRow, ...]]:
-    """Every choice of some of the limits, few first."""
+    """Return every choice of some of the limits, few first."""
     return itertools.chain.from_iterable(itertools.combinations(limits, count + 1) for count in range(len(limits)))
 
 
 def _agrees(space: ContactSpace, impact: Impact, released: Sequence[JointRow]) -> bool:
-    """Whether all limits that are held push, and none of the others is passed."""
+    """Whether all limits that are rigid push, and none of the others is passed."""
     impulse = (impact.impulse_normal, impact.impulse_tangential)
     return space.limits_push(impulse) and not any(space.passes(each, impulse) for each in released)

@@ -52,13 +52,13 @@ def close_joints(*ends: pymunk.Body) -> None:
 
 
 def _least_change(columns: Array, rates: Array, rounding: Array, limits: Flags) -> Array:
-    """The dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
+    """Return the dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
     active = ~limits | (rates < -rounding)
     for _ in range(2 * len(rates) + 8):
-        held = columns[:, active]
-        change = np.asarray(np.linalg.lstsq(held.T, -rates[active], rcond=DEPENDENT)[0], dtype=float)
+        rigid = columns[:, active]
+        change = np.asarray(np.linalg.lstsq(rigid.T, -rates[active], rcond=DEPENDENT)[0], dtype=float)
         impulses = np.zeros(len(rates))
-        impulses[active] = np.linalg.lstsq(held, change, rcond=DEPENDENT)[0]
+        impulses[active] = np.linalg.lstsq(rigid, change, rcond=DEPENDENT)[0]
         after = rates + columns.T @ change
         pulls = limits & active & (impulses < -DEPENDENT * np.abs(impulses).max(initial=0.0))
         passed = limits & ~active & (after < -rounding - DEPENDENT * np.abs(rates).max())

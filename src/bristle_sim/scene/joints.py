@@ -55,7 +55,7 @@ class JointRow(NamedTuple):
     limit: bool = False
 
     def excess(self) -> tuple[float, float]:
-        """J V - rate of the bodies as they move now, and the sum of its terms' sizes, to which it is rounded."""
+        """Return J V - rate of the bodies as they move now, and the sum of its terms' sizes, to which it is rounded."""
         value, size = -self.rate, abs(self.rate)
         for body, x, y, turn in self.entries:
             velocity = body.velocity
@@ -66,13 +66,13 @@ class JointRow(NamedTuple):
 
 
 def mass_centre(body: pymunk.Body) -> Vector:
-    """World coordinates of a body's centre of gravity, which is where its velocity is; its position may be elsewhere."""
+    """Return the place of a body's centre of gravity, where its velocity is; its position may be elsewhere."""
     x, y = body.local_to_world(body.center_of_gravity)
     return x, y
 
 
 def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float) -> Entry:
-    """Factors of the velocity of a world point of the body along a direction."""
+    """Return the factors of the velocity of a world point of the body along a direction."""
     x, y = mass_centre(body)
     lever = (point[0] - x) * direction[1] - (point[1] - y) * direction[0]
     return body, sign * direction[0], sign * direction[1], sign * lever
@@ -86,7 +86,7 @@ def passes_impulse(joint: pymunk.Constraint) -> bool:
 
 
 def joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[pymunk.Constraint]]:
-    """Dynamic bodies that can be reached over joints that pass impulses, the lightest first, and those joints."""
+    """Return the dynamic bodies reached over joints that pass impulses, the lightest first, and those joints."""
     bodies: list[pymunk.Body] = []
     joints: list[pymunk.Constraint] = []
     waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
@@ -104,7 +104,7 @@ def joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[pymunk.
 
 
 def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
-    """Rows of a joint; none for limits that are not reached.
+    """Return the rows of a joint; none for limits that are not reached.
 
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
@@ -118,7 +118,7 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
 def scaled_jacobian(
     rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Columns of M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
+    """Return the columns of M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
 
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.
     """
@@ -139,7 +139,7 @@ def scaled_jacobian(
 
 
 def _across(joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False) -> JointRow:
-    """Velocity of body a's end relative to body b's along a direction."""
+    """Return the velocity of body a's end relative to body b's along a direction."""
     entries = (point_entry(joint.a, ends[0], direction, 1.0), point_entry(joint.b, ends[1], direction, -1.0))
     return JointRow(joint, entries, 0.0, limit)
 
@@ -160,7 +160,7 @@ def _pivot(joint: pymunk.PivotJoint) -> Iterator[JointRow]:
 
 
 def _between(ends: tuple[Vector, Vector]) -> tuple[float, Vector]:
-    """Distance of the second anchor from the first, and its direction; (0, 0) where they coincide."""
+    """Return the distance of the second anchor from the first, and its direction; (0, 0) where they coincide."""
     span = pymunk.Vec2d(*ends[1]) - pymunk.Vec2d(*ends[0])
     along = span.normalized()
     return span.length, (along.x, along.y)
@@ -174,7 +174,7 @@ def _pin(joint: pymunk.PinJoint) -> Iterator[JointRow]:
 
 
 def _slide(joint: pymunk.SlideJoint) -> Iterator[JointRow]:
-    """The anchors' distance lies between ``min`` and ``max``."""
+    """Yield rows that keep the anchors' distance between ``min`` and ``max``."""
     ends = _anchors(joint)
     distance, (x, y) = _between(ends)
     margin = REACHED * max(distance, joint.max)
@@ -189,7 +189,7 @@ def _slide(joint: pymunk.SlideJoint) -> Iterator[JointRow]:
 
 
 def _groove(joint: pymunk.GrooveJoint) -> Iterator[JointRow]:
-    """The anchor of b lies on a segment of a, which it may follow but not leave."""
+    """Yield rows that keep the anchor of b on a segment of a, which it may follow but not leave."""
     start, end = joint.a.local_to_world(joint.groove_a), joint.a.local_to_world(joint.groove_b)
     anchor = joint.b.local_to_world(joint.anchor_b)
     length, along = (end - start).length, (end - start).normalized()
@@ -204,7 +204,7 @@ def _groove(joint: pymunk.GrooveJoint) -> Iterator[JointRow]:
 
 
 def _rotary_limit(joint: pymunk.RotaryLimitJoint) -> Iterator[JointRow]:
-    """The angle of b relative to a lies between ``min`` and ``max``."""
+    """Yield rows that keep the angle of b relative to a between ``min`` and ``max``."""
     angle = joint.b.angle - joint.a.angle
     margin = REACHED * max(1.0, abs(joint.a.angle), abs(joint.b.angle))
     if joint.min >= joint.max:
@@ -216,7 +216,7 @@ def _rotary_limit(joint: pymunk.RotaryLimitJoint) -> Iterator[JointRow]:
 
 
 def _ratchet(joint: pymunk.RatchetJoint) -> Iterator[JointRow]:
-    """The angle of b relative to a does not fall back behind the tooth, ``angle``, that it has passed."""
+    """Yield rows that keep the angle of b relative to a from falling behind the tooth that it has passed, ``angle``."""
     way = math.copysign(1.0, joint.ratchet)
     past = (joint.b.angle - joint.a.angle - joint.angle) * way
     if past <= REACHED * max(1.0, abs(joint.a.angle), abs(joint.b.angle)):

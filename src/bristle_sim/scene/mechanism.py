@@ -30,7 +30,7 @@ class Link:
 
     @classmethod
     def rod(cls, mass: float, length: float) -> Link:
-        """Uniform slender rod, inertia m L^2/12."""
+        """Return a uniform slender rod, inertia m L^2/12."""
         return cls(mass, mass * length**2 / 12.0, (0.0, -length / 2.0), (0.0, -length))
 
     @property
@@ -72,11 +72,11 @@ class Mechanism:
     hub_start: float = 0.0
 
     def hub_angle(self, time: float) -> float:
-        """Angle of the root, rad."""
+        """Return the angle of the root, rad."""
         return self.hub_start + self.hub_speed * time
 
     def poses(self, state: State) -> list[Pose]:
-        """Where every link is and how it moves."""
+        """Return where every link is and how it moves."""
         joint, joint_velocity = _carried(
             (0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), self.hub_angle(state.time), self.hub_speed
         )
@@ -90,7 +90,7 @@ class Mechanism:
         return poses
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
-        """Corners of the centre line from the root over knees and joints to the tip, and their velocities.
+        """Return the corners of the centre line from the root over knees and joints to the tip, and their velocities.
 
         A point with the arm r from a joint at p moves with p' + rate e_z x r; with points as complex numbers x + iy that
         is p' + i rate r.
@@ -113,7 +113,7 @@ class Mechanism:
         return np.stack([places.real, places.imag], axis=-1), np.stack([velocities.real, velocities.imag], axis=-1)
 
     def kinetic_energy(self, state: State) -> float:
-        """Sum of m v^2/2 + I rate^2/2 over the links."""
+        """Return the sum of m v^2/2 + I rate^2/2 over the links."""
         poses = self.poses(state)
         return sum(
             0.5 * link.mass * (pose.centre_velocity[0] ** 2 + pose.centre_velocity[1] ** 2)
@@ -122,13 +122,13 @@ class Mechanism:
         )
 
     def speed_bound(self, state: State) -> float:
-        """No point of the mechanism is faster than this while no link's rate exceeds the state's."""
+        """Return a speed that no point of the mechanism exceeds while no link's rate exceeds the state's."""
         reach = sum(math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True))
         return self.hub_radius * abs(self.hub_speed) + reach
 
 
 def _carried(origin: Vector, velocity: Vector, arm: Vector, angle: float, rate: float) -> tuple[Vector, Vector]:
-    """Position and velocity of a point fixed on a link that turns about ``origin``."""
+    """Return the position and velocity of a point fixed on a link that turns about ``origin``."""
     cosine, sine = math.cos(angle), math.sin(angle)
     x = cosine * arm[0] - sine * arm[1]
     y = sine * arm[0] + cosine * arm[1]

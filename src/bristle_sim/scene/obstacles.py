@@ -21,13 +21,13 @@ from bristle_sim.scene.mechanism import Pose, Vector
 __all__ = ["MARGIN", "BarObstacle", "Obstacle", "Touch", "WorkpartObstacle"]
 
 MARGIN = 0.02
-"""Share of the link's length by which obstacle shapes are enlarged in the engine."""
+"""Fraction of the link's length by which obstacle shapes are enlarged in the engine."""
 
 SAME_GAP = 1e-9
-"""Two pieces of a bent wire whose gaps differ by less than this share of its length both touch."""
+"""Two pieces of a bent wire whose gaps differ by less than this fraction of its length both touch."""
 
 LEAST_REACH = 1e-9
-"""Least distance of the wire's centre line from the bar's centre, as a share of the link's length: a hundred times the
+"""Least distance of the wire's centre line from the bar's centre, as a fraction of the link's length: a hundred times the
 gap that counts as closed. Rounding of 1e-16 then turns the normal by 1e-7."""
 
 HALF_PLANE = 1e3
@@ -42,7 +42,7 @@ class Touch(NamedTuple):
         arm: contact point seen from the link's joint, along world axes.
         normal: unit vector out of the obstacle.
         velocity: (normal, tangential) velocity of the link's contact point.
-        kinks: the motion of a held contact has a kink where one of these passes through 0: the contact leaves a straight
+        kinks: the motion in sustained contact has a kink where one of these passes through 0: the contact leaves a straight
             piece of the centre line for a corner or the end, or comes back.
         piece: which straight piece of the centre line touches, counted from the joint.
     """
@@ -65,7 +65,7 @@ class Obstacle(Protocol):
 
     @property
     def name(self) -> str:
-        """What events and ledger call it."""
+        """What events and contact records call it."""
 
     @property
     def friction(self) -> float:
@@ -80,13 +80,13 @@ class Obstacle(Protocol):
         """Coefficient of restitution."""
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """The closest approach of a link in the given pose, or of one straight piece of its centre line."""
+        """Return the closest approach of a link in the given pose, or of one straight piece of its centre line."""
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Gap of the other straight pieces of the centre line, but for the corners they share with this one."""
+        """Return the gap of the other straight pieces of the centre line, but for the corners common with this one."""
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """Engine shapes: first the obstacle's on the static body, then the link's on its body.
+        """Return engine shapes: first the obstacle's on the static body, then the link's on its body.
 
         ``corners`` are those of the link's centre line from joint to tip, seen from the body's centre.
         """
@@ -96,14 +96,14 @@ _Closest = tuple[float, Vector, tuple[float, float]]
 
 
 def _closest(centre: Vector, joint: Vector, start: Vector, end: Vector) -> _Closest:
-    """Squared distance of a straight piece from a point, its closest point seen from the joint, how far past its ends."""
+    """Return a straight piece's squared distance from a point, closest point from the joint, and place past its ends."""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
     to_x, to_y = centre[0] - start[0], centre[1] - start[1]
-    share = (to_x * along_x + to_y * along_y) / (along_x**2 + along_y**2)
-    held = min(max(share, 0.0), 1.0)
-    x, y = start[0] + held * along_x, start[1] + held * along_y
+    along = (to_x * along_x + to_y * along_y) / (along_x**2 + along_y**2)
+    within = min(max(along, 0.0), 1.0)
+    x, y = start[0] + within * along_x, start[1] + within * along_y
     square = (x - centre[0]) ** 2 + (y - centre[1]) ** 2
-    return square, (x - joint[0], y - joint[1]), (share, share - 1.0)
+    return square, (x - joint[0], y - joint[1]), (along, along - 1.0)
 
 
 def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
@@ -114,7 +114,7 @@ def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
 
 @dataclass(frozen=True, slots=True)
 class BarObstacle:
-    """Fixed circle that holds the wire: the wire's centre line keeps ``radius + wire_radius`` from ``centre``."""
+    """Fixed circle that the wire touches: the wire's centre line keeps ``radius + wire_radius`` from ``centre``."""
 
     centre: Vector
     radius: float
@@ -128,17 +128,17 @@ class BarObstacle:
         reach = self.radius + self.wire_radius
         if not reach >= LEAST_REACH:
             raise ValueError(
-                f"bar_radius + wire_diameter / 2 = {reach:.3g} of the bristle's length: at least {LEAST_REACH:g} is"
-                " allowed (as a share)"
+                f"bar_radius + wire_diameter / 2 = {reach:.3g} of the bristle's length: must be at least"
+                f" {LEAST_REACH:g} (dimensionless)"
             )
 
     @property
     def restitution_friction(self) -> float:
-        """The same friction in both phases."""
+        """Friction in restitution is that in compression."""
         return self.friction
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """The closest approach of the centre line (with a round end); the contact is on the wire's surface.
+        """Return the closest approach of the centre line (with a round end); the contact is on the wire's surface.
 
         Of two pieces that touch, the one that approaches faster counts, unless one is named.
         """
@@ -164,7 +164,7 @@ class BarObstacle:
         return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Gap of a piece in whose elbow the bar lies; infinite where there is none."""
+        """Return the gap of a piece in whose elbow the bar lies; infinite where there is none."""
         corners = (pose.joint, *pose.knees, pose.tip)
         gaps = [math.inf]
         for index, (start, end) in enumerate(itertools.pairwise(corners)):
@@ -175,7 +175,7 @@ class BarObstacle:
         return min(gaps)
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """A circle, and the wire as segments with round ends."""
+        """Return a circle, and the wire as segments with round ends."""
         bar = pymunk.Circle(space.static_body, self.radius + MARGIN, self.centre)
         pieces = itertools.pairwise(corners)
         return [bar, *(pymunk.Segment(body, start, end, self.wire_radius) for start, end in pieces)]
@@ -192,7 +192,7 @@ class WorkpartObstacle:
     name: str = "workpart"
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """The tip above the surface; normal +y, tangent +x."""
+        """Return the tip above the surface; normal +y, tangent +x."""
         del piece
         arm = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
         normal = (0.0, 1.0)
@@ -204,7 +204,7 @@ class WorkpartObstacle:
         return math.inf
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """A thick segment whose upper face is the surface, and the tip as a point."""
+        """Return a thick segment whose upper face is the surface, and the tip as a point."""
         middle = -self.depth - HALF_PLANE
         surface = pymunk.Segment(space.static_body, (-HALF_PLANE, middle), (HALF_PLANE, middle), HALF_PLANE + MARGIN)
         return [surface, pymunk.Circle(body, 0.0, corners[-1])]

@@ -30,7 +30,7 @@ class Rebound(NamedTuple):
 
 @dataclass(slots=True)
 class Progress:
-    """What the contact states of one run share.
+    """What is common to the contact states of one run.
 
     Attributes:
         scene, stepper, law, plan: of the run.
@@ -106,4 +106,4 @@ class Progress:
 
 
 FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
-"""Events after which nothing goes on, requested or not."""
+"""Events after which a run cannot be resumed, requested or not."""

@@ -1,4 +1,4 @@
-"""In how many steps an interval is repeated, and the weights that extrapolate the results to zero step."""
+"""Numbers of steps in which an interval is repeated, and the weights that extrapolate the results to zero step."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ RUN_OVERHEAD = 6.0
 """Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
 
 ROUNDING = 4e-16
-"""Of an angle of some radians; extrapolation weights amplify it."""
+"""Rounding of an angle of some radians; extrapolation weights amplify it."""
 
 
 class Repetitions:
@@ -18,14 +18,14 @@ class Repetitions:
 
     Attributes:
         counts: steps in each repetition.
-        costs: of the first so many repetitions, in engine steps.
-        weights: that extrapolate the first so many results to zero step.
+        costs: of the repetitions up to each one, in engine steps.
+        weights: that extrapolate the results up to each one to zero step.
         differences: the last extrapolate less the one without the first result, an estimate of the latter's error.
         noise: rounding that the weights make of that of an angle.
     """
 
     def __init__(self, *counts: int) -> None:
-        """Ascending numbers of steps."""
+        """Compute all from ascending numbers of steps."""
         rows = range(len(counts))
         self.counts = counts
         self.costs = [RUN_OVERHEAD * (row + 1) + sum(counts[: row + 1]) for row in rows]
@@ -38,7 +38,7 @@ class Repetitions:
 
 
 def lagrange_weights(counts: tuple[int, ...]) -> tuple[float, ...]:
-    """Weights that extrapolate results of ``counts`` steps to zero step: the Lagrange polynomial in h = 1/n at h = 0."""
+    """Return the weights that extrapolate ``counts`` steps to zero step: Lagrange's polynomial in h = 1/n at h = 0."""
     return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
 
 

@@ -69,7 +69,7 @@ def trajectory_in_si(
 
 
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
-    """A contact record turned from engine units to SI."""
+    """Return a contact record turned from engine units to SI."""
 
     def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
         return None if pair is None else (pair[0] * unit, pair[1] * unit)

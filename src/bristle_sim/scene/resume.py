@@ -1,4 +1,4 @@
-"""Going on with a run that has stopped: from its last state, with everything it was simulated with.
+"""Resuming a run that has stopped, from its last state, with everything it was simulated with.
 
 The engine's cached impulses and the lengths of the intervals are no part of a state. A run that was interrupted therefore
 meets one that was not to the requested accuracy, not to the bit.
@@ -58,7 +58,7 @@ PARTS: dict[str, type[Any]] = {
 
 
 def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
-    """Go on with a run of ``simulate`` from where it stopped.
+    """Resume a run of ``simulate`` from where it stopped.
 
     Args:
         trajectory: the run so far, as it was returned or as it was loaded.
@@ -70,18 +70,18 @@ def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_aft
         The whole run, from its beginning. A sustained contact that lasts over the stop has two records.
 
     Raises:
-        ValueError: if the trajectory is not one of ``simulate``, or stopped where nothing goes on, or has made the turn
+        ValueError: if the trajectory is not one of ``simulate``, or stopped where it cannot be resumed, or has made the turn
             requested already.
     """
     tool, before = simulated_with(trajectory)
     _check(trajectory, stop_after)
     settings = before if settings is None else settings
     if not isinstance(settings, Settings):
-        raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
+        raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
     scene, units = build_tool(tool, hub_start=float(trajectory.hub_angle[-1]))
     stopped = State(0.0, (float(trajectory.angles[-1, 0]),), (float(trajectory.rates[-1, 0]) * units.time,))
-    start, held = _clear(scene, stopped, settings.accuracy, trajectory)
-    for name in held:
+    start, kept = _clear(scene, stopped, settings.accuracy, trajectory)
+    for name in kept:
         if stop_after in _touches(name):
             # A run that begins in touch calls it one; the next one comes after the release.
             free = resume(trajectory, settings, stop_after=f"{name} release")
@@ -95,11 +95,11 @@ def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_aft
         start_relative_rate=start.rates[0] / units.time - tool.hub.speed,
         stop_after=_name_from_now_on(trajectory, stop_after),
     )
-    return _joined(trajectory, rest, later, held, settings, stop_after)
+    return _joined(trajectory, rest, later, kept, settings, stop_after)
 
 
 def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
-    """The tool and the settings of a run.
+    """Return the tool and the settings of a run.
 
     Raises:
         ValueError: for a trajectory that ``simulate`` did not return.
@@ -112,24 +112,24 @@ def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
         parts = {name: None if stored[name] is None else kind(**stored[name]) for name, kind in PARTS.items()}
         return Tool(**{**stored, **parts}), Settings(**settings)
     except (KeyError, TypeError) as error:
-        raise ValueError(f"trajectory of {shown(parameters)}: one that simulate() returned is allowed") from error
+        raise ValueError(f"trajectory of {shown(parameters)}: must be one that simulate() returned") from error
 
 
 def _check(trajectory: Trajectory, stop_after: str | None) -> None:
     if not trajectory.stop_reason.resumable:
         raise ValueError(
-            f"trajectory that stopped for {trajectory.stop_reason}: one that stopped at an event it was to stop"
-            " after, at its end or when its steps were spent is allowed"
+            f"trajectory that stopped for {trajectory.stop_reason}: must be one that stopped at an event it was to"
+            " stop after, at its end or when its steps were spent"
         )
     if stop_after is not None:
         checked_event("stop_after", stop_after, EVENTS)
 
 
 def _turn_left(trajectory: Trajectory, settings: Settings, later: float) -> float:
-    """What is left of the hub's turn, rad."""
+    """Return what is left of the hub's turn, rad."""
     done = trajectory.hub_speed * (float(trajectory.time[-1]) + later)
     if done >= settings.hub_turn * (1.0 - 1e-12):
-        raise ValueError(f"hub_turn = {settings.hub_turn:g}: more than the turn so far, {done:g}, is allowed (in rad)")
+        raise ValueError(f"hub_turn = {settings.hub_turn:g}: must be more than the turn so far, {done:g} (in rad)")
     return settings.hub_turn - done
 
 
@@ -138,7 +138,7 @@ def _touches(name: str) -> tuple[str, ...]:
 
 
 def _name_from_now_on(trajectory: Trajectory, event: str | None) -> str | None:
-    """What an event is called in a run that begins now: its first touch of the workpart is a strike."""
+    """Return what an event is called in a run that begins now: its first touch of the workpart is a strike."""
     struck = trajectory.event_time("strike") is not None
     return {"strike": None, "workpart touch": "strike"}.get(event, event) if struck and event else event
 
@@ -148,18 +148,18 @@ def _touch(scene: Scene, state: State, obstacle: Obstacle) -> Touch:
 
 
 def _clear(scene: Scene, state: State, accuracy: float, trajectory: Trajectory) -> tuple[State, list[str]]:
-    """The first state that a run can start from, and what holds the bristle: the rest is left behind first."""
-    held = []
+    """Return the first state that a run can start from, and the obstacles that the bristle stays on; the others are left first."""
+    kept = []
     for obstacle in scene.effects.obstacles:
         if _touch(scene, state, obstacle).gap > GAP_ROUNDING:
             continue
         if _leaves(scene, state, obstacle, trajectory):
             state = _flown(scene, state, obstacle, accuracy)
         else:
-            held.append(obstacle.name)
+            kept.append(obstacle.name)
         if _touch(scene, state, obstacle).gap <= GAP_ROUNDING:
             state = _pressed(scene, set_back(scene.mechanism, obstacle, state), obstacle)
-    return state, held
+    return state, kept
 
 
 def _leaves(scene: Scene, state: State, obstacle: Obstacle, trajectory: Trajectory) -> bool:
@@ -171,7 +171,7 @@ def _leaves(scene: Scene, state: State, obstacle: Obstacle, trajectory: Trajecto
 
 
 def _pressed(scene: Scene, state: State, obstacle: Obstacle) -> State:
-    """The state with an approach that rounding cannot turn into a departure: what touches without leaving is held."""
+    """Return the state with an approach that rounding cannot turn into a departure, as sustained contact begins."""
     touch = _touch(scene, state, obstacle)
     lever = touch.arm[0] * touch.normal[1] - touch.arm[1] * touch.normal[0]
     if abs(lever) < LEAST_LEVER:
@@ -181,7 +181,7 @@ def _pressed(scene: Scene, state: State, obstacle: Obstacle) -> State:
 
 
 def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> State:
-    """The state at which the gap is open, which a contact resolved in time leaves closed, or where it closes again."""
+    """Return the state at which a gap that a contact in time leaves closed is open, or where it closes again."""
     stepper = Extrapolation(0.1 * accuracy)
 
     def after(span: float) -> State:
@@ -200,9 +200,9 @@ def _flown(scene: Scene, state: State, obstacle: Obstacle, accuracy: float) -> S
 
 
 def _joined(
-    first: Trajectory, rest: Trajectory, later: float, held: list[str], settings: Settings, stop_after: str | None
+    first: Trajectory, rest: Trajectory, later: float, kept: list[str], settings: Settings, stop_after: str | None
 ) -> Trajectory:
-    """Both parts as one run; what the rest tells of the touch that it began in is left out."""
+    """Return both parts as one run; what the rest tells of the touch that it began in is left out."""
     begin, skip = float(first.time[-1]) + later, 0 if later else 1
     struck = first.event_time("strike") is not None
 
@@ -210,13 +210,13 @@ def _joined(
         return "workpart touch" if struck and name == "strike" else name
 
     # Only what leaves an obstacle is clear of it: a touch at the very beginning is the one that lasts.
-    again = {name for obstacle in held for name in _touches(obstacle)}
+    again = {name for obstacle in kept for name in _touches(obstacle)}
     new = [each for each in rest.events if each.time > 0.0 or each.name not in again]
     events = [*first.events, *(Event(called(each.name), begin + each.time) for each in new)]
     happened = {each.name for each in events}
     absent = {each for each in happened if each in ABSENCES and ABSENCES[each] not in happened}
     contacts = [
-        each for each in rest.contacts if each.time > 0.0 or each.law == "sustained" or each.obstacle not in held
+        each for each in rest.contacts if each.time > 0.0 or each.law == "sustained" or each.obstacle not in kept
     ]
     arrays = {each: np.concatenate([getattr(first, each), getattr(rest, each)[skip:]]) for each in SAMPLES}
     return Trajectory(

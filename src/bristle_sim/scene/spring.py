@@ -91,7 +91,7 @@ class Spring:
         self.residual = self.peak * (1.0 - self.coefficients.restitution**2)
 
     def line(self) -> tuple[float, float, float]:
-        """Stiffness of the spring as it is now, depth at which its force ends, and tangential over normal force.
+        """Return the spring's present stiffness, depth at which its force ends, and tangential over normal force.
 
         Past that depth the spring would pull, so that the end of the contact is a clean root. In stick the ratio leaves
         out inertia, and what stops leftover slip.
@@ -105,7 +105,7 @@ class Spring:
         return (self.stiffness / restitution**2 if restitution else 0.0), self.residual, ratio
 
     def forces(self, depth: float) -> Vector:
-        """(normal, tangential) force at a penetration."""
+        """Return (normal, tangential) force at a penetration."""
         stiffness, end, ratio = self.line()
         normal = stiffness * (depth - end)
         return normal, ratio * normal
@@ -161,7 +161,7 @@ class SpringLoad:
         totals[3] += tangential * slip * step
 
     def totals(self, step: float) -> list[float]:
-        """Normal and tangential impulse, normal and tangential work; force that stick takes at the beginning and the end.
+        """Return impulse (normal, tangential), work (the same), and the force that stick takes at the beginning and the end.
 
         What stops the point in a step is what the step before has left of its motion, forces of the spring and of inertia
         alike. So the second step applies what stick takes at the beginning, and one more step would apply what it takes
@@ -182,7 +182,7 @@ class SpringLoad:
 
 
 def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
-    """Time in touch for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
+    """Return the time in touch for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
 
     Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the
     phase is a piece of a harmonic motion between velocities and forces that the impact law knows.
@@ -209,7 +209,7 @@ def _force(stiffness: float, stored: float) -> float:
 
 
 def _phase_time(stiffness: float, impulse: float, velocities: Vector, forces: Vector) -> float:
-    """Duration of a phase of given normal impulse between two velocities and forces."""
+    """Return the duration of a phase of given normal impulse between two velocities and forces."""
     compliance = (velocities[1] - velocities[0]) / impulse
     if compliance <= 1e-12 * max(map(abs, velocities)) / impulse:
         mean = 0.5 * (forces[0] + forces[1])

@@ -24,13 +24,13 @@ class Load(Protocol):
     """What acts on the links besides springs and joints, and what it adds up over an interval."""
 
     def begin(self) -> None:
-        """A run over an interval begins: forget what was added up."""
+        """Begin a run over an interval: forget what was added up."""
 
     def apply(self, step: float) -> None:
         """Act on the bodies for the next engine step."""
 
     def totals(self, step: float) -> list[float]:
-        """What was added up, as numbers that are smooth in the step."""
+        """Return what was added up, as numbers that are smooth in the step."""
 
     def fails(self, totals: list[float]) -> bool:
         """Whether the load could not act as it should, so that the interval is of no use."""
@@ -61,10 +61,10 @@ class Stepper(Protocol):
 
     @property
     def noise(self) -> float:
-        """Rates of the scene below this are not told from none."""
+        """Rates of the scene below this cannot be distinguished from 0."""
 
     def propose(self, remaining: float) -> float:
-        """Length of the next interval, at most ``remaining``."""
+        """Return the length of the next interval, at most ``remaining``."""
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Carry the scene over exactly ``duration``; says nothing about events."""
@@ -76,20 +76,44 @@ class Stepper(Protocol):
         """Forget what earlier intervals have taught: the next ones are of another length."""
 
     def interpolation_error(self, start: State, end: State) -> float:
-        """How far a link's tip may be, within the interval, off the cubic through the states at its ends."""
+        """Return how far a link's tip may be, within the interval, off the cubic through the states at its ends."""
 
 
-class PlainSteps:
-    """One engine step after the other, of a fixed length: first order.
-
-    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
-    such as a held contact would take for a force; under a load each step starts from closed joints instead.
-    """
+class FixedSteps:
+    """Engine steps of one length, which know nothing of their error."""
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
         self.step = step
         self._left: tuple[State, int] | None = None
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """Return that every interval is accepted."""
+        del result, duration
+        return True
+
+    def begin_afresh(self) -> None:
+        """Nothing was learnt."""
+
+    def interpolation_error(self, start: State, end: State) -> float:
+        """Return twice the largest distance of a straight line from the cubic that has the rates of both ends.
+
+        The engine goes straight on at the old rates, which a cubic between old and new rates does not.
+        """
+        changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
+        return 0.3 * (end.time - start.time) * sum(changes)
+
+    def _left_at(self, scene: Scene, state: State) -> bool:
+        """Whether the bodies were left in this state and nobody has moved them since."""
+        return self._left is not None and self._left[0] is state and self._left[1] == scene.motions
+
+
+class PlainSteps(FixedSteps):
+    """One engine step after the other, of a fixed length: first order.
+
+    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
+    such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
+    """
 
     @property
     def noise(self) -> float:
@@ -97,16 +121,16 @@ class PlainSteps:
         return self.step
 
     def propose(self, remaining: float) -> float:
-        """One step."""
+        """Return one step, or what is left."""
         return min(self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """One engine step of the given length, in flight from where the bodies are if they were left there.
+        """Take one engine step of the given length, in flight from where the bodies are if they were left there.
 
         A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
         that is next to nothing is not corrected.
         """
-        if load is not None or not _as_left(self._left, scene, state) or duration < self.step:
+        if load is not None or not self._left_at(scene, state) or duration < self.step:
             scene.place(state)
         scene.correct_joints(completely=load is None and duration > INSTANT)
         values = take_steps(scene, duration, 1, load)
@@ -117,20 +141,8 @@ class PlainSteps:
         self._left = (result.state, scene.motions)
         return result
 
-    def accepts(self, result: Advance, duration: float) -> bool:
-        """A plain step knows nothing of its error."""
-        del result, duration
-        return True
 
-    def begin_afresh(self) -> None:
-        """Nothing was learnt."""
-
-    def interpolation_error(self, start: State, end: State) -> float:
-        """The engine goes straight on at the old rates, which a cubic between old and new rates does not."""
-        return _straight(start, end)
-
-
-class SymmetricSteps:
+class SymmetricSteps(FixedSteps):
     """Engine steps started and read half a drift off, which makes undamped free motion of second order.
 
     The engine drifts, then kicks; shifting the positions back by half a drift before and on by half a drift after turns
@@ -142,8 +154,7 @@ class SymmetricSteps:
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
-        self.step = step
-        self._left: tuple[State, int] | None = None
+        super().__init__(step)
         self._shift = 0.0
 
     @property
@@ -152,15 +163,15 @@ class SymmetricSteps:
         return self.step**2
 
     def propose(self, remaining: float) -> float:
-        """Some steps, or what is left in as many steps as it takes."""
+        """Return eight steps, or what is left."""
         return min(self.COUNT * self.step, remaining)
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """Go on from where the bodies were left, or shift them back to begin; read the state shifted on."""
+        """Resume from where the bodies were left, or shift them back to begin; read the state shifted on."""
         count = max(1, math.ceil(duration / self.step - 1e-9))
         step = duration / count
         scene.correct_joints(completely=True)
-        if _as_left(self._left, scene, state):
+        if self._left_at(scene, state):
             scene.drift(self._shift - 0.5 * step)
         else:
             scene.place(state, -0.5 * step)
@@ -172,29 +183,6 @@ class SymmetricSteps:
         result = unpack(scene, state, duration, values, 0.0, failed)
         self._left, self._shift = (result.state, scene.motions), 0.5 * step
         return result
-
-    def accepts(self, result: Advance, duration: float) -> bool:
-        """A fixed step knows nothing of its error."""
-        del result, duration
-        return True
-
-    def begin_afresh(self) -> None:
-        """Nothing was learnt."""
-
-    def interpolation_error(self, start: State, end: State) -> float:
-        """As for plain steps."""
-        return _straight(start, end)
-
-
-def _as_left(left: tuple[State, int] | None, scene: Scene, state: State) -> bool:
-    """Whether a stepper left the bodies in this state and nobody has moved them since."""
-    return left is not None and left[0] is state and left[1] == scene.motions
-
-
-def _straight(start: State, end: State) -> float:
-    """Largest distance of a straight line from the cubic that has the rates of both ends, times two for safety."""
-    changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
-    return 0.3 * (end.time - start.time) * sum(changes)
 
 
 def take_steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:

@@ -1,4 +1,4 @@
-"""One impact of a chain of rods on a flat surface, through the scene: the tip touches, the law acts, done."""
+"""One impact of a chain of rods on a flat surface, through the scene."""
 
 from __future__ import annotations
 
@@ -46,15 +46,15 @@ class Chain:
     hub_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        """A mass that is no number ends the process inside the engine: nothing gets there unchecked."""
+        """Check every number: a mass that is none ends the process inside the engine."""
         for name in ("masses", "lengths", "angles", "rates"):
             if not isinstance(getattr(self, name), tuple | list):
-                raise ValueError(f"{name} = {shown(getattr(self, name))}: one number for each rod is allowed")
+                raise ValueError(f"{name} = {shown(getattr(self, name))}: must be one number for each rod")
         counts = [len(column) for column in (self.masses, self.lengths, self.angles, self.rates)]
         if len(set(counts)) > 1 or not counts[0]:
             raise ValueError(
-                f"masses, lengths, angles, rates: {', '.join(map(str, counts))} of them; equally many of each, at least"
-                " one, are allowed"
+                f"masses, lengths, angles, rates: {', '.join(map(str, counts))} of them; must be equally many of each, at"
+                " least one"
             )
         for declared, column in zip(_RODS, (self.masses, self.lengths, self.angles, self.rates), strict=True):
             for value in column:
@@ -85,7 +85,7 @@ _RATIO = Range(
 class ChainStrike:
     """An impact and what it did to the kinetic energy, J.
 
-    ``centre_line`` holds root, hinges and tip at the first touch, (x, y) from the hub's centre, shape (corners, 2), m.
+    ``centre_line`` is root, hinges and tip at the first touch, (x, y) from the hub's centre, shape (corners, 2), m.
     """
 
     contact: ContactRecord
@@ -102,7 +102,7 @@ class ChainStrike:
 
 
 def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> ChainStrike:
-    """Let the last rod's tip strike a surface that it touches, by the contact law asked for.
+    """Let the last rod's tip strike a surface that it touches, by the requested contact law.
 
     A tip that does not approach leaves at once, whatever the law.
 
@@ -117,7 +117,7 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     }
     for name, (value, kind) in kinds.items():
         if not isinstance(value, kind):
-            raise ValueError(f"{name} = {shown(value)}: {kind.__name__} is allowed")
+            raise ValueError(f"{name} = {shown(value)}: must be a {kind.__name__}")
     begin = clock.perf_counter()
     scene, start, obstacle, units = build_strike(chain, surface)
     approach = obstacle.touch(scene.mechanism.poses(start)[-1], start.rates[-1]).velocity[0]
@@ -135,11 +135,11 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
 
 
 SLOWEST = 1e-300
-"""In rad/s: rates below this have no reciprocal to serve as a unit of time, and are small in that of this one."""
+"""Rates below this, in rad/s, have no reciprocal to serve as a unit of time, and are small in that of this one."""
 
 
 def build_strike(chain: Chain, surface: Surface) -> tuple[Scene, State, WorkpartObstacle, Units]:
-    """The chain's scene with its tip on the surface, the state at that instant, and the units the scene runs in."""
+    """Return the chain's scene with its tip on the surface, the state at that instant, and the scene's units."""
     fastest = max(*(abs(rate) for rate in chain.rates), abs(chain.hub_speed))
     units = Units(chain.lengths[-1], chain.masses[-1], 1.0 / max(fastest, SLOWEST) if fastest else 1.0)
     links = tuple(

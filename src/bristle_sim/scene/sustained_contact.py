@@ -94,30 +94,30 @@ class InSustainedContact(ContactState):
     def search_touch(
         self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
     ) -> tuple[Advance, Resolve | None]:
-        """Another obstacle may be touched all along; this one is."""
+        """Search the other obstacles, which may be touched all along."""
         progress = self.progress
         if obstacle is self.obstacle or progress.gaps.rests(obstacle, progress.state, result.state):
             return result, resolve
         return super().search_touch(obstacle, result, resolve)
 
     def _shared_functions(self) -> list[EventFunction]:
-        """Extremes and kinks of the sustained motion."""
+        """Return extremes and kinks of the sustained motion."""
         progress = self.progress
         return [*in_touch(progress.mechanism, self.obstacle, progress.state), *self.limits()]
 
     def event_functions(self) -> list[EventFunction]:
-        """The same, and what ends the contact besides its force."""
+        """Return extremes and kinks, and what ends the contact besides its force."""
         progress = self.progress
         found = in_touch(progress.mechanism, self.obstacle, progress.state)
         return [*found, locking(self.contact), elbow(self.contact), *self.limits()]
 
     def meet(self, obstacle: Obstacle, rests: bool = False) -> Touch:
-        """The link leaves its obstacle before it meets another."""
+        """Leave the obstacle before another is met."""
         self.release()
         return super().meet(obstacle, rests)
 
     def note(self, function: EventFunction) -> Change | None:
-        """Another piece of a bent wire takes over by an impact."""
+        """Let another piece of a bent wire take over by an impact."""
         super().note(function)
         if function.name != ELBOW:
             return None

@@ -35,7 +35,7 @@ RETRACTION_LIMIT = math.pi / 2.0
 
 
 def tool_units(tool: Tool) -> Units:
-    """Bristle length, bristle mass, and the fastest of belt, hub and gravity as units of the tool's scene."""
+    """Return bristle length, bristle mass, and the fastest of belt, hub and gravity as units of the tool's scene."""
     stiffness = tool.belt.stiffness + tool.bristle.mass * (
         tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2 + tool.gravity * tool.bristle.length
     )
@@ -44,11 +44,11 @@ def tool_units(tool: Tool) -> Units:
 
 
 SLOWEST = 1e-100
-"""Motion slower than this, in rad/s, is none to speak of: in its own units energy would be too small a number."""
+"""Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
 
 
 def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
-    """The tool's scene with exactly the effects its parameters call for, and the units it runs in."""
+    """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
     if tool.bristle.links != 1:
         raise ValueError(
             f"wire_links = {tool.bristle.links}: must be 1, as only a rigid bristle can be simulated (dimensionless)"
@@ -86,7 +86,7 @@ def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
 
 
 def _link(bristle: Bristle) -> Link:
-    """The bristle in units of its own length and mass."""
+    """Return the bristle in units of its own length and mass."""
     size = bristle.length
     *knees, tip = ((x / size, y / size) for x, y in bristle.path)
     centre = (bristle.centre[0] / size, bristle.centre[1] / size)
@@ -141,9 +141,9 @@ def simulate(
 def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Settings, str | None]:
     """Return the settings, and the name of the event to stop after."""
     if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: a Tool is allowed")
+        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
     if not isinstance(settings, Settings | None):
-        raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
+        raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
     name = None if stop_after is None else checked_event("stop_after", stop_after, EVENTS)
     return settings or Settings(), name
 
@@ -174,7 +174,7 @@ class _Start:
 
 
 OVERLAP = 1e-11
-"""Share of the bristle's length by which rounding lets it overlap what it touches at the start."""
+"""Fraction of the bristle's length by which rounding lets it overlap what it touches at the start."""
 
 PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}
 """Keys that say where an obstacle stands."""
@@ -189,7 +189,7 @@ def _check_start(scene: Scene, tool: Tool, angle: float) -> None:
             part = getattr(tool, obstacle.name)
             given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACES[obstacle.name])
             raise ValueError(
-                f"{given}: a {obstacle.name} clear of the bristle at the start is allowed, this one overlaps it by"
+                f"{given}: the {obstacle.name} must be clear of the bristle at the start, this one overlaps it by"
                 f" {-gap * tool.bristle.length:.3g} (in m)"
             )
 
@@ -229,7 +229,7 @@ ONE_CONTACT = 20_000
 
 
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
-    """The contact law that the parameters name."""
+    """Return the contact law that the parameters name."""
     if contact.law == "compliant":
         duration = None if contact.duration is None else contact.duration / units.time
         return CompliantLaw(duration, settings.accuracy, maximum_steps=max(settings.maximum_steps, ONE_CONTACT))

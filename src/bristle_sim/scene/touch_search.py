@@ -17,8 +17,8 @@ GAP_TOLERANCE = 1e-13
 """To which a touch is located: rounding of an extrapolated interval is of this size, and a closer search would not end."""
 
 SHORTEST = 1e-13
-"""An interval shorter than this share of the scene's time unit means that no interval is short enough. A motion of that
-share of the scene's length, too, is an instant."""
+"""An interval shorter than this fraction of the scene's time unit means that no interval is short enough. A motion of that
+fraction of the scene's length, too, is an instant."""
 
 
 class Interval(NamedTuple):
@@ -36,24 +36,24 @@ class Interval(NamedTuple):
 
     @property
     def length(self) -> float:
-        """Its duration."""
+        """Duration of the interval."""
         return self.end.state.time - self.start.time
 
 
 def find_touch(
     interval: Interval, gaps: Gaps, obstacle: Obstacle, interpolation_error: float
 ) -> tuple[Advance, bool] | None:
-    """The interval up to its first touch and True; up to where it nearly touched and False; None if the gap stays open.
+    """Return the interval up to its first touch and True, or up to where it nearly touched and False; else None.
 
     ``interpolation_error`` is how far the motion may be off the cubic through the ends besides the cubic's own error.
     """
     start, end = interval.start, interval.end
-    share = first_touch(
+    fraction = first_touch(
         gaps.mechanism, lambda state: gaps.gap_and_rate(obstacle, state), start, end.state, interpolation_error
     )
-    if share is None:
+    if fraction is None:
         return None
-    reached, closed = end if share == 1.0 else interval.again(share * interval.length), share * interval.length
+    reached, closed = end if fraction == 1.0 else interval.again(fraction * interval.length), fraction * interval.length
     at_end, rate = gaps.gap_and_rate(obstacle, reached.state)
     if at_end > 0.0 and rate > 0.0:
         closed, at_end = least_gap(interval, gaps, obstacle, closed, at_end)
@@ -68,7 +68,7 @@ def find_touch(
 
 
 def least_gap(interval: Interval, gaps: Gaps, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:
-    """Where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
+    """Return where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
     fastest = 1.5 * gaps.mechanism.speed_bound(interval.start)
     left, right = 0.0, span
     while gap <= fastest * (right - left) and max(1.0, fastest) * (right - left) > SHORTEST:

@@ -93,7 +93,7 @@ def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactR
 
 
 def least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
-    """How fast the gap between an obstacle that a single link touches and another one that it touches opens."""
+    """Return how fast the gap between an obstacle that a single link touches and another one that it touches opens."""
     if len(progress.mechanism.links) > 1:
         return math.inf
     gaps, state = progress.gaps, progress.state
