@@ -155,7 +155,7 @@ def test_crater_depth_beside_print():
 def test_crater_depth_without_a_chip():
     found = process("crater_depth", "--set", "friction=0.31")
     assert found.returncode == 0
-    assert "friction = 0.31: friction >= cot(C - impact_angle) = 0.4327" in found.stdout
+    assert "friction = 0.31: must be friction >= cot(C - impact_angle)" in found.stdout
     numbers = document("crater_depth", "--set", "friction=0.31")
     assert quantity(numbers, "merchant_crater_depth")["theory"] is None
     assert quantity(numbers, "merchant_crater_depth")["ok"] is None
@@ -164,8 +164,8 @@ def test_crater_depth_without_a_chip():
 @pytest.mark.parametrize(
     ("setting", "words"),
     [
-        ("plies=2.5", ("plies = 2.5", "must be a whole number")),
-        ("plies=0", ("plies = '0'", "1 <= plies <= 100000")),
+        ("plies=2.5", ("plies = '2.5'", "must be a whole number")),
+        ("plies=0", ("plies = '0'", "whole number from 1 to 100000")),
         ("shear_yield_stress=-1", ("shear_yield_stress = '-1'", "in Pa")),
         ("impact_angle_deg=90", ("impact_angle_deg = '90'", "in deg")),
         ("hub_radius=4e-5", ("compression_time = 5e-05: must be shorter", "in s")),
