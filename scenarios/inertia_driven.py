@@ -43,7 +43,16 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=run,
     plot=plot,
-    without=("knee_position", "knee_angle_deg", *WIRE_KEYS, "hub_turn", "step"),
+    without=(
+        "knee_position",
+        "knee_angle_deg",
+        *WIRE_KEYS,
+        "friction",
+        "restitution_friction",
+        "restitution",
+        "hub_turn",
+        "step",
+    ),
     defaults={
         "reference": ("yes", "chosen: a flight takes the independent solution little time"),
         "accuracy": (1e-9, "chosen: the flight agrees with the reference to 1e-8"),

@@ -268,7 +268,14 @@ def untimed(value: Any) -> Any:
     return [untimed(each) for each in value] if isinstance(value, list) else value
 
 
-LATE = set(SCRIPTS) - {"accuracy_cost", "cue_map", "tolerances", "dissertation_audit", "dissertation_figures"}
+LATE = set(SCRIPTS) - {
+    "accuracy_cost",
+    "cue_map",
+    "tolerances",
+    "dissertation_audit",
+    "dissertation_figures",
+    "whole_tool",
+}
 """Scripts whose parameters come without an engine; those of the others belong to a study."""
 
 
@@ -457,7 +464,11 @@ def other_values(found: Range | Choice, default: Any) -> list[str]:
     if isinstance(found, Choice):
         return [option for option in found.options if option != default]
     if default is None:
-        return {"s": ["1e-5"], "1": ["0.2"]}[found.unit] if found.key != "step" else ["1e-4"]
+        return (
+            {"s": ["1e-5"], "1": ["0.2"], "column": ["1"], "N/V": ["2.0"]}[found.unit]
+            if found.key != "step"
+            else ["1e-4"]
+        )
     if default == 0.0:
         return ["0.1", "30"]
     return [repr(default + 10.0 if default >= 100.0 else default * 1.1), repr(0.2 * default)]

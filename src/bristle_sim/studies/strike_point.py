@@ -8,7 +8,7 @@ from typing import Any
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.quantity import Choice, Range
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_results import STATE_UNITS, contact_quantities, require_result, state_at_strike
 from bristle_sim.theory.crater_cutting import depth_from_energy
@@ -98,8 +98,9 @@ def simulated_strike(tool: Tool, settings: Settings) -> Trajectory:
     """Simulate a pass up to its strike, from 90 degrees before the workpart, or earlier if the bar stands there.
 
     Raises:
-        ValueError: if the run is given up.
+        ValueError: if the run is given up, or its fixed step is too short for a pass.
     """
+    refuse_endless(tool, settings)
     run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
     require_result(run, settings)
     return run

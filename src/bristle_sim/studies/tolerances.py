@@ -89,7 +89,14 @@ class Sampling:
         usual=ANY,
     )
     workers: float = quantity(
-        1.0, "workers", "1", at_least=1.0, at_most=4096.0, source="chosen", meaning="processes", usual=ANY
+        1.0,
+        "workers",
+        "1",
+        at_least=1.0,
+        at_most=4096.0,
+        source="chosen",
+        meaning="processes that simulate the passes",
+        usual=ANY,
     )
     rounding: str = choice(
         "yes",
