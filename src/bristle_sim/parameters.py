@@ -101,9 +101,17 @@ class Bristle:
     knee_angle_deg: float = quantity(
         0.0, "knee_angle_deg", "deg", at_least=-90.0, at_most=90.0, source="straight as in Zhang 2020, fig. 2.5"
     )
+    links: int = quantity(1, "wire_links", "1", at_least=1, at_most=64, source="rigid as in Zhang 2020, sec. 2.3")
+    modulus: float = quantity(2e11, "wire_modulus", "Pa", above=0.0, at_most=1e15, source="steel")
+    bending_damping_ratio: float = quantity(
+        0.0, "wire_damping_ratio", "1", at_least=0.0, at_most=1e3, source="undamped as in Zhang 2020"
+    )
 
     def __post_init__(self) -> None:
         validate(self)
+        if self.links != int(self.links):
+            raise ValueError(f"wire_links = {self.links:g}: must be a whole number from 1 to 64")
+        object.__setattr__(self, "links", int(self.links))
 
     @property
     def path(self) -> tuple[Vector, ...]:

@@ -1,0 +1,163 @@
+"""What a run of a chain records: samples, events and contact records."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.reference.chain import Chain
+from bristle_sim.reference.chain_contact import Point, Touch
+from bristle_sim.theory.impact import Impact
+from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
+
+__all__ = ["ChainLog", "ChainState", "Finished"]
+
+Reals = NDArray[np.float64]
+
+
+class ChainState(NamedTuple):
+    """Time, and absolute angles and rates of the links; s, rad, rad/s."""
+
+    time: float
+    angles: Reals
+    rates: Reals
+
+
+class Finished(Exception):  # noqa: N818
+    """Ends a run; the message is the reason."""
+
+
+class ChainLog:
+    """The record of a run; ``interval`` is the time between samples, s."""
+
+    def __init__(self, chain: Chain, interval: float, stop_after: str | None) -> None:
+        self.chain = chain
+        self.interval = interval
+        self.stop_after = stop_after
+        self.size = chain.hub_radius + chain.length
+        self.fastest = chain.fastest_rate
+        self.events: list[Event] = []
+        self.contacts: list[ContactRecord] = []
+        self.impacts = 0
+        self._rows: list[tuple[Reals, Reals, Reals, Reals]] = []
+
+    def event(self, name: str, time: float) -> None:
+        """Note an event."""
+        self.events.append(Event(name, time))
+
+    def seen(self, name: str) -> bool:
+        """Whether an event of that name has been noted."""
+        return any(each.name == name for each in self.events)
+
+    def check_stop(self) -> None:
+        """End the run if the event that it was to stop after has happened."""
+        if self.stop_after is not None and self.seen(self.stop_after):
+            raise Finished(self.stop_after)
+
+    def touch(self, point: Point, state: ChainState) -> None:
+        """Note a touch; the first one of the workpart is the strike."""
+        strike = point.obstacle == "workpart" and not self.seen("strike")
+        self.event("strike" if strike else f"{point.obstacle} touch", state.time)
+
+    def release(self, point: Point, state: ChainState) -> None:
+        """Note the end of a contact."""
+        self.event(f"{point.obstacle} release", state.time)
+
+    def sample(self, state: ChainState, force: float) -> None:
+        """Store one state."""
+        row = np.array([state.time]), state.angles[None], state.rates[None], np.array([max(force, 0.0)])
+        self._rows.append(row)
+
+    def samples(
+        self,
+        motion: Callable[[Reals], Reals],
+        start: float,
+        end: float,
+        force: Callable[[Reals, Reals], Reals] | None,
+    ) -> None:
+        """Store the motion at multiples of the sampling interval after ``start`` and before ``end``, and at the end."""
+        first, last = math.floor(start / self.interval), math.ceil(end / self.interval)
+        times = np.arange(first, last + 1, dtype=float) * self.interval
+        times = np.append(times[(times > start) & (times < end)], end)
+        values, count = motion(times), self.chain.links
+        forces = np.zeros_like(times) if force is None else np.maximum(force(times, values), 0.0)
+        self._rows.append((times, values[:count].T, values[count : 2 * count].T, forces))
+
+    def impact(self, point: Point, state: ChainState, after: ChainState, touch: Touch, hit: Impact) -> None:
+        """Record an impact, with samples before and after it."""
+        self.impacts += 1
+        self.sample(after, 0.0)
+        self.contacts.append(
+            ContactRecord(
+                obstacle=point.obstacle,
+                law="energetic",
+                outcome=hit.outcome_name,
+                time=state.time,
+                duration=0.0,
+                impulse=_pair(hit.impulse_normal, hit.impulse_tangential),
+                compressive_impulse=_pair(hit.compressive_impulse_normal, hit.compressive_impulse_tangential),
+                compressive_work=_pair(hit.compressive_work_normal, hit.compressive_work_tangential),
+                restitutive_work=_pair(hit.restitutive_work_normal, hit.restitutive_work_tangential),
+                velocity_before=touch.velocity,
+                velocity_after=_pair(hit.velocity_normal, hit.velocity_tangential),
+                angles=tuple(state.angles.tolist()),
+                rates_before=tuple(state.rates.tolist()),
+                rates_after=tuple(after.rates.tolist()),
+                phases=hit.phases,
+            )
+        )
+
+    def sustained(self, point: Point, first: ChainState, last: ChainState, sums: Reals, touch: Touch) -> None:
+        """Record a sustained contact; ``sums`` are the impulses and the work of friction."""
+        if last.time <= first.time:
+            return
+        normal, tangential, work = sums.tolist()
+        self.contacts.append(
+            ContactRecord(
+                obstacle=point.obstacle,
+                law="hold",
+                outcome="release",
+                time=first.time,
+                duration=last.time - first.time,
+                impulse=(normal, tangential),
+                compressive_impulse=(normal, tangential),
+                compressive_work=(0.0, work),
+                restitutive_work=(0.0, 0.0),
+                velocity_before=(0.0, 0.0),
+                velocity_after=(0.0, touch.velocity[1]),
+                angles=tuple(first.angles.tolist()),
+                rates_before=tuple(first.rates.tolist()),
+                rates_after=tuple(last.rates.tolist()),
+            )
+        )
+
+    def trajectory(self, stop_reason: str, cost: Cost, parameters: dict[str, Any]) -> Trajectory:
+        """Return the finished result."""
+        time, angles, rates, force = (np.concatenate(column) for column in zip(*self._rows, strict=True))
+        chain = self.chain
+        motion = chain.kinematics(time, angles, rates)
+        tip = motion.joint[:, -1] + chain.ends[-1] * motion.turn[:, -1]
+        return Trajectory(
+            time=time,
+            hub_angle=np.asarray(chain.hub_angle(time)),
+            angles=angles,
+            rates=rates,
+            tip=np.column_stack([tip.real, tip.imag]),
+            kinetic_energy=chain.kinetic_energy(time, angles, rates),
+            potential_energy=chain.potential_energy(time, angles),
+            normal_force=force,
+            hub_speed=chain.speed,
+            events=tuple(sorted(self.events, key=lambda each: each.time)),
+            contacts=tuple(sorted(self.contacts, key=lambda each: each.time)),
+            stop_reason=stop_reason,
+            cost=cost,
+            parameters=parameters,
+        )
+
+
+def _pair(normal: float, tangential: float) -> tuple[float, float]:
+    return float(normal), float(tangential)

@@ -1,0 +1,140 @@
+"""Bending of a wire held at its root by a torsion spring: the frequencies of the beam and of its chain of links.
+
+A uniform Euler-Bernoulli beam of length L, mass m and bending stiffness E I_a, hinged at a root that a torsion spring k_T
+holds and free at the other end, vibrates at omega = lambda^2 sqrt(E I_a/(m L^3)), where lambda solves
+
+    sin(lambda) cosh(lambda) - cos(lambda) sinh(lambda) = (k_T L/(E I_a)) (1 + cos(lambda) cosh(lambda))/lambda.
+
+Without the spring this is tan = tanh, the hinged beam; with a rigid spring it is the cantilever.
+
+The chain is n equal rigid links of length l = L/n and mass m/n, hinged end to end with the torsion spring E I_a/l in each
+hinge. Its frequencies tend to the beam's with the square of 1/n. All quantities are in SI units.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+from bristle_sim.quantity import Range
+from bristle_sim.theory.checks import ranges, single, whole
+
+__all__ = ["beam_frequencies", "chain_frequencies", "hinge_damping", "hinge_stiffness", "second_moment_of_area"]
+
+MOST_MODES = 50
+"""The most modes that are computed: cosh(lambda) overflows beyond the 220th, and no contact here excites so many."""
+
+MOST_LINKS = 1000
+
+_RANGES = (
+    Range("mass", "kg", 0.0, 1e6, lowest_allowed=False, source="chosen"),
+    Range("length", "m", 0.0, 1e3, lowest_allowed=False, source="chosen"),
+    Range("diameter", "m", 0.0, 1e3, lowest_allowed=False, source="chosen"),
+    Range("modulus", "Pa", 0.0, 1e15, lowest_allowed=False, source="chosen: a thousand times diamond's"),
+    Range("root_stiffness", "N m/rad", 0.0, 1e9, lowest_allowed=True, source="chosen"),
+    Range("damping_ratio", "1", 0.0, 1e3, lowest_allowed=True, source="chosen"),
+)
+
+
+@ranges(*_RANGES)
+def second_moment_of_area(diameter: float) -> float:
+    """Return the second moment of area of a round wire, pi d^4/64, in m^4."""
+    return math.pi * diameter**4 / 64.0
+
+
+@ranges(*_RANGES)
+def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) -> float:
+    """Return the torsion spring between two links of a wire, E I_a/l with l = L/n, in N m/rad."""
+    whole("links", links, MOST_LINKS)
+    return modulus * second_moment_of_area(diameter) * links / length
+
+
+@ranges(*_RANGES)
+def hinge_damping(
+    mass: float,
+    length: float,
+    diameter: float,
+    modulus: float,
+    root_stiffness: float,
+    damping_ratio: float,
+    links: int,
+) -> float:
+    """Return the torsional damper between two links, 2 zeta k_w/omega_1, in N m s/rad.
+
+    A damper proportional to the hinge's spring gives a mode of the frequency omega the damping ratio
+    zeta omega/omega_1, where omega_1 is the beam's first bending mode: zeta is the ratio of that mode.
+    """
+    first = beam_frequencies(mass, length, diameter, modulus, root_stiffness, 2)[1]
+    return 2.0 * damping_ratio * hinge_stiffness(diameter, length, modulus, links) / (math.tau * float(first))
+
+
+@ranges(*_RANGES)
+def beam_frequencies(
+    mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, modes: int
+) -> NDArray[np.float64]:
+    """Return the lowest natural frequencies of the beam, in Hz, shape (modes,).
+
+    The first one is the swing of the wire on its root's spring (0 without one), the second the first bending mode.
+
+    Args:
+        mass, length, diameter: of the wire, kg, m, m.
+        modulus: Young's modulus E, Pa.
+        root_stiffness: torsion spring at the root, N m/rad.
+        modes: how many frequencies, 1 to 50.
+
+    Raises:
+        ValueError: for arguments out of range.
+    """
+    whole("modes", modes, MOST_MODES)
+    for name, value in {"mass": mass, "length": length, "diameter": diameter, "modulus": modulus}.items():
+        single(name, value)
+    bending = modulus * second_moment_of_area(diameter)
+    ratio = root_stiffness * length / bending
+
+    def characteristic(wave: float) -> float:
+        # Divided by cosh(wave), which would overflow.
+        inverse = 1.0 / math.cosh(wave)
+        sine, cosine = math.sin(wave), math.cos(wave)
+        return sine - cosine * math.tanh(wave) - ratio / wave * (inverse + cosine)
+
+    # Each mode lies between that of the hinged beam, near (j - 3/4) pi, and that of the cantilever, near (j - 1/2) pi.
+    waves = [_swing(characteristic, ratio)]
+    waves += [brentq(characteristic, (j - 1) * math.pi, (j - 0.25) * math.pi, xtol=1e-15) for j in range(2, modes + 1)]
+    return np.array(waves[:modes]) ** 2 * math.sqrt(bending / mass / length**3) / math.tau
+
+
+def _swing(characteristic: object, ratio: float) -> float:
+    """Return the root of the first mode, between 0 and the cantilever's 1.8751; near 0 it is the fourth root of 3 kappa."""
+    if not ratio:
+        return 0.0
+    assert callable(characteristic)
+    low = min(1.0, 0.5 * (3.0 * ratio) ** 0.25)
+    return float(brentq(characteristic, low, 1.9, xtol=1e-15 * low, rtol=1e-14))
+
+
+@ranges(*_RANGES)
+def chain_frequencies(
+    mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
+) -> NDArray[np.float64]:
+    """Return the natural frequencies of the chain of equal rigid links at rest, in Hz, ascending, shape (links,).
+
+    They are the square roots of the eigenvalues of stiffness against mass matrix in the links' absolute angles:
+    M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j, k from 1) and m l^2/n (n - j + 1/3) on it.
+    """
+    whole("links", links, MOST_LINKS)
+    each, link = mass / links, length / links
+    number = np.arange(1, links + 1)
+    inertia = each * link**2 * (links - np.maximum.outer(number, number) + 0.5)
+    np.fill_diagonal(inertia, each * link**2 * (links - number + 1.0 / 3.0))
+    spring = hinge_stiffness(diameter, length, modulus, links)
+    stiffness = np.zeros((links, links))
+    stiffness[0, 0] = root_stiffness
+    for hinge in range(links - 1):
+        pair = slice(hinge, hinge + 2)
+        stiffness[pair, pair] += spring * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    squares = eigh(stiffness, inertia, eigvals_only=True)
+    return np.sqrt(np.maximum(squares, 0.0)) / math.tau
