@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from bristle_sim.parameters import Tool
 from bristle_sim.reference.chain import Chain, Kinematics
 
-__all__ = ["Bar", "Point", "Touch", "Workpart", "obstacles_of"]
+__all__ = ["Bar", "Point", "Spring", "Touch", "Workpart", "obstacles_of"]
 
 Reals = NDArray[np.float64]
 
@@ -48,6 +48,31 @@ class Surface:
     friction: float
     friction_in_restitution: float
     restitution: float
+
+
+@dataclass(slots=True)
+class Spring:
+    """A compliant contact with energetic restitution: stiff on the way out, so that it returns e*^2 of the work it took.
+
+    N = k delta while the penetration delta is larger than ever before, and k/e*^2 (delta - delta_r) with
+    delta_r = (1 - e*^2) delta_max otherwise, down to 0 at delta_r.
+    """
+
+    stiffness: float
+    restitution: float
+    deepest: float = 0.0
+    loading: bool = True
+
+    @property
+    def left(self) -> float:
+        """Penetration at which the force is back at zero, m."""
+        return (1.0 - self.restitution**2) * self.deepest
+
+    def force(self, penetration: float) -> float:
+        """Return the normal force, N."""
+        if self.loading:
+            return self.stiffness * penetration
+        return self.stiffness / self.restitution**2 * (penetration - self.left) if self.restitution else 0.0
 
 
 def _touch(

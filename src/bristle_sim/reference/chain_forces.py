@@ -21,11 +21,35 @@ from numpy.typing import NDArray
 from bristle_sim.reference.chain_contact import Touch
 from bristle_sim.theory.impact import Impact, energetic_impact
 
-__all__ = ["Balance", "acting", "balance", "closed", "freedom", "resolve"]
+__all__ = ["Acting", "Balance", "acting", "balance", "closed", "freedom", "resolve"]
 
 Reals = NDArray[np.float64]
 
 STICK = 0
+
+
+class Acting(NamedTuple):
+    """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and its force where that is known."""
+
+    touch: Touch
+    friction: float
+    slip: int
+    push: float | None = None
+
+    @property
+    def sticks(self) -> bool:
+        """Whether friction holds it."""
+        return self.slip == STICK and self.friction > 0.0
+
+    @property
+    def ratio(self) -> float:
+        """Tangential over normal force in slip, -mu sign(v_t)."""
+        return -self.friction * self.slip
+
+    @property
+    def pushed(self) -> Reals:
+        """What a unit normal force, with the friction of slip, does to the generalized forces."""
+        return self.touch.normal_row + self.ratio * self.touch.tangential_row
 
 
 class Balance(NamedTuple):
@@ -36,72 +60,66 @@ class Balance(NamedTuple):
     tangential: Reals
 
 
-def balance(mass: Reals, forces: Reals, touches: Sequence[Touch], frictions: Sequence[float], slips: Sequence[int]) -> Balance:
-    """Solve for accelerations and contact forces; ``slips`` are the signs of v_t, 0 for a contact that sticks."""
-    size, count = len(forces), len(touches)
-    if not count:
-        return Balance(np.linalg.solve(mass, forces), np.zeros(0), np.zeros(0))
-    sticking = [index for index, slip in enumerate(slips) if slip == STICK and frictions[index] > 0.0]
-    ratios = [-friction * slip for friction, slip in zip(frictions, slips, strict=True)]
-    pushed = [touch.normal_row + ratio * touch.tangential_row for touch, ratio in zip(touches, ratios, strict=True)]
-    pushed += [touches[index].tangential_row for index in sticking]
-    rows = [touch.normal_row for touch in touches] + [touches[index].tangential_row for index in sticking]
-    biases = [touch.bias[0] for touch in touches] + [touches[index].bias[1] for index in sticking]
-    matrix = np.zeros((size + len(rows), size + len(rows)))
-    matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = mass, -np.transpose(pushed), rows
-    found = np.linalg.solve(matrix, np.concatenate([forces, np.negative(biases)]))
-    normal = found[size : size + count]
-    tangential = np.asarray(ratios) * normal
-    tangential[sticking] = found[size + count :]
+def balance(mass: Reals, forces: Reals, contacts: Sequence[Acting]) -> Balance:
+    """Solve for the accelerations and the contact forces."""
+    size = len(forces)
+    rigid = [each for each in contacts if each.push is None]
+    sticking = [each for each in contacts if each.sticks]
+    known = sum((each.push * each.pushed for each in contacts if each.push is not None), np.zeros(size))
+    rows = [each.touch.normal_row for each in rigid] + [each.touch.tangential_row for each in sticking]
+    pushed = [each.pushed for each in rigid] + [each.touch.tangential_row for each in sticking]
+    biases = [each.touch.bias[0] for each in rigid] + [each.touch.bias[1] for each in sticking]
+    if not rows:
+        found = np.linalg.solve(mass, forces + known)
+    else:
+        matrix = np.zeros((size + len(rows), size + len(rows)))
+        matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = mass, -np.transpose(pushed), rows
+        found = np.linalg.solve(matrix, np.concatenate([forces + known, np.negative(biases)]))
+    solved = iter(found[size : size + len(rigid)])
+    normal = np.array([next(solved) if each.push is None else each.push for each in contacts])
+    stuck = iter(found[size + len(rigid) :])
+    tangential = np.array(
+        [next(stuck) if each.sticks else each.ratio * push for each, push in zip(contacts, normal, strict=True)]
+    )
     return Balance(found[:size], normal, tangential)
 
 
 def acting(
-    mass: Reals, forces: Reals, touches: Sequence[Touch], frictions: Sequence[float], still: float
+    mass: Reals, forces: Reals, contacts: Sequence[Acting], still: float
 ) -> tuple[tuple[int, int], ...] | None:
     """Return which closed contacts stay closed, as (index, sign of slip), or None if no combination is consistent.
 
     Args:
         mass, forces: of the links.
-        touches: the contacts that are closed and do not open with a velocity.
-        frictions: Coulomb's mu of each.
+        contacts: those that are closed and do not open with a velocity; their slip is found anew.
         still: tangential velocity below which a contact may stick, m/s.
     """
     options: list[tuple[int | None, ...]] = []
-    for touch, friction in zip(touches, frictions, strict=True):
-        sense = int(np.sign(touch.velocity[1]))
-        may_stick = friction > 0.0 and abs(touch.velocity[1]) <= still
-        options.append(((STICK, 1, -1) if may_stick else (sense or 1,)) + (None,))
+    for each in contacts:
+        may_stick = each.friction > 0.0 and abs(each.touch.velocity[1]) <= still
+        slips = (STICK, 1, -1) if may_stick else (int(np.sign(each.touch.velocity[1])) or 1,)
+        options.append(slips if each.push is not None else (*slips, None))
     for modes in itertools.product(*options):
-        chosen = tuple((index, mode) for index, mode in enumerate(modes) if mode is not None)
-        if _consistent(mass, forces, touches, frictions, chosen, still):
-            return chosen
+        chosen = {i: contacts[i]._replace(slip=mode) for i, mode in enumerate(modes) if mode is not None}
+        if _consistent(mass, forces, contacts, chosen, still):
+            return tuple((i, each.slip) for i, each in chosen.items())
     return None
 
 
 def _consistent(
-    mass: Reals,
-    forces: Reals,
-    touches: Sequence[Touch],
-    frictions: Sequence[float],
-    chosen: Sequence[tuple[int, int]],
-    still: float,
+    mass: Reals, forces: Reals, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
 ) -> bool:
     """Whether every chosen contact pushes within its friction cone and every other one opens."""
-    held = [touches[index] for index, _ in chosen]
-    rubs, slips = [frictions[index] for index, _ in chosen], [slip for _, slip in chosen]
-    found = balance(mass, forces, held, rubs, slips)
-    if (found.normal < 0.0).any():
-        return False
-    for number, (index, slip) in enumerate(chosen):
-        touch = touches[index]
-        sliding = touch.tangential_row @ found.accelerations + touch.bias[1]
-        if slip == STICK and rubs[number] and abs(found.tangential[number]) > rubs[number] * found.normal[number]:
+    found = balance(mass, forces, tuple(chosen.values()))
+    for each, normal, tangential in zip(chosen.values(), found.normal, found.tangential, strict=True):
+        if normal < 0.0:
             return False
-        if slip != STICK and rubs[number] and abs(touch.velocity[1]) <= still and slip * sliding < 0.0:
+        sliding = each.touch.tangential_row @ found.accelerations + each.touch.bias[1]
+        if each.sticks and abs(tangential) > each.friction * normal:
             return False
-    indices = {index for index, _ in chosen}
-    others = (touch for index, touch in enumerate(touches) if index not in indices)
+        if each.slip and each.friction and abs(each.touch.velocity[1]) <= still and each.slip * sliding < 0.0:
+            return False
+    others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
     return all(touch.normal_row @ found.accelerations + touch.bias[0] >= 0.0 for touch in others)
 
 

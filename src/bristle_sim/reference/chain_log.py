@@ -111,24 +111,36 @@ class ChainLog:
             )
         )
 
-    def sustained(self, point: Point, first: ChainState, last: ChainState, sums: Reals, touch: Touch) -> None:
-        """Record a sustained contact; ``sums`` are the impulses and the work of friction."""
+    def lasting(
+        self,
+        point: Point,
+        states: tuple[ChainState, ChainState],
+        sums: Reals,
+        compression: Reals | None,
+        velocities: tuple[tuple[float, float], tuple[float, float]],
+    ) -> None:
+        """Record a contact that lasted from one state to another.
+
+        ``sums`` are the impulses and the works (normal, tangential); ``compression`` those of compression.
+        """
+        first, last = states
         if last.time <= first.time:
             return
-        normal, tangential, work = sums.tolist()
+        compression = sums if compression is None else compression
+        rest = (sums - compression).tolist()
         self.contacts.append(
             ContactRecord(
                 obstacle=point.obstacle,
-                law="hold",
-                outcome="release",
+                law="compliant" if velocities[0][0] else "hold",
+                outcome="rebound" if velocities[1][0] > 0.0 and velocities[0][0] else "release",
                 time=first.time,
                 duration=last.time - first.time,
-                impulse=(normal, tangential),
-                compressive_impulse=(normal, tangential),
-                compressive_work=(0.0, work),
-                restitutive_work=(0.0, 0.0),
-                velocity_before=(0.0, 0.0),
-                velocity_after=(0.0, touch.velocity[1]),
+                impulse=_pair(*sums[:2]),
+                compressive_impulse=_pair(*compression[:2]),
+                compressive_work=_pair(*compression[2:]),
+                restitutive_work=_pair(*rest[2:]),
+                velocity_before=velocities[0],
+                velocity_after=velocities[1],
                 angles=tuple(first.angles.tolist()),
                 rates_before=tuple(first.rates.tolist()),
                 rates_after=tuple(last.rates.tolist()),

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from bristle_sim.reference.chain import Chain
-from bristle_sim.reference.chain_contact import Bar, Point, Touch, Workpart
-from bristle_sim.reference.chain_forces import Balance, acting, balance, closed, freedom, resolve
+from bristle_sim.reference.chain_contact import Bar, Point, Spring, Touch, Workpart
+from bristle_sim.reference.chain_forces import Acting, Balance, acting, balance, closed, freedom, resolve
 from bristle_sim.reference.chain_log import ChainLog, ChainState, Finished
 from bristle_sim.reference.crossing import Piece as Series
 from bristle_sim.reference.crossing import crossings, nodes
@@ -49,13 +49,20 @@ ROUNDING = 1e-13
 
 @dataclass(slots=True)
 class Sustained:
-    """A sustained contact: its place, the sense of its slip (0 sticks), and since when it has added up impulse and work."""
+    """A contact that lasts: its place, the sense of its slip (0 sticks), since when, and its spring if it has one.
+
+    ``sums`` are the normal and tangential impulse and the normal and tangential work; ``compression`` those up to the first
+    end of compression.
+    """
 
     point: Point
     slip: int
     since: ChainState
     velocity_before: tuple[float, float]
     sums: Reals
+    spring: Spring | None = None
+    compression: Reals | None = None
+    compressed: float = math.nan
 
 
 class Event(NamedTuple):
@@ -82,7 +89,10 @@ class ChainRun:
         start: ChainState,
         end: float,
         tolerance: float,
+        stiffness: float | None = None,
     ) -> None:
+        """``stiffness`` of the workpart's contact, N/m; None is rigid."""
+        self.stiffness = stiffness
         self.chain = chain
         self.obstacles = obstacles
         self.log = log
@@ -131,7 +141,8 @@ class ChainRun:
         count = self.chain.links
         scale = np.concatenate([np.ones(count), np.full(count, max(speeds, self.log.fastest))])
         force = self.chain.masses.sum() * self.log.size * self.log.fastest
-        sums = np.tile([force, force, force * self.log.size * self.log.fastest], len(self.sustained))
+        work = force * self.log.size * self.log.fastest
+        sums = np.tile([force, force, work, work], len(self.sustained))
         start = np.concatenate([self.state.angles, self.state.rates, *(each.sums for each in self.sustained)])
         return DOP853(
             self._right_hand_side,
@@ -145,20 +156,35 @@ class ChainRun:
 
     def _right_hand_side(self, time: float, values: Reals) -> Reals:
         count = self.chain.links
-        touches, found = self._balance(time, values)
-        powers = [force * touch.velocity[1] for force, touch in zip(found.tangential, touches, strict=True)]
-        sums = np.column_stack([found.normal, found.tangential, powers]).ravel()
+        contacts, found = self._balance(time, values)
+        velocities = np.array([each.touch.velocity for each in contacts]).reshape(-1, 2)
+        powers = found.normal * velocities[:, 0], found.tangential * velocities[:, 1]
+        sums = np.column_stack([found.normal, found.tangential, *powers]).ravel()
         return np.concatenate([values[count : 2 * count], found.accelerations, sums])
 
-    def _balance(self, time: float, values: Reals) -> tuple[list[Touch], Balance]:
-        """Contacts' kinematics and the balance of forces at an instant."""
+    def _balance(self, time: float, values: Reals) -> tuple[list[Acting], Balance]:
+        """Contacts and the balance of forces at an instant."""
         count = self.chain.links
         angles, rates = values[:count], values[count : 2 * count]
-        touches = self._touches(ChainState(time, angles, rates), [each.point for each in self.sustained])
+        contacts = self._acting(ChainState(time, angles, rates), self.sustained)
         mass = self.chain.mass_matrix(np.exp(1j * angles))
-        frictions = [self._friction(each.point) for each in self.sustained]
-        slips = [each.slip for each in self.sustained]
-        return touches, balance(mass, self.chain.forces(time, angles, rates), touches, frictions, slips)
+        return contacts, balance(mass, self.chain.forces(time, angles, rates), contacts)
+
+    def _acting(self, state: ChainState, sustained: list[Sustained]) -> list[Acting]:
+        touches = self._touches(state, [each.point for each in sustained])
+        return [
+            Acting(
+                touch,
+                self._friction(each.point),
+                each.slip,
+                None if each.spring is None else each.spring.force(-touch.gap),
+            )
+            for touch, each in zip(touches, sustained, strict=True)
+        ]
+
+    @property
+    def _rigid(self) -> list[Point]:
+        return [each.point for each in self.sustained if each.spring is None]
 
     def _touches(self, state: ChainState, points: list[Point]) -> list[Touch]:
         if not points:
@@ -174,17 +200,19 @@ class ChainRun:
         count = self.chain.links
         self.state = ChainState(time, values[:count].copy(), values[count : 2 * count].copy())
         for number, each in enumerate(self.sustained):
-            each.sums = values[2 * count + 3 * number :][:3].copy()
+            each.sums = values[2 * count + 4 * number :][:4].copy()
 
     def _drifted(self) -> bool:
         """Close what the integrator has let the gaps drift; whether that was worth a new start."""
-        touches = self._touches(self.state, [each.point for each in self.sustained])
-        if max(abs(touch.gap) for touch in touches) < 0.02 * INSIDE * self.log.size:
+        touches = self._touches(self.state, self._rigid)
+        if max((abs(touch.gap) for touch in touches), default=0.0) < 0.02 * INSIDE * self.log.size:
             return False
         self._close(touches)
         return True
 
     def _close(self, touches: list[Touch]) -> None:
+        if not touches:
+            return
         time, angles, rates = self.state
         mass = self.chain.mass_matrix(np.exp(1j * angles))
         moved, changed = closed(mass, touches)
@@ -245,19 +273,60 @@ class ChainRun:
         found = []
         for number, each in enumerate(self.sustained):
             scale = self.chain.masses.sum() * self.log.size * self.log.fastest**2
-            normal = partial(self._force, number)
-            found.append(Event(normal, -1, ROUNDING * scale, self._decide))
+            if each.spring is None:
+                found.append(Event(partial(self._force, number), -1, ROUNDING * scale, self._decide))
+            else:
+                found += self._spring_events(each, each.spring)
             mu = self._friction(each.point)
             if mu and each.slip:
-                sliding = partial(self._slip, number, each.slip)
+                # Slip that begins after stick may start from a velocity that is rounding, of either sign.
+                level = min(each.slip * self._touches(self.state, [each.point])[0].velocity[1], 0.0)
+                sliding = partial(self._slip, number, each.slip, level - 1e-3 * self._still())
                 found.append(Event(sliding, -1, ROUNDING * self.log.size * self.log.fastest, self._decide))
-                found.append(Event(partial(self._freedom, number), -1, ROUNDING / self.chain.masses.sum(), self._jam))
+                if each.spring is None:
+                    locking = partial(self._freedom, number)
+                    found.append(Event(locking, -1, ROUNDING / self.chain.masses.sum(), self._jam))
             elif mu:
                 found.append(Event(partial(self._cone, number, mu), -1, ROUNDING * scale, self._decide))
             obstacle = self.obstacles[each.point.obstacle]
             if isinstance(obstacle, Bar):
                 found += self._places(each, obstacle)
         return found
+
+    def _spring_events(self, each: Sustained, spring: Spring) -> list[Event]:
+        """Compression ends; on the way out the force falls to zero, or the penetration is as deep as before."""
+        speed, depth = ROUNDING * self.log.size * self.log.fastest, ROUNDING * spring.deepest
+
+        def opening(times: Reals, values: Reals) -> Reals:
+            return np.array([self._touches_at(at, each)[0].velocity[0] for at in zip(times, values.T, strict=True)])
+
+        def above(level: float, times: Reals, values: Reals) -> Reals:
+            found = [self._touches_at(at, each)[0].gap for at in zip(times, values.T, strict=True)]
+            return -np.array(found) - level
+
+        if spring.loading:
+            return [Event(opening, 1, speed, partial(self._turn, each, spring))]
+        reload = Event(partial(above, spring.deepest * (1.0 + 1e-13)), 1, depth, partial(self._reload, spring))
+        return [Event(partial(above, spring.left), -1, depth, partial(self._part, each)), reload]
+
+    def _touches_at(self, at: tuple[float, Reals], each: Sustained) -> list[Touch]:
+        count = self.chain.links
+        return self._touches(ChainState(at[0], at[1][:count], at[1][count : 2 * count]), [each.point])
+
+    def _turn(self, each: Sustained, spring: Spring) -> None:
+        spring.deepest, spring.loading = -self._touches(self.state, [each.point])[0].gap, False
+        if each.compression is None:
+            each.compression, each.compressed = each.sums, self.state.time
+        if not spring.restitution:
+            self._part(each)
+
+    def _reload(self, spring: Spring) -> None:
+        spring.loading = True
+
+    def _part(self, each: Sustained) -> None:
+        self._record(each)
+        self.log.release(each.point, self.state)
+        self.sustained.remove(each)
 
     def _places(self, each: Sustained, bar: Bar) -> list[Event]:
         """The contact passes from flank to corner or back."""
@@ -284,7 +353,7 @@ class ChainRun:
 
     def _move(self, each: Sustained, point: Point) -> None:
         each.point = point
-        self._close(self._touches(self.state, [other.point for other in self.sustained]))
+        self._close(self._touches(self.state, self._rigid))
 
     def _force(self, number: int, times: Reals, values: Reals) -> Reals:
         return np.array([self._balance(*at)[1].normal[number] for at in zip(times, values.T, strict=True)])
@@ -293,8 +362,10 @@ class ChainRun:
         found = [self._balance(*at)[1] for at in zip(times, values.T, strict=True)]
         return np.array([mu * each.normal[number] - abs(each.tangential[number]) for each in found])
 
-    def _slip(self, number: int, sense: int, times: Reals, values: Reals) -> Reals:
-        return np.array([sense * self._balance(*at)[0][number].velocity[1] for at in zip(times, values.T, strict=True)])
+    def _slip(self, number: int, sense: int, level: float, times: Reals, values: Reals) -> Reals:
+        point = self.sustained[number]
+        found = [self._touches_at(at, point)[0].velocity[1] for at in zip(times, values.T, strict=True)]
+        return sense * np.array(found) - level
 
     def _freedom(self, number: int, times: Reals, values: Reals) -> Reals:
         each = self.sustained[number]
@@ -371,23 +442,37 @@ class ChainRun:
 
     def _decide(self, new: Point | None = None) -> None:
         """Resolve impacts among the closed contacts, then find which of them stay closed."""
-        points = [each.point for each in self.sustained]
-        points += [new] if new is not None and new not in points else []
+        springs = [each for each in self.sustained if each.spring is not None]
+        points = self._rigid
+        if new is not None and new.obstacle == "workpart" and self.stiffness is not None:
+            springs.append(self._spring(new))
+        elif new is not None and new not in points:
+            points.append(new)
         before = self._touches(self.state, points)
-        self._impacts(points)
-        self.log.check_stop()
-        touches = self._touches(self.state, points)
-        self._rest_low_rebounds(points, touches)
+        if points:
+            self._impacts(points)
+            self._rest_low_rebounds(self._touches(self.state, points))
         touches = self._touches(self.state, points)
         resting = [i for i, touch in enumerate(touches) if abs(touch.velocity[0]) <= self._still()]
+        contacts = [Acting(touches[i], self._friction(points[i]), 0) for i in resting] + self._acting(self.state, springs)
         mass = self.chain.mass_matrix(np.exp(1j * self.state.angles))
-        forces = self.chain.forces(*self.state)
-        rubs = [self._friction(points[i]) for i in resting]
-        kept = acting(mass, forces, [touches[i] for i in resting], rubs, self._still())
+        kept = acting(mass, self.chain.forces(*self.state), contacts, self._still())
         if kept is None:
             self._jam()
         assert kept is not None
-        self._keep({points[resting[i]]: (slip, before[resting[i]].velocity) for i, slip in kept}, points)
+        for i, slip in kept:
+            if i >= len(resting):
+                springs[i - len(resting)].slip = slip
+        self._keep({points[resting[i]]: (slip, before[resting[i]].velocity) for i, slip in kept if i < len(resting)}, points)
+        self.sustained += [each for each in springs if each not in self.sustained]
+        self.log.check_stop()
+
+    def _spring(self, point: Point) -> Sustained:
+        """A compliant contact that begins."""
+        assert self.stiffness is not None
+        touch = self._touches(self.state, [point])[0]
+        spring = Spring(self.stiffness, self.obstacles[point.obstacle].surface.restitution)
+        return Sustained(point, 0, self.state, touch.velocity, np.zeros(4), spring)
 
     def _still(self) -> float:
         return REST * self.log.size * max(self.chain.speed, float(np.abs(self.state.rates).max()), self.log.fastest * 1e-3)
@@ -415,7 +500,7 @@ class ChainRun:
         if self.log.impacts > MOST_IMPACTS:
             raise Finished(f"more than {MOST_IMPACTS} impacts")
 
-    def _rest_low_rebounds(self, points: list[Point], touches: list[Touch]) -> None:
+    def _rest_low_rebounds(self, touches: list[Touch]) -> None:
         """Stop contacts that part so slowly that the forces would end their hop within rounding."""
         mass = self.chain.mass_matrix(np.exp(1j * self.state.angles))
         free = np.linalg.solve(mass, self.chain.forces(*self.state))
@@ -433,7 +518,9 @@ class ChainRun:
         """Begin, continue and end sustained contacts."""
         remaining = []
         for each in self.sustained:
-            if each.point in kept:
+            if each.spring is not None:
+                remaining.append(each)
+            elif each.point in kept:
                 each.slip = kept.pop(each.point)[0]
                 remaining.append(each)
             else:
@@ -442,15 +529,18 @@ class ChainRun:
         for point in points:
             if point in kept:
                 slip, velocity = kept[point]
-                remaining.append(Sustained(point, slip, self.state, velocity, np.zeros(3)))
+                remaining.append(Sustained(point, slip, self.state, velocity, np.zeros(4)))
             elif not any(each.point == point for each in self.sustained):
                 self.log.release(point, self.state)
         self.sustained = remaining
         if remaining:
-            self._close(self._touches(self.state, [each.point for each in remaining]))
+            self._close(self._touches(self.state, self._rigid))
 
     def _record(self, each: Sustained) -> None:
-        self.log.sustained(each.point, each.since, self.state, each.sums, self._touches(self.state, [each.point])[0])
+        after = self._touches(self.state, [each.point])[0].velocity
+        compression = each.compression if each.spring is not None else each.sums
+        velocities = (each.velocity_before, after)
+        self.log.lasting(each.point, (each.since, self.state), each.sums, compression, velocities)
 
     def conclude(self) -> None:
         """Record the contacts that last to the end."""
