@@ -27,6 +27,9 @@ Reals = NDArray[np.float64]
 
 STICK = 0
 
+EDGE = 1e-10
+"""At the edge of the friction cone both stick and slip are consistent but for rounding; slip is then taken."""
+
 
 class Acting(NamedTuple):
     """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and its force where that is known."""
@@ -114,10 +117,12 @@ def _consistent(
     for each, normal, tangential in zip(chosen.values(), found.normal, found.tangential, strict=True):
         if normal < 0.0:
             return False
-        sliding = each.touch.tangential_row @ found.accelerations + each.touch.bias[1]
-        if each.sticks and abs(tangential) > each.friction * normal:
+        terms = (*each.touch.tangential_row * found.accelerations, each.touch.bias[1])
+        rounding = EDGE * float(np.abs(terms).max())
+        if each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal:
             return False
-        if each.slip and each.friction and abs(each.touch.velocity[1]) <= still and each.slip * sliding < 0.0:
+        begins = each.slip and each.friction and abs(each.touch.velocity[1]) <= still
+        if begins and each.slip * sum(terms) < -rounding:
             return False
     others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
     return all(touch.normal_row @ found.accelerations + touch.bias[0] >= 0.0 for touch in others)
