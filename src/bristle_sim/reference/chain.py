@@ -189,6 +189,14 @@ class Chain:
         return (0.5 * self.stiffness * twists**2 + self.gravity * self.masses * height).sum(axis=-1)
 
     @property
+    def swing_rate(self) -> float:
+        """Return the rate of small oscillations on the belt as if the hinges were rigid, rad/s."""
+        whole = np.ones(self.links, dtype=complex)
+        inertia = float(self.mass_matrix(whole).sum())
+        moment = abs(complex(self.moments.sum())) * (self.hub_radius * self.speed**2 + self.gravity)
+        return math.sqrt((float(self.stiffness[0]) + moment) / inertia)
+
+    @property
     def fastest_rate(self) -> float:
         """Return an upper bound of the rates at which free motion changes, rad/s.
 

@@ -113,7 +113,10 @@ def _consistent(
     mass: Reals, forces: Reals, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
 ) -> bool:
     """Whether every chosen contact pushes within its friction cone and every other one opens."""
-    found = balance(mass, forces, tuple(chosen.values()))
+    try:
+        found = balance(mass, forces, tuple(chosen.values()))
+    except np.linalg.LinAlgError:  # more contacts than the links can keep closed
+        return False
     for each, normal, tangential in zip(chosen.values(), found.normal, found.tangential, strict=True):
         if normal < 0.0:
             return False

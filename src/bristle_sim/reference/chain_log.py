@@ -44,6 +44,27 @@ class ChainLog:
         self.contacts: list[ContactRecord] = []
         self.impacts = 0
         self._rows: list[tuple[Reals, Reals, Reals, Reals]] = []
+        self._turned: list[ChainState] = []
+        self._marks: list[float] = []
+
+    def mark(self, time: float) -> None:
+        """Request a sample at an instant of the motion that is stored next."""
+        self._marks.append(time)
+
+    def turned(self, state: ChainState) -> None:
+        """Note where the relative rate rises through zero: retraction may be largest."""
+        self._turned.append(state)
+        self.mark(state.time)
+
+    def largest_retraction(self) -> None:
+        """Note where retraction is largest before the strike, if that is at an instant of no relative rate."""
+        strike = min((each.time for each in self.events if each.name == "strike"), default=math.inf)
+        time, angles = (np.concatenate(column) for column in list(zip(*self._rows, strict=True))[:2])
+        reached = (angles[:, 0] - self.chain.hub_angle(time))[time <= strike]
+        candidates = [(each.angles[0] - self.chain.hub_angle(each.time), each.time) for each in self._turned]
+        angle, at = min((each for each in candidates if each[1] <= strike), default=(0.0, 0.0))
+        if angle < 0.0 and angle <= min(reached[0], reached[-1]):
+            self.event("largest retraction", float(at))
 
     def event(self, name: str, time: float) -> None:
         """Note an event."""
@@ -82,7 +103,9 @@ class ChainLog:
         """Store the motion at multiples of the sampling interval after ``start`` and before ``end``, and at the end."""
         first, last = math.floor(start / self.interval), math.ceil(end / self.interval)
         times = np.arange(first, last + 1, dtype=float) * self.interval
+        times = np.union1d(times, self._marks)
         times = np.append(times[(times > start) & (times < end)], end)
+        self._marks = [each for each in self._marks if each > end]
         values, count = motion(times), self.chain.links
         forces = np.zeros_like(times) if force is None else np.maximum(force(times, values), 0.0)
         self._rows.append((times, values[:count].T, values[count : 2 * count].T, forces))
@@ -91,6 +114,8 @@ class ChainLog:
         """Record an impact, with samples before and after it."""
         self.impacts += 1
         self.sample(after, 0.0)
+        if self.chain.links == 1 and state.rates[0] < self.chain.speed < after.rates[0]:
+            self._turned.append(state)
         self.contacts.append(
             ContactRecord(
                 obstacle=point.obstacle,
@@ -114,6 +139,7 @@ class ChainLog:
     def lasting(
         self,
         point: Point,
+        law: str,
         states: tuple[ChainState, ChainState],
         sums: Reals,
         compression: Reals | None,
@@ -131,8 +157,8 @@ class ChainLog:
         self.contacts.append(
             ContactRecord(
                 obstacle=point.obstacle,
-                law="compliant" if velocities[0][0] else "hold",
-                outcome="rebound" if velocities[1][0] > 0.0 and velocities[0][0] else "release",
+                law=law,
+                outcome="release" if law == "hold" else "rebound",
                 time=first.time,
                 duration=last.time - first.time,
                 impulse=_pair(*sums[:2]),

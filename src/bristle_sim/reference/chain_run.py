@@ -25,7 +25,9 @@ from bristle_sim.reference.chain_log import ChainLog, ChainState, Finished
 from bristle_sim.reference.crossing import Piece as Series
 from bristle_sim.reference.crossing import crossings, nodes
 
-__all__ = ["ChainRun"]
+__all__ = ["END_OF_RUN", "PEAK", "STRIKE", "ChainRun"]
+
+STRIKE, PEAK, END_OF_RUN = "strike", "highest relative speed", "end of run"
 
 Reals = NDArray[np.float64]
 
@@ -110,7 +112,7 @@ class ChainRun:
                 self._interval()()
         except Finished as finished:
             return str(finished)
-        return "end of run"
+        return END_OF_RUN
 
     # Smooth motion
 
@@ -127,6 +129,9 @@ class ChainRun:
             motion = solver.dense_output()
             first = self._first(events, motion, solver.t_old, solver.t)
             until, follow = first if first is not None else (solver.t, None)
+            if self.chain.links == 1 and self._extremes(motion, solver.t_old, until):
+                self._take(self.state.time, motion(self.state.time))
+                raise Finished(PEAK)
             self._note(motion, solver.t_old, until)
             self._take(until, motion(until))
             if follow is not None:
@@ -400,6 +405,40 @@ class ChainRun:
                     break
         return first
 
+    def _extremes(self, motion: Callable[[Reals], Reals], start: float, end: float) -> bool:
+        """Note where a rigid bristle lags or leads most, and its highest relative rate; whether the run ends there."""
+
+        def rate(times: Reals) -> Reals:
+            return np.asarray(motion(times)[1] - self.chain.speed)
+
+        def acceleration(times: Reals) -> Reals:
+            return np.array([self._balance(*at)[1].accelerations[0] for at in zip(times, motion(times).T, strict=True)])
+
+        scale = ROUNDING * self.log.fastest
+        for time, direction in _changes(rate, start, end, scale):
+            if direction > 0:
+                self.log.turned(ChainState(time, *motion(time)[:2, None]))
+        if self.sustained or self.log.seen(PEAK) or self.log.seen(STRIKE):
+            return False
+        for time, direction in _changes(acceleration, start, end, scale * self.log.fastest):
+            fast = rate(np.array([time]))[0] > self.tolerance * self.log.fastest
+            if direction < 0 and fast and not self._bar_ahead(time):
+                self.log.event(PEAK, time)
+                self.log.mark(time)
+                if self.log.stop_after == PEAK:
+                    self._note(motion, start, time)
+                    self.state = ChainState(time, *motion(time)[:2, None])
+                    return True
+                break
+        return False
+
+    def _bar_ahead(self, time: float) -> bool:
+        """Whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
+        bar = self.obstacles.get("bar")
+        if not isinstance(bar, Bar) or self.log.seen("bar touch") or not self.chain.speed:
+            return False
+        return bool((bar.centre / self.chain.root(time)).imag > 0.0)
+
     def _near(self, times: Reals, values: Reals) -> set[tuple[str, int]]:
         """The obstacles and pieces that can come to touch in a step: no gap closes faster than the links' points move."""
         motion, count = self._motion(times[-1:], values[:, -1:]), self.chain.links
@@ -448,7 +487,6 @@ class ChainRun:
             springs.append(self._spring(new))
         elif new is not None and new not in points:
             points.append(new)
-        before = self._touches(self.state, points)
         if points:
             self._impacts(points)
             self._rest_low_rebounds(self._touches(self.state, points))
@@ -463,7 +501,7 @@ class ChainRun:
         for i, slip in kept:
             if i >= len(resting):
                 springs[i - len(resting)].slip = slip
-        self._keep({points[resting[i]]: (slip, before[resting[i]].velocity) for i, slip in kept if i < len(resting)}, points)
+        self._keep({points[resting[i]]: (slip, (0.0, touches[resting[i]].velocity[1])) for i, slip in kept if i < len(resting)}, points)
         self.sustained += [each for each in springs if each not in self.sustained]
         self.log.check_stop()
 
@@ -538,14 +576,28 @@ class ChainRun:
 
     def _record(self, each: Sustained) -> None:
         after = self._touches(self.state, [each.point])[0].velocity
+        if each.spring is None:
+            after = (0.0, after[1])
         compression = each.compression if each.spring is not None else each.sums
         velocities = (each.velocity_before, after)
-        self.log.lasting(each.point, (each.since, self.state), each.sums, compression, velocities)
+        law = "hold" if each.spring is None else "compliant"
+        self.log.lasting(each.point, law, (each.since, self.state), each.sums, compression, velocities)
 
     def conclude(self) -> None:
         """Record the contacts that last to the end."""
         for each in self.sustained:
             self._record(each)
+
+
+def _changes(function: Callable[[Reals], Reals], start: float, end: float, resolution: float) -> list[tuple[float, int]]:
+    """Changes of sign on a step; most steps have none, which the series of the function tells at once."""
+    if end <= start:
+        return []
+    values = function(nodes(start, end))
+    series = Series.through(values, start, end)
+    if series.sign and series.resolved(values, resolution):
+        return []
+    return crossings(function, start, end, resolution)
 
 
 def _along(value: Callable[[Reals, Reals], Reals], motion: Callable[[Reals], Reals], times: Reals) -> Reals:

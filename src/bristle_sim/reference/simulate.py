@@ -8,11 +8,14 @@ import time as clock
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import quantity, validate
-from bristle_sim.reference.mechanics import Mechanics, State
-from bristle_sim.reference.obstacles import Obstacle, obstacles_of
-from bristle_sim.reference.run import END_OF_RUN, PEAK, STRIKE, Pass, Plan
+from bristle_sim.reference.chain import Chain
+from bristle_sim.reference.chain_contact import Bar, Workpart, obstacles_of
+from bristle_sim.reference.chain_log import ChainLog, ChainState
+from bristle_sim.reference.chain_run import END_OF_RUN, PEAK, STRIKE, ChainRun
 from bristle_sim.trajectory import Cost, Trajectory
 
 __all__ = ["simulate_reference"]
@@ -103,60 +106,71 @@ def simulate_reference(
         sample_interval,
         stop_after,
     )
-    mechanics = Mechanics.of(tool, request.start_hub_angle)
-    obstacles = obstacles_of(tool, mechanics)
-    start = State(0.0, request.start_relative_angle, request.start_relative_rate)
-    _check_start(mechanics, obstacles, start)
-    one_pass = Pass(mechanics, obstacles, _plan(mechanics, request), start)
-    reason = _conclude(one_pass, one_pass.run())
-    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_pass.evaluations)
-    return one_pass.log.trajectory(reason, cost, _parameters(tool, request))
+    chain = Chain.of(tool, request.start_hub_angle)
+    obstacles = obstacles_of(tool)
+    start = ChainState(
+        0.0,
+        np.full(chain.links, request.start_hub_angle + request.start_relative_angle),
+        np.full(chain.links, chain.speed + request.start_relative_rate),
+    )
+    _check_start(chain, obstacles, start)
+    end, interval = _span(chain, request)
+    log = ChainLog(chain, interval, request.stop_after)
+    one = ChainRun(chain, obstacles, log, start, end, max(request.accuracy / 100.0, FINEST))
+    reason = _conclude(one, one.run())
+    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one.evaluations)
+    return log.trajectory(reason, cost, _parameters(tool, request))
 
 
-def _check_start(mechanics: Mechanics, obstacles: tuple[Obstacle, ...], start: State) -> None:
-    length = mechanics.hub_radius + mechanics.length
-    for each in obstacles:
-        gap = float(each.gap(start.angle, mechanics.start_hub_angle))
-        if gap < -1e-12 * length:
+def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: ChainState) -> None:
+    motion = chain.kinematics(*start)
+    for name, each in obstacles.items():
+        gaps = each.height(chain, motion) if isinstance(each, Workpart) else each.feet(chain, motion)[1]
+        gap = float(gaps.min())
+        if gap < -1e-12 * (chain.hub_radius + chain.length):
+            relative = start.angles[0] - chain.start_hub_angle
             raise ValueError(
-                f"start_hub_angle = {mechanics.start_hub_angle:g}, start_relative_angle = {start.angle:g}: angles at"
-                f" which the bristle is outside the {each.name} are allowed, it is {-gap:g} m inside (in rad)"
+                f"start_hub_angle = {chain.start_hub_angle:g}, start_relative_angle = {relative:g}: angles at"
+                f" which the bristle is outside the {name} are allowed, it is {-gap:g} m inside (in rad)"
             )
 
 
-def _plan(mechanics: Mechanics, request: _Request) -> Plan:
-    """End, tolerance and sampling interval of the run."""
+def _span(chain: Chain, request: _Request) -> tuple[float, float]:
+    """End of the run and time between samples, s."""
+    period = _period(chain)
     end = request.duration
     if end is None:
-        end = request.hub_turn / mechanics.speed if mechanics.speed else PERIODS_AT_REST * _period(mechanics)
-    if mechanics.fastest_rate and end * mechanics.fastest_rate > LONGEST:
+        end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
+    fastest = chain.fastest_rate if chain.links == 1 else chain.speed
+    if fastest and end * fastest > LONGEST:
         raise ValueError(
-            f"duration = {end:g}: at most {LONGEST / mechanics.fastest_rate:g} is allowed, {LONGEST:g} radians of the"
+            f"duration = {end:g}: at most {LONGEST / fastest:g} is allowed, {LONGEST:g} radians of the"
             " fastest motion of hub and bristle on its belt (in s)"
         )
     if not math.isfinite(end):
         raise ValueError("duration = None: a number is allowed, as hub, belt and gravity set no time scale (in s)")
-    interval = request.sample_interval or min(_period(mechanics) / SAMPLES_PER_PERIOD, end)
+    interval = request.sample_interval or min(period / SAMPLES_PER_PERIOD, end)
     if end / interval > MOST_SAMPLES:
         raise ValueError(f"sample_interval = {interval:g}: at least {end / MOST_SAMPLES:g} is allowed (in s)")
-    return Plan(end, request.stop_after, max(request.accuracy / 100.0, FINEST), interval)
+    return end, interval
 
 
-def _period(mechanics: Mechanics) -> float:
-    """Period of the bristle or of the hub, whichever is shorter; infinite for a bristle that nothing moves, s."""
-    fastest = max(mechanics.natural_rate, mechanics.speed)
+def _period(chain: Chain) -> float:
+    """Period of the bristle as a rigid rod or of the hub, whichever is shorter; infinite if nothing moves it, s."""
+    fastest = max(chain.swing_rate, chain.speed)
     return 2.0 * math.pi / fastest if fastest else math.inf
 
 
-def _conclude(one_pass: Pass, reason: str) -> str:
+def _conclude(one: ChainRun, reason: str) -> str:
     """Note what never happened; the stop reason."""
-    log, last = one_pass.log, one_pass.state.time
+    one.conclude()
+    log, last = one.log, one.state.time
     log.largest_retraction()
-    if "bar" in one_pass.obstacles and not log.seen("bar touch"):
+    if "bar" in one.obstacles and not log.seen("bar touch"):
         log.event("bar not touched", last)
-    if "workpart" in one_pass.obstacles and not log.seen(STRIKE) and reason != PEAK:
+    if "workpart" in one.obstacles and not log.seen(STRIKE) and reason != PEAK:
         log.event("workpart not reached", last)
-        if reason == END_OF_RUN and one_pass.plan.stop_after == STRIKE:
+        if reason == END_OF_RUN and log.stop_after == STRIKE:
             return "workpart not reached"
     return reason
 
