@@ -1,8 +1,8 @@
-"""What accuracy costs in time: error against CPU time, beside other tools on the same cases.
+"""What accuracy costs in time: error against CPU time, compared with other tools on the same cases.
 
 A release flight, a strike under each contact law, the strike of a double pendulum and the whole pass are computed by
 every method at settings from coarse to fine. Errors are taken from closed forms or a converged reference; times are CPU
-times, all methods in turn. The table gives our CPU time (simulated) beside the cheapest peer's (reference).
+times, all methods in turn. The table compares our CPU time (simulated) with the cheapest peer's (reference).
 """
 
 import sys
@@ -10,14 +10,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.benchmarks.accuracy_cost.measure import Effort
 from bristle_sim.comparison import Report
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.studies.accuracy_cost.measure import Effort
 
 
 def run(values: Mapping[str, Any]) -> Report:
-    """Measure with the effort asked for."""
-    from bristle_sim.studies.accuracy_cost.study import accuracy_cost
+    """Measure with the requested effort."""
+    from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
 
     return accuracy_cost(build(Effort, values))
 

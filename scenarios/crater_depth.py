@@ -30,12 +30,20 @@ def plot(report: Report, path: Path) -> None:
     save_figure(crater_figure(report.subject), path)
 
 
+def series(report: Report) -> dict[str, Any]:
+    """The simulated contact in time."""
+    if report.subject.contact is None:
+        raise ValueError(report.subject.no_contact)
+    return dict(report.subject.contact.record.columns())
+
+
 SCENARIO = Scenario(
     name="crater_depth",
     question="How deep is the crater by chapter 4, and by the simulated contact?",
     parts=(Hub, Bristle, Crater, Settings),
     run=run,
     plot=plot,
+    series=series,
     without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
 )
 

@@ -45,6 +45,11 @@ def video(report: Report, path: Path) -> None:
     pass_video(report.subject.trajectory, report.subject.tool, path)
 
 
+def series(report: Report) -> dict[str, Any]:
+    """The simulated motion."""
+    return dict(report.subject.trajectory.columns())
+
+
 SCENARIO = Scenario(
     name="cue_and_impact",
     question="From bar to rebound: does the cued tool do what the formulas say?",
@@ -52,6 +57,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     video=video,
+    series=series,
 )
 
 if __name__ == "__main__":

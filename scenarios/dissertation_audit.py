@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from bristle_sim.comparison import Report
+from bristle_sim.dissertation.audit import AuditView, audit_report
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.studies.audit_report import AuditView, audit_report
 
 
 def run(values: Mapping[str, Any]) -> Report:

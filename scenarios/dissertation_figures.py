@@ -2,7 +2,7 @@
 
 Where a figure's quantity can be simulated, impacts through the scene stand on the formula's curve, by the energetic law and
 resolved in time; elsewhere the printed equation is evaluated number by number. The table says how far they lie apart.
-``--plot FOLDER`` writes one picture a figure, ``--only 2.24`` keeps to one.
+``--plot FOLDER`` writes one picture a figure, ``--plot FILE.pdf`` one page a figure; ``--only 2.24`` keeps to one.
 """
 
 import sys
@@ -11,20 +11,20 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
+from bristle_sim.dissertation.figures import Selection, figures_report
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.studies.dissertation_report import Selection, figures_report
 
 
 def run(values: Mapping[str, Any]) -> Report:
-    """Compute the figures asked for."""
+    """Compute the requested figures."""
     return figures_report(build(Selection, values))
 
 
-def plot(report: Report, folder: Path) -> None:
-    """One picture a figure, named after its number."""
+def plot(report: Report, target: Path) -> None:
+    """Draw one picture a figure, named after its number, or one page a figure."""
     from bristle_sim.render.dissertation_figures import save_figures
 
-    save_figures(report.subject, folder)
+    save_figures(report.subject, target)
 
 
 SCENARIO = Scenario(

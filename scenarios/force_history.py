@@ -1,7 +1,9 @@
-"""Force history: the curve that chapter 3 assumes beside the contact force of a bristle in the scene.
+"""Force history: the curve that chapter 3 assumes compared with the contact force of a bristle in the scene.
 
 Both have the same compressive impulse and compression time; the peak force is the finding. A measured force history takes
-the curve's place with ``--set force_csv=FILE``: two columns, time in s and force in N.
+the curve's place with ``--set force_csv=FILE``, a file as an oscilloscope exports it: the contact is found on any clock and
+above any zero, units are read from headings, ``time_column`` and ``force_column`` choose among several columns, and
+``force_per_volt`` is the sensitivity of a force recorded as a voltage.
 """
 
 import sys
@@ -30,11 +32,18 @@ def run(values: Mapping[str, Any]) -> Report:
 
 
 def plot(report: Report, path: Path) -> None:
-    """Both forces over time, the ten segments of table 3.1, and the fit tried on points of the curve."""
+    """Draw both forces over time, the ten segments of table 3.1 and the fit tried on points of the curve."""
     from bristle_sim.render.force_figure import force_figure
     from bristle_sim.render.style import save_figure
 
     save_figure(force_figure(report.subject), path)
+
+
+def series(report: Report) -> dict[str, Any]:
+    """The simulated contact in time."""
+    if report.subject.contact is None:
+        raise ValueError(report.subject.no_contact)
+    return dict(report.subject.contact.record.columns())
 
 
 SCENARIO = Scenario(
@@ -43,6 +52,7 @@ SCENARIO = Scenario(
     parts=(Hub, Bristle, Surface, ForceHistory, Measurement, Settings),
     run=run,
     plot=plot,
+    series=series,
     without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
 )
 

@@ -8,9 +8,9 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
+from bristle_sim.benchmarks.hard_cases.report import HardCaseChoice, hard_cases
 from bristle_sim.comparison import Report
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.studies.hard_cases.report import HardCaseChoice, hard_cases
 
 
 def run(values: Mapping[str, Any]) -> Report:

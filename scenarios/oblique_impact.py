@@ -32,15 +32,22 @@ def plot(report: Report, path: Path) -> None:
     """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
     from bristle_sim.render.impact_figures import oblique_figure
     from bristle_sim.render.style import save_figure
+    from bristle_sim.studies.impact_families import oblique_panels
 
-    save_figure(oblique_figure(report.subject), path)
+    save_figure(oblique_figure(report.subject, oblique_panels(report.subject)), path)
 
 
 def video(report: Report, path: Path) -> None:
-    """The strike in ultra slow motion, resolved in time."""
+    """The strike in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
     from bristle_sim.render.impact_video import impact_video
+    from bristle_sim.studies.timed_contact import with_visible_contact
 
-    impact_video(report.subject, path)
+    impact_video(with_visible_contact(report.subject), path)
+
+
+def series(report: Report) -> dict[str, Any]:
+    """The contact in time, where the law resolves it."""
+    return dict(report.subject.strikes[report.subject.law].contact.columns())
 
 
 SCENARIO = Scenario(
@@ -50,6 +57,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     video=video,
+    series=series,
     without=("wire_diameter", "knee_position", "knee_angle_deg", "step", "hub_turn"),
 )
 

@@ -1,1 +1,3 @@
 """Time-domain cross-check of the bristle-blasting impact model."""
+
+__version__ = "0.1.0"

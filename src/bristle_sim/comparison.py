@@ -1,4 +1,4 @@
-"""Simulated beside theory, reference and print: one row a quantity, one rule for what agrees."""
+"""Comparison of simulated numbers with theory, reference and print: one row a quantity, one rule for what agrees."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Quantity", "Report", "table"]
+__all__ = ["Quantity", "Report", "Unfinished", "finite", "table"]
 
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """One number seen from several sides; None where a side does not know it.
+    """One number by simulation, theory, reference and print; None where one of them does not know it.
 
     Attributes:
         name, unit: what it is; unit "1" for pure numbers.
@@ -20,8 +20,8 @@ class Quantity:
         theory: from a closed form.
         reference: from the independent solution.
         printed: in the dissertation.
-        tolerance: allowed relative difference (absolute where the other side is 0), or None where a difference is a
-            finding rather than an error.
+        tolerance: largest relative difference that agrees (absolute where the other side is 0), or None where a
+            difference is a finding rather than an error.
     """
 
     name: str
@@ -35,20 +35,26 @@ class Quantity:
     @property
     def judge(self) -> float | None:
         """What the simulated value is compared with: the reference if there is one, else theory, else print."""
-        for side in (self.reference, self.theory, self.printed):
+        return self._judged[0]
+
+    @property
+    def judge_name(self) -> str | None:
+        """Which side that is: ``reference``, ``theory`` or ``print``."""
+        return self._judged[1]
+
+    @property
+    def _judged(self) -> tuple[float | None, str | None]:
+        for side, name in ((self.reference, "reference"), (self.theory, "theory"), (self.printed, "print")):
             if side is not None:
-                return side
-        return None
+                return side, name
+        return None, None
 
     @property
     def relative_difference(self) -> float | None:
         """(simulated - judge) / |judge|; None where it has no meaning."""
-        return _relative(self.simulated, self.judge)
-
-    @property
-    def difference_from_print(self) -> float | None:
-        """(simulated - printed) / |printed|."""
-        return _relative(self.simulated, self.printed)
+        if self.simulated is None or self.judge is None or self.judge == 0.0:
+            return None
+        return (self.simulated - self.judge) / abs(self.judge)
 
     @property
     def ok(self) -> bool | None:
@@ -82,7 +88,7 @@ class Report:
     """What a scenario found.
 
     Attributes:
-        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``.
+        outcome: ``rebound``, ``no rebound``, ``stiction`` or ``no contact``; None where no impact is asked about.
         quantities: the comparison.
         phases: of the impact, in order.
         events: (name, time in s), in order.
@@ -92,7 +98,7 @@ class Report:
         subject: what pictures are made of.
     """
 
-    outcome: str
+    outcome: str | None
     quantities: tuple[Quantity, ...]
     phases: tuple[str, ...] = ()
     events: tuple[tuple[str, float], ...] = ()
@@ -103,44 +109,94 @@ class Report:
     subject: Any = None
 
 
+class Unfinished(KeyboardInterrupt):
+    """The user's interruption of long work, with a report of what was finished by then."""
+
+    def __init__(self, report: Report) -> None:
+        super().__init__("interrupted")
+        self.report = report
+
+
 def finite(value: float | None) -> float | None:
     """The number, or None for what is not one."""
     return float(value) if value is not None and math.isfinite(value) else None
 
 
+WIDTH = 100
+"""Columns that a table fits in."""
+
+PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}
+
+LARGEST_PREFIX = {"s": "", "m": "", "N s": "", "g": "k", "N": "k", "N m": "k", "J": "k", "W": "k", "Pa": "G", "Hz": "k"}
+"""Units that are shown with a prefix, and the largest one that is customary."""
+
+
 def table(quantities: Sequence[Quantity]) -> str:
-    """An aligned table for the terminal: quantity, unit, simulated, theory, relative difference, printed."""
-    with_reference = any(row.reference is not None for row in quantities)
-    head = ["quantity", "unit", "simulated", "theory"]
-    head += ["reference"] if with_reference else []
-    head += ["rel. diff.", "tolerance", "ok", "printed", "diff. from print"]
-    rows = [head]
-    for each in quantities:
-        row = [each.name, each.unit, _number(each.simulated), _number(each.theory)]
-        row += [_number(each.reference)] if with_reference else []
-        row += [_small(each.relative_difference), _small(each.tolerance)]
-        row += [{True: "yes", False: "NO", None: "-"}[each.ok], _number(each.printed)]
-        row += [_small(each.difference_from_print)]
-        rows.append(row)
-    widths = [max(len(row[column]) for row in rows) for column in range(len(head))]
+    """Return an aligned table for the terminal, in units with prefixes, without columns that would be empty.
+
+    The relative difference names what it is from. The reference's own column is left out where the table would be wider
+    than 100 columns with it.
+    """
+    for digits, with_reference in ((6, True), (5, True), (6, False), (5, False), (4, False)):
+        found = _table(quantities, digits, with_reference)
+        if max(map(len, found)) <= WIDTH:
+            break
+    return "\n".join(found)
+
+
+def _table(quantities: Sequence[Quantity], digits: int, with_reference: bool) -> list[str]:
+    sides = ("simulated", "theory", *(["reference"] if with_reference else []), "printed")
+    head = ["quantity", "unit", *sides, "difference from", "within", "ok"]
+    rows = [head, *(_row(each, sides, digits) for each in quantities)]
+    kept = [i for i, title in enumerate(head) if title in head[:3] or any(row[i] != "-" for row in rows[1:])]
+    rows = [[row[i] for i in kept] for row in rows]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(kept))]
     lines = []
     for row in rows:
         words = [cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True)]
         words += [cell.rjust(width) for cell, width in zip(row[2:], widths[2:], strict=True)]
         lines.append("  ".join(words).rstrip())
     lines.insert(1, "-" * max(map(len, lines)))
-    return "\n".join(lines)
+    return lines
 
 
-def _relative(value: float | None, other: float | None) -> float | None:
-    if value is None or other is None or other == 0.0:
-        return None
-    return (value - other) / abs(other)
+def _row(each: Quantity, sides: Sequence[str], digits: int) -> list[str]:
+    unit, factor = _readable_unit(each.unit, (each.simulated, each.theory, each.reference, each.printed))
+    numbers = [_number(getattr(each, side), factor, digits) for side in sides]
+    difference = _share(each.relative_difference, "+")
+    if difference != "-":
+        difference += f" {each.judge_name}"
+    return [
+        each.name,
+        unit,
+        *numbers,
+        difference,
+        _share(each.tolerance),
+        {True: "yes", False: "NO", None: "-"}[each.ok],
+    ]
 
 
-def _number(value: float | None) -> str:
-    return "-" if value is None or not math.isfinite(value) else f"{value:.7g}"
+def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
+    """The unit with the prefix that leaves one to three digits before the point of the largest value, and its size."""
+    base, own = ("g", 1e-3) if unit == "kg" else (unit, 1.0)
+    largest = max((abs(value) for value in values if value is not None and math.isfinite(value)), default=0.0)
+    if base not in LARGEST_PREFIX or largest == 0.0:
+        return unit, 1.0
+    customary = PREFIXES[LARGEST_PREFIX[base]]
+    for prefix, size in PREFIXES.items():
+        if size <= customary and largest >= size * own * (1.0 - 1e-9):
+            return prefix + base, size * own
+    return "n" + base, 1e-9 * own
 
 
-def _small(value: float | None) -> str:
-    return "-" if value is None or not math.isfinite(value) else f"{value:.1e}"
+def _number(value: float | None, factor: float, digits: int) -> str:
+    return "-" if value is None or not math.isfinite(value) else f"{value / factor:.{digits}g}"
+
+
+def _share(value: float | None, sign: str = "") -> str:
+    """A relative number: in per cent, or by its power of ten where it is small or huge."""
+    if value is None or not math.isfinite(value):
+        return "-"
+    if value == 0.0:
+        return "0"
+    return f"{100.0 * value:{sign}.3g} %" if 1e-4 <= abs(value) < 10.0 else f"{value:{sign}.0e}"

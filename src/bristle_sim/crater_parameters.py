@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.quantity import quantity, shown, validate
+from bristle_sim.quantity import ANY, Range, quantity, shown, validate
 
 __all__ = ["Crater", "ForceHistory", "InputFile", "Measurement"]
 
@@ -22,15 +22,17 @@ class InputFile:
     unit: str = "file"
     allowed: str = "a readable file"
     optional: bool = True
+    meaning: str = ""
+    needs: str = ""
 
     def parse(self, text: str) -> str:
         """Turn typed text into the name of a file that is there; raises ValueError in one line."""
         return self.check(text)
 
     def check(self, value: Any) -> str:
-        """Return the name, or raise ValueError with key, value and what is allowed."""
+        """Return the name, or raise ValueError with key, value and what it must be."""
         if not isinstance(value, str) or not _is_file(value):
-            raise ValueError(f"{self.key} = {shown(value)}: {self.allowed} is allowed")
+            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
         return str(value)
 
 
@@ -41,7 +43,54 @@ def _is_file(name: str) -> bool:
         return False
 
 
-_FORCE_CSV = InputFile("force_csv", "none: the measured points are not in print; two columns, time in s and force in N")
+@dataclass(frozen=True, slots=True)
+class ColumnName:
+    """A column of a file; None where the file itself says which."""
+
+    key: str
+    source: str
+    unit: str = "column"
+    allowed: str = "the heading of a column, or its number from 1 on"
+    optional: bool = True
+    meaning: str = ""
+    needs: str = ""
+
+    def parse(self, text: str) -> str:
+        """Take typed text as it is; raises ValueError in one line if there is none."""
+        return self.check(text)
+
+    def check(self, value: Any) -> str:
+        """Return the name, or raise ValueError with key, value and what it must be."""
+        if not isinstance(value, str) or not value.strip():
+            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
+        return value
+
+
+_FORCE_CSV = InputFile(
+    "force_csv",
+    "none: the measured points are not in print",
+    meaning="measured force history: columns of time and force as an oscilloscope exports them",
+)
+_TIME_COLUMN = ColumnName(
+    "time_column",
+    "the one that the file marks as time, else the first",
+    meaning="column of the time in the file",
+)
+_FORCE_COLUMN = ColumnName(
+    "force_column",
+    "the one that the file marks as force, or the only other one",
+    meaning="column of the force in the file",
+)
+_FORCE_PER_VOLT = Range(
+    "force_per_volt",
+    "N/V",
+    -1e12,
+    1e12,
+    True,
+    "none: the file holds a force, not a voltage",
+    optional=True,
+    meaning="calibration of a force that was recorded as a voltage",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,34 +98,76 @@ class Measurement:
     """A measured force history that takes the place of the published curve."""
 
     force_csv: str | None = field(default=None, metadata={"declaration": _FORCE_CSV})
+    time_column: str | None = field(default=None, metadata={"declaration": _TIME_COLUMN})
+    force_column: str | None = field(default=None, metadata={"declaration": _FORCE_COLUMN})
+    force_per_volt: float | None = field(default=None, metadata={"declaration": _FORCE_PER_VOLT})
 
     def __post_init__(self) -> None:
-        if self.force_csv is not None:
-            _FORCE_CSV.check(self.force_csv)
+        for declared in (_FORCE_CSV, _TIME_COLUMN, _FORCE_COLUMN, _FORCE_PER_VOLT):
+            value = getattr(self, declared.key)
+            if value is None:
+                continue
+            declared.check(value)
+            if self.force_csv is None:
+                raise ValueError(f"{declared.key} = {shown(value)}: must be given with force_csv, which it describes")
+        if self.force_per_volt == 0.0:
+            raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
 
 
 @dataclass(frozen=True, slots=True)
 class ForceHistory:
-    """The contact laid beside a force curve, and the points on which the fit is tried.
+    """The contact compared with a force curve, and the points on which the fit is tried.
 
     ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse asks for, as long
     as its force rises.
     """
 
     speed_ratio: float | None = quantity(
-        None, "speed_ratio", "1", above=0.0, at_most=1e6, source="the one that gives the curve's compressive impulse"
+        None,
+        "speed_ratio",
+        "1",
+        above=0.0,
+        at_most=1e6,
+        source="the one that gives the curve's compressive impulse",
+        meaning="bristle's rate over the hub's speed when it strikes, R; none: from the curve's impulse",
     )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=90.0, source="Zhang 2020, eq. 3.9: gamma"
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=90.0,
+        source="Zhang 2020, eq. 3.9: gamma",
+        meaning="angle between the radial bristle and the workpart's normal, gamma",
     )
     compression_time: float | None = quantity(
-        None, "compression_time", "s", at_least=1e-9, at_most=1.0, source="the curve's: Zhang 2020, eq. 3.20, 5e-5"
+        None,
+        "compression_time",
+        "s",
+        at_least=1e-9,
+        at_most=1.0,
+        source="the curve's: Zhang 2020, eq. 3.20, 5e-5",
+        meaning="time from first touch to the highest force; none: the curve's",
     )
     points: float = quantity(
-        101.0, "points", "1", at_least=10.0, at_most=1e5, source="chosen: on which the fit is tried"
+        101.0,
+        "points",
+        "1",
+        at_least=10.0,
+        at_most=1e5,
+        source="chosen: on which the fit is tried",
+        meaning="number of points of the curve on which the fit is tried",
+        usual=ANY,
     )
     noise: float = quantity(
-        1.0, "noise", "N", at_least=0.0, at_most=1e6, source="chosen: standard deviation of a noisy point"
+        1.0,
+        "noise",
+        "N",
+        at_least=0.0,
+        at_most=1e6,
+        source="chosen: standard deviation of a noisy point",
+        meaning="standard deviation of the noise added to the points",
+        usual=ANY,
     )
 
     def __post_init__(self) -> None:
@@ -88,9 +179,23 @@ class ForceHistory:
 class Crater:
     """A bristle's tip that cuts."""
 
-    speed_ratio: float = quantity(3.23, "speed_ratio", "1", at_least=0.0, at_most=1e6, source=SPEED_RATIO_SOURCE)
+    speed_ratio: float = quantity(
+        3.23,
+        "speed_ratio",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source=SPEED_RATIO_SOURCE,
+        meaning="bristle's rate over the hub's speed when it strikes, R",
+    )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=89.0, source="Zhang 2020, eq. 4.51: gamma"
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=89.0,
+        source="Zhang 2020, eq. 4.51: gamma",
+        meaning="angle between the radial bristle and the workpart's normal, gamma",
     )
     friction: float = quantity(
         0.5,
@@ -99,12 +204,26 @@ class Crater:
         at_least=1e-6,
         at_most=1e9,
         source="Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
+        meaning="coefficient of friction between tip and workpart while it cuts",
     )
     shear_yield_stress: float = quantity(
-        1.2e8, "shear_yield_stress", "Pa", at_least=1.0, at_most=1e15, source="Zhang 2020, eq. 4.53: steel API 5L"
+        1.2e8,
+        "shear_yield_stress",
+        "Pa",
+        at_least=1.0,
+        at_most=1e15,
+        source="Zhang 2020, eq. 4.53: steel API 5L",
+        meaning="shear yield stress of the workpart's steel",
     )
     plies: float = quantity(
-        300.0, "plies", "1", at_least=1.0, at_most=1e5, source="Zhang 2020, below fig. 4.13: n, of equal time"
+        300.0,
+        "plies",
+        "1",
+        at_least=1.0,
+        at_most=1e5,
+        source="Zhang 2020, below fig. 4.13: n, of equal time",
+        meaning="number of layers into which the cut is divided",
+        usual=ANY,
     )
     compression_time: float = quantity(
         5e-5,
@@ -113,6 +232,7 @@ class Crater:
         at_least=1e-8,
         at_most=1e-4,
         source="Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
+        meaning="time from first touch to deepest penetration, t_c",
     )
 
     def __post_init__(self) -> None:
@@ -122,4 +242,4 @@ class Crater:
 
 def _whole(key: str, value: float) -> None:
     if value != int(value):
-        raise ValueError(f"{key} = {value!r}: a whole number is allowed (dimensionless)")
+        raise ValueError(f"{key} = {value!r}: must be a whole number (dimensionless)")

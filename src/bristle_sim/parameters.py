@@ -14,7 +14,7 @@ import itertools
 import math
 from dataclasses import dataclass, field
 
-from bristle_sim.quantity import choice, quantity, shown, validate
+from bristle_sim.quantity import ANY, choice, quantity, shown, validate
 
 __all__ = [
     "Bar",
@@ -22,9 +22,12 @@ __all__ = [
     "Bristle",
     "Comparison",
     "Contact",
+    "DoublePendulum",
     "Hub",
     "Release",
+    "SinglePendulum",
     "Strike",
+    "Surface",
     "Tool",
     "Workpart",
     "operating_point",
@@ -50,9 +53,24 @@ def _bar_radius() -> float:
 class Hub:
     """Rotating hub that keeps its speed."""
 
-    speed: float = quantity(261.8, "hub_speed", "rad/s", at_least=0.0, at_most=1e6, source="Zhang 2020, eq. 2.2")
+    speed: float = quantity(
+        261.8,
+        "hub_speed",
+        "rad/s",
+        at_least=0.0,
+        at_most=1e6,
+        source="Zhang 2020, eq. 2.2",
+        meaning="speed of the hub's rotation",
+        usual=(1.0, 1500.0),  # 10 to 14 000 rpm: a speed typed in rpm without saying so is larger
+    )
     radius: float = quantity(
-        0.0275, "hub_radius", "m", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.2: root circle"
+        0.0275,
+        "hub_radius",
+        "m",
+        at_least=0.0,
+        at_most=1e3,
+        source="Zhang 2020, eq. 2.2: root circle",
+        meaning="distance of the bristle's root from the hub's centre",
     )
 
     def __post_init__(self) -> None:
@@ -70,9 +88,16 @@ class Belt:
         at_least=0.0,
         at_most=1e9,
         source="Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
+        meaning="torsional stiffness of the belt at the bristle's root",
     )
     damping_ratio: float = quantity(
-        0.0, "belt_damping_ratio", "1", at_least=0.0, at_most=1e3, source="undamped as in Zhang 2020"
+        0.0,
+        "belt_damping_ratio",
+        "1",
+        at_least=0.0,
+        at_most=1e3,
+        source="undamped as in Zhang 2020",
+        meaning="damping ratio of the bristle on its belt; 1 is critical",
     )
 
     def __post_init__(self) -> None:
@@ -83,12 +108,32 @@ class Belt:
 class Bristle:
     """Rigid slender wire, straight or with one knee; a positive knee bends the tip forward, in the hub's sense."""
 
-    length: float = quantity(0.027, "bristle_length", "m", at_least=1e-9, at_most=1e3, source="Zhang 2020, eq. 2.2")
+    length: float = quantity(
+        0.027,
+        "bristle_length",
+        "m",
+        at_least=1e-9,
+        at_most=1e3,
+        source="Zhang 2020, eq. 2.2",
+        meaning="length of the wire from root to tip, along its centre line",
+    )
     mass: float = quantity(
-        8.387e-5, "bristle_mass", "kg", at_least=1e-30, at_most=1e6, source="Zhang 2020, caption of fig. 2.7"
+        8.387e-5,
+        "bristle_mass",
+        "kg",
+        at_least=1e-30,
+        at_most=1e6,
+        source="Zhang 2020, caption of fig. 2.7",
+        meaning="mass of one bristle",
     )
     wire_diameter: float = quantity(
-        7.1e-4, "wire_diameter", "m", at_least=0.0, at_most=1e2, source="Zhang 2020, sec. 4.1: tip ellipse"
+        7.1e-4,
+        "wire_diameter",
+        "m",
+        at_least=0.0,
+        at_most=1e2,
+        source="Zhang 2020, sec. 4.1: tip ellipse",
+        meaning="thickness of the wire, half of which touches the bar",
     )
     knee_position: float = quantity(
         0.75,
@@ -97,9 +142,17 @@ class Bristle:
         at_least=0.01,
         at_most=0.99,
         source="assumed: share of the length; Zhang 2020, fig. 1.3",
+        meaning="distance of the knee from the root, as a fraction of the length",
+        needs="knee_angle_deg != 0",
     )
     knee_angle_deg: float = quantity(
-        0.0, "knee_angle_deg", "deg", at_least=-90.0, at_most=90.0, source="straight as in Zhang 2020, fig. 2.5"
+        0.0,
+        "knee_angle_deg",
+        "deg",
+        at_least=-90.0,
+        at_most=90.0,
+        source="straight as in Zhang 2020, fig. 2.5",
+        meaning="bend at the knee; positive bends the tip forward, in the hub's sense",
     )
     links: int = quantity(1, "wire_links", "1", at_least=1, at_most=64, source="rigid as in Zhang 2020, sec. 2.3")
     modulus: float = quantity(2e11, "wire_modulus", "Pa", above=0.0, at_most=1e15, source="steel")
@@ -176,18 +229,43 @@ class Bar:
         above=0.0,
         at_most=1e3,
         source="from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg",
+        meaning="radius of the accelerator bar",
     )
     horizontal: float = quantity(
-        0.05037, "bar_horizontal", "m", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.3: S_H"
+        0.05037,
+        "bar_horizontal",
+        "m",
+        at_least=0.0,
+        at_most=1e3,
+        source="Zhang 2020, eq. 2.3: S_H",
+        meaning="distance of the bar's centre from the hub's, along the workpart, on the incoming side",
     )
     vertical: float = quantity(
-        0.0225, "bar_vertical", "m", at_least=-1e3, at_most=1e3, source="Zhang 2020, eq. 2.3: S_V"
+        0.0225,
+        "bar_vertical",
+        "m",
+        at_least=-1e3,
+        at_most=1e3,
+        source="Zhang 2020, eq. 2.3: S_V",
+        meaning="distance of the bar's centre below the hub's",
     )
     friction: float = quantity(
-        0.0, "bar_friction", "1", at_least=0.0, at_most=1e6, source="frictionless as in Zhang 2020, sec. 2.2"
+        0.0,
+        "bar_friction",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source="frictionless as in Zhang 2020, sec. 2.2",
+        meaning="coefficient of friction between wire and bar",
     )
     restitution: float = quantity(
-        0.0, "bar_restitution", "1", at_least=0.0, at_most=1.0, source="assumed: the bar does not throw the wire back"
+        0.0,
+        "bar_restitution",
+        "1",
+        at_least=0.0,
+        at_most=1.0,
+        source="assumed: the bar does not throw the wire back",
+        meaning="energetic coefficient of restitution between wire and bar",
     )
 
     def __post_init__(self) -> None:
@@ -204,10 +282,22 @@ class Surface:
     """How a tip rubs and rebounds on a flat, rigid surface."""
 
     friction: float = quantity(
-        0.31, "friction", "1", at_least=0.0, at_most=1e9, source="Zhang 2020, caption of fig. 2.8: mu_1"
+        0.31,
+        "friction",
+        "1",
+        at_least=0.0,
+        at_most=1e9,
+        source="Zhang 2020, caption of fig. 2.8: mu_1",
+        meaning="coefficient of friction between tip and workpart during compression, mu_1",
     )
     restitution_friction: float | None = quantity(
-        None, "restitution_friction", "1", at_least=0.0, at_most=1e9, source="Zhang 2020, case II: equal to friction"
+        None,
+        "restitution_friction",
+        "1",
+        at_least=0.0,
+        at_most=1e9,
+        source="Zhang 2020, case II: equal to friction",
+        meaning="coefficient of friction during restitution, mu_2; none: equal to friction",
     )
     restitution: float = quantity(
         0.42,
@@ -216,6 +306,7 @@ class Surface:
         at_least=0.0,
         at_most=1.0,
         source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*",
+        meaning="energetic coefficient of restitution between tip and workpart, e*",
     )
 
     def __post_init__(self) -> None:
@@ -238,6 +329,7 @@ class Workpart(Surface):
         at_least=-1e3,
         at_most=1e3,
         source="Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
+        meaning="depth by which the workpart cuts into the circle of undeflected tips, Delta",
     )
 
     def __post_init__(self) -> None:
@@ -249,7 +341,11 @@ class Contact:
     """How a contact is resolved: by the energetic impact law, in time as a compliance, or by the engine's own."""
 
     law: str = choice(
-        "energetic", "contact", ("energetic", "compliant", "engine"), source="Stronge 1990: energetic restitution"
+        "energetic",
+        "contact",
+        ("energetic", "compliant", "engine"),
+        source="Stronge 1990: energetic restitution",
+        meaning="law of impact: by energy, resolved in time on a spring, or the engine's own",
     )
     duration: float | None = quantity(
         None,
@@ -258,10 +354,17 @@ class Contact:
         at_least=1e-18,
         at_most=1.0,
         source="compliant law: time in touch; by default short enough for the rigid-body limit",
+        meaning="time that a contact resolved in time lasts; none: short enough for the rigid-body limit",
+        needs="contact = compliant",
     )
 
     def __post_init__(self) -> None:
         validate(self)
+        if self.duration is not None and self.law != "compliant":
+            raise ValueError(
+                f"contact_duration = {self.duration:g}: must be left out with contact = {self.law}, whose impacts are not"
+                " resolved in time (in s)"
+            )
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,7 +382,13 @@ class Tool:
     workpart: Workpart | None = field(default_factory=Workpart)
     contact: Contact = field(default_factory=Contact)
     gravity: float = quantity(
-        0.0, "gravity", "m/s^2", at_least=0.0, at_most=1e6, source="off: 1e-4 of the centrifugal acceleration"
+        0.0,
+        "gravity",
+        "m/s^2",
+        at_least=0.0,
+        at_most=1e6,
+        source="off: 1e-4 of the centrifugal acceleration",
+        meaning="acceleration of gravity, towards the workpart",
     )
 
     def __post_init__(self) -> None:
@@ -287,17 +396,17 @@ class Tool:
         for name, kinds in PARTS.items():
             if not isinstance(getattr(self, name), kinds):
                 words = " or ".join("None" if kind is type(None) else f"a {kind.__name__}" for kind in kinds)
-                raise ValueError(f"{name} = {shown(getattr(self, name))}: {words} is allowed")
+                raise ValueError(f"{name} = {shown(getattr(self, name))}: must be {words}")
         if self.workpart is not None and self.workpart_depth <= self.hub.radius:
-            allowed = self.workpart_depth + self.workpart.penetration - self.hub.radius
+            reach = self.workpart_depth + self.workpart.penetration - self.hub.radius
             raise ValueError(
-                f"penetration = {self.workpart.penetration:g}: less than the bristle's reach beyond the hub's rim ="
-                f" {allowed:g} is allowed, or the rim would touch the workpart (in m)"
+                f"penetration = {self.workpart.penetration:g}: must be less than the bristle's reach beyond the hub's rim ="
+                f" {reach:g}, or the rim would touch the workpart (in m)"
             )
         if self.bar is not None and self.bar_clearance <= self.hub.radius:
             raise ValueError(
-                f"bar_radius = {self.bar.radius:g}: less than the bar centre's distance minus hub_radius and half"
-                f" of wire_diameter = {self.bar_clearance + self.bar.radius - self.hub.radius:g} is allowed, or the bar"
+                f"bar_radius = {self.bar.radius:g}: must be less than the bar centre's distance minus hub_radius and half"
+                f" of wire_diameter = {self.bar_clearance + self.bar.radius - self.hub.radius:g}, or the bar"
                 " would stand in the root circle (in m)"
             )
 
@@ -308,7 +417,7 @@ class Tool:
         The tip circle of an undeflected straight bristle has the radius r_h + L.
         """
         if self.workpart is None:
-            raise ValueError("workpart = None: a Workpart is allowed where its depth is asked for")
+            raise ValueError("workpart = None: must be a Workpart where its depth is requested")
         x, y = self.bristle.tip
         return math.hypot(x, self.hub.radius - y) - self.workpart.penetration
 
@@ -316,14 +425,14 @@ class Tool:
     def bar_reach(self) -> float:
         """Distance from the bar's centre at which the wire's centre line touches the bar, r_b + d/2, m."""
         if self.bar is None:
-            raise ValueError("bar = None: a Bar is allowed where its reach is asked for")
+            raise ValueError("bar = None: must be a Bar where its reach is requested")
         return self.bar.radius + self.bristle.wire_diameter / 2.0
 
     @property
     def bar_clearance(self) -> float:
         """Largest radius from the hub's centre that passes under the bar, S - r_b - d/2, m."""
         if self.bar is None:
-            raise ValueError("bar = None: a Bar is allowed where its clearance is asked for")
+            raise ValueError("bar = None: must be a Bar where its clearance is requested")
         return math.hypot(self.bar.horizontal, self.bar.vertical) - self.bar_reach
 
     @property
@@ -353,7 +462,13 @@ class Release:
     """Release of the bristle from rest relative to the hub."""
 
     retraction_deg: float = quantity(
-        44.5, "retraction_deg", "deg", at_least=1e-6, at_most=89.9, source="Zhang 2020, eq. 2.2: theta_p"
+        44.5,
+        "retraction_deg",
+        "deg",
+        at_least=1e-6,
+        at_most=89.9,
+        source="Zhang 2020, eq. 2.2: theta_p",
+        meaning="angle by which the released bristle lags the radial direction",
     )
 
     def __post_init__(self) -> None:
@@ -371,9 +486,16 @@ class Strike:
         at_least=0.0,
         at_most=1e6,
         source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
+        meaning="bristle's rate over the hub's speed when it strikes, R",
     )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=90.0, source="Zhang 2020, sec. 2.3: gamma"
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=90.0,
+        source="Zhang 2020, sec. 2.3: gamma",
+        meaning="angle between the radial bristle and the workpart's normal, gamma",
     )
 
     def __post_init__(self) -> None:
@@ -385,16 +507,40 @@ class SinglePendulum:
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
     mass: float = quantity(
-        8.387e-5, "rod_mass", "kg", at_least=1e-30, at_most=1e6, source="the bristle's: Zhang 2020, 2.4.1"
+        8.387e-5,
+        "rod_mass",
+        "kg",
+        at_least=1e-30,
+        at_most=1e6,
+        source="the bristle's: Zhang 2020, 2.4.1",
+        meaning="mass of the rod",
     )
     length: float = quantity(
-        0.027, "rod_length", "m", at_least=1e-9, at_most=1e3, source="the bristle's: Zhang 2020, 2.4.1"
+        0.027,
+        "rod_length",
+        "m",
+        at_least=1e-9,
+        at_most=1e3,
+        source="the bristle's: Zhang 2020, 2.4.1",
+        meaning="length of the rod",
     )
     impact_angle_deg: float = quantity(
-        23.4, "impact_angle_deg", "deg", at_least=1e-30, at_most=90.0, source="Zhang 2020, fig. 2.25: rod to the normal"
+        23.4,
+        "impact_angle_deg",
+        "deg",
+        at_least=1e-30,
+        at_most=90.0,
+        source="Zhang 2020, fig. 2.25: rod to the normal",
+        meaning="angle between the rod and the surface's normal, gamma",
     )
     rate: float = quantity(
-        -845.6, "rate", "rad/s", at_least=-1e9, at_most=1e9, source="Zhang 2020, fig. 2.30; negative approaches"
+        -845.6,
+        "rate",
+        "rad/s",
+        at_least=-1e9,
+        at_most=1e9,
+        source="Zhang 2020, fig. 2.30; negative approaches",
+        meaning="rate of the rod before the impact; negative approaches",
     )
 
     def __post_init__(self) -> None:
@@ -405,24 +551,69 @@ class SinglePendulum:
 class DoublePendulum:
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
-    mass: float = quantity(5.0, "rod_mass", "kg", at_least=1e-30, at_most=1e6, source="Zhang 2020, fig. 2.28: m_2")
+    mass: float = quantity(
+        5.0,
+        "rod_mass",
+        "kg",
+        at_least=1e-30,
+        at_most=1e6,
+        source="Zhang 2020, fig. 2.28: m_2",
+        meaning="mass of the second rod, whose end strikes, m_2",
+    )
     mass_ratio: float = quantity(
-        1.0, "mass_ratio", "1", at_least=1e-9, at_most=1e12, source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2"
+        1.0,
+        "mass_ratio",
+        "1",
+        at_least=1e-9,
+        at_most=1e12,
+        source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2",
+        meaning="mass of the first rod over the second's, n",
+        usual=ANY,
     )
     length: float = quantity(
-        1.0, "rod_length", "m", at_least=1e-9, at_most=1e3, source="Zhang 2020, sec. 2.4.2: both rods"
+        1.0,
+        "rod_length",
+        "m",
+        at_least=1e-9,
+        at_most=1e3,
+        source="Zhang 2020, sec. 2.4.2: both rods",
+        meaning="length of each rod",
     )
     angle_1_deg: float = quantity(
-        20.0, "angle_1_deg", "deg", at_least=-90.0, at_most=90.0, source="Zhang 2020, fig. 2.28: theta_1, to the normal"
+        20.0,
+        "angle_1_deg",
+        "deg",
+        at_least=-90.0,
+        at_most=90.0,
+        source="Zhang 2020, fig. 2.28: theta_1, to the normal",
+        meaning="angle of the first rod to the surface's normal",
     )
     angle_2_deg: float = quantity(
-        30.0, "angle_2_deg", "deg", at_least=-90.0, at_most=90.0, source="Zhang 2020, fig. 2.28: theta_2, to the normal"
+        30.0,
+        "angle_2_deg",
+        "deg",
+        at_least=-90.0,
+        at_most=90.0,
+        source="Zhang 2020, fig. 2.28: theta_2, to the normal",
+        meaning="angle of the second rod to the surface's normal",
     )
     rate_1: float = quantity(
-        -0.1, "rate_1", "rad/s", at_least=-1e9, at_most=1e9, source="Zhang 2020, fig. 2.28; negative approaches"
+        -0.1,
+        "rate_1",
+        "rad/s",
+        at_least=-1e9,
+        at_most=1e9,
+        source="Zhang 2020, fig. 2.28; negative approaches",
+        meaning="rate of the first rod before the impact; negative approaches",
     )
     rate_2: float = quantity(
-        -0.2, "rate_2", "rad/s", at_least=-1e9, at_most=1e9, source="Zhang 2020, fig. 2.28; negative approaches"
+        -0.2,
+        "rate_2",
+        "rad/s",
+        at_least=-1e9,
+        at_most=1e9,
+        source="Zhang 2020, fig. 2.28; negative approaches",
+        meaning="rate of the second rod before the impact; negative approaches",
     )
 
     def __post_init__(self) -> None:
@@ -431,9 +622,15 @@ class DoublePendulum:
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """What a run is laid beside."""
+    """What a run is compared with."""
 
-    reference: str = choice("no", "reference", ("no", "yes"), source="chosen: the independent solution takes longer")
+    reference: str = choice(
+        "no",
+        "reference",
+        ("no", "yes"),
+        source="chosen: the independent solution takes longer",
+        meaning="whether the independent solution is computed too and judges the result",
+    )
 
     def __post_init__(self) -> None:
         validate(self)

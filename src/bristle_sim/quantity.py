@@ -1,24 +1,44 @@
 """Declared, checked fields for frozen parameter objects.
 
-A physical parameter is declared once, with its default, unit, allowed range and source. The declaration validates
-every value that enters a parameter object and is what the scenario scripts list and parse.
+A physical parameter is declared once, with its meaning, default, unit, range and source. The declaration validates every
+value that enters a parameter object and is what the scenario scripts list and parse.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
+import re
 import reprlib
 from dataclasses import dataclass, field
 from numbers import Real
+from pathlib import Path
 from typing import Any
 
-__all__ = ["Choice", "Range", "check", "choice", "declaration", "quantity", "shown", "validate"]
+__all__ = ["ANY", "Choice", "Range", "check", "choice", "declaration", "quantity", "shown", "validate"]
+
+ANY = (0.0, math.inf)
+"""Sizes that are usual for a number whose default says nothing of what others are likely, such as an accuracy."""
+
+FAR = 100.0
+"""A value this many times its default, or less than the default by this factor, is unusual."""
 
 
 @dataclass(frozen=True, slots=True)
 class Range:
-    """A real number with a unit and an allowed range; ``optional`` ones may be None."""
+    """A real number with a unit and the range it must be in.
+
+    Attributes:
+        key: its name on the command line and in messages.
+        unit: of the number; "1" for pure numbers.
+        lowest, highest, lowest_allowed: the range; whether it includes its lower end.
+        source: of the default.
+        optional: whether the value may be None.
+        meaning: what it is, in a few words.
+        usual: smallest and largest size that draws no warning; None for those within a factor of 100 of the default.
+        needs: a condition on another key without which this one has no effect, such as ``contact = compliant``.
+    """
 
     key: str
     unit: str
@@ -27,23 +47,43 @@ class Range:
     lowest_allowed: bool
     source: str
     optional: bool = False
+    meaning: str = ""
+    usual: tuple[float, float] | None = None
+    needs: str = ""
 
     @property
     def allowed(self) -> str:
-        """The allowed range in words, for messages and listings."""
+        """The range in words, for messages and listings."""
         sign = "<=" if self.lowest_allowed else "<"
         return f"{self.lowest:g} {sign} {self.key} <= {self.highest:g}"
 
     def parse(self, text: str) -> float:
-        """Turn a typed decimal number into a checked value; raises ValueError in one line."""
-        try:
-            number = float(text)
-        except ValueError:
-            number = math.nan
-        # float() also takes grouped digits and those of other scripts, which nobody types on purpose here.
-        if "_" in text or not text.isascii() or not self._admits(number):
+        """Turn a typed decimal number, with a unit (``27mm``) or in the declared one, into a checked value.
+
+        Raises:
+            ValueError: in one line, for what is no number, of another dimension, or out of range.
+        """
+        typed = TYPED.fullmatch(text.strip())
+        number = math.nan if typed is None else float(typed["number"])
+        if typed is not None and typed["unit"]:
+            factor = conversion(typed["unit"], self.unit)
+            if factor is None:
+                raise self.refusal(text, f", to which {typed['unit']} cannot be converted")
+            number *= factor
+        if not self._admits(number):
             raise self.refusal(text)
         return number + 0.0
+
+    def unusual(self, value: float, default: float | None) -> bool:
+        """Whether a value is so far from the default, or from what is usual, that its unit may be mistaken."""
+        usual = self.usual
+        if usual is None:
+            if not default:
+                return False
+            usual = (abs(default) / FAR, abs(default) * FAR)
+        rounding = 1e-12
+        size = abs(value)
+        return size > 0.0 and not usual[0] * (1.0 + rounding) < size < usual[1] * (1.0 - rounding)
 
     def check(self, value: Any) -> float:
         """Return the value as a float, or raise ValueError naming key, value, range and unit."""
@@ -61,10 +101,42 @@ class Range:
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
         return math.isfinite(number) and above and number <= self.highest
 
-    def refusal(self, value: Any) -> ValueError:
-        """What to raise for a value that is not allowed."""
+    def refusal(self, value: Any, why: str = "") -> ValueError:
+        """What to raise for a value that is refused."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
-        return ValueError(f"{self.key} = {shown(value)}: a finite number with {self.allowed} is allowed ({unit})")
+        return ValueError(f"{self.key} = {shown(value)}: must be a finite number with {self.allowed} ({unit}{why})")
+
+
+_UNIT = r"[A-Za-z%\u00b0\u00b5\u03bc]+(?:(?:\^|\*\*)-?\d|[\u00b2\u00b3])?"
+
+TYPED = re.compile(
+    rf"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>{_UNIT}(?:\s*[*/\u00b7 ]\s*{_UNIT})*)?",
+    re.ASCII,
+)
+"""A decimal number and perhaps a product of powers of units. Python's float() takes more: grouped digits, those of other
+scripts, which nobody types on purpose here."""
+
+
+def conversion(unit: str, to: str) -> float | None:
+    """Factor that converts a number from one unit to another; None where there is none.
+
+    An angle is a dimension of its own here: 250 Hz are not 250 rad/s, nor N m the same as N m/rad.
+    """
+    try:
+        factor = float(_registry().Quantity(1.0, unit).to(to.replace(" ", "*")).magnitude)
+    except Exception:  # pint passes on whatever its parser meets: TokenError, ZeroDivisionError, AssertionError, ...
+        return None
+    return factor if math.isfinite(factor) and factor > 0.0 else None
+
+
+@functools.cache
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(filename=None)
+    registry.load_definitions(Path(pint.__file__).with_name("default_en.txt"))
+    registry.define("radian = [plane_angle] = rad")
+    return registry
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +148,12 @@ class Choice:
     source: str
     unit: str = "word"
     optional: bool = False
+    meaning: str = ""
+    needs: str = ""
 
     @property
     def allowed(self) -> str:
-        """The allowed words, for messages and listings."""
+        """The words, for messages and listings."""
         return " | ".join(self.options)
 
     def parse(self, text: str) -> str:
@@ -87,9 +161,9 @@ class Choice:
         return self.check(text)
 
     def check(self, value: Any) -> str:
-        """Return the word, or raise ValueError naming key, value and the allowed words."""
+        """Return the word, or raise ValueError naming key, value and the words it must be one of."""
         if not isinstance(value, str) or value not in self.options:
-            raise ValueError(f"{self.key} = {shown(value)}: one word of {self.allowed} is allowed")
+            raise ValueError(f"{self.key} = {shown(value)}: must be one of {self.allowed}")
         return str(value)
 
 
@@ -116,22 +190,25 @@ def quantity(
     at_least: float | None = None,
     at_most: float,
     source: str,
+    meaning: str = "",
+    usual: tuple[float, float] | None = None,
+    needs: str = "",
 ) -> Any:
     """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` includes it.
 
-    A default of None makes the parameter optional.
+    A default of None makes the parameter optional. ``meaning``, ``usual`` and ``needs`` are those of :class:`Range`.
     """
     if (above is None) == (at_least is None):
         raise ValueError(f"{key}: declare exactly one of above and at_least")
     lowest = above if above is not None else at_least
     assert lowest is not None
-    declared = Range(key, unit, lowest, at_most, at_least is not None, source, optional=default is None)
+    declared = Range(key, unit, lowest, at_most, at_least is not None, source, default is None, meaning, usual, needs)
     return field(default=default, metadata={"declaration": declared})
 
 
-def choice(default: str, key: str, options: tuple[str, ...], *, source: str) -> Any:
+def choice(default: str, key: str, options: tuple[str, ...], *, source: str, meaning: str = "") -> Any:
     """Declare a dataclass field that holds one word out of a few."""
-    return field(default=default, metadata={"declaration": Choice(key, options, source)})
+    return field(default=default, metadata={"declaration": Choice(key, options, source, meaning=meaning)})
 
 
 def declaration(owner: Any, name: str) -> Range | Choice:

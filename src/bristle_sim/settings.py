@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from bristle_sim.quantity import quantity, shown, validate
+from bristle_sim.quantity import ANY, quantity, shown, validate
 
-__all__ = ["Settings"]
+__all__ = ["MAXIMUM_STEPS", "Settings"]
 
+
+MAXIMUM_STEPS = 500_000
+"""Engine steps of a run by default: fifty whole passes, 2 to 6 s of CPU time."""
 
 MOST_SAMPLES = 1_000_000_000
 """More than a run could hold."""
@@ -20,7 +23,8 @@ class Settings:
     Attributes:
         accuracy: relative accuracy asked for.
         step: fixed engine step in s; None extrapolates engine steps to the accuracy asked for.
-        maximum_steps: engine steps after which a run stops and says so.
+        maximum_steps: engine steps after which a run stops and says so; a step that takes the engine's solver hundreds of
+            iterations counts once more for each hundred.
         hub_turn: turn of the hub after which a pass ends, rad.
         samples_per_period: least number of samples in a period of the bristle on its belt.
     """
@@ -32,13 +36,29 @@ class Settings:
         at_least=1e-11,
         at_most=0.1,
         source="chosen; less than 1e-11 is more than double precision gives",
+        meaning="relative accuracy requested of the simulation",
+        usual=ANY,
     )
     step: float | None = quantity(
-        None, "step", "s", at_least=1e-12, at_most=1.0, source="off: the step follows from accuracy"
+        None,
+        "step",
+        "s",
+        at_least=1e-12,
+        at_most=1.0,
+        source="off: the step follows from accuracy",
+        meaning="fixed engine step; none: chosen for the accuracy",
+        usual=ANY,
     )
-    maximum_steps: int = 1_000_000
+    maximum_steps: int = MAXIMUM_STEPS
     hub_turn: float = quantity(
-        4.71238898038469, "hub_turn", "rad", at_least=1e-12, at_most=1e6, source="three quarters of a turn"
+        4.71238898038469,
+        "hub_turn",
+        "rad",
+        at_least=1e-12,
+        at_most=1e6,
+        source="three quarters of a turn",
+        meaning="turn of the hub after which the pass ends",
+        usual=ANY,
     )
     samples_per_period: int = 24
 

@@ -7,6 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.belt_stiffness import (
+    DEFAULT,
+    beside_reference,
+    budget_spent,
+    cases,
+    release_beside_closed_form,
+)
+from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.parameters import Bar, Belt, Hub, Tool
 from bristle_sim.scene import pace
 from bristle_sim.scene import tool as scene_tool
@@ -15,14 +23,6 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.stepping import Extrapolation, PlainSteps
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.belt_stiffness import (
-    DEFAULT,
-    beside_reference,
-    budget_spent,
-    cases,
-    release_beside_closed_form,
-)
-from bristle_sim.studies.hard_cases.case import HardCase
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory.cueing import stiffened_cue_time, stiffened_highest_speed
 

@@ -11,15 +11,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.budget import ONE_STRETCH, SPENT, arrays_of, cases, within_budget
+from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.parameters import Contact, Tool, Workpart
 from bristle_sim.scenario_cli import main
-from bristle_sim.scene import run as scene_run
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.plan import Plan
+from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.budget import ONE_STRETCH, SPENT, arrays_of, cases, within_budget
-from bristle_sim.studies.hard_cases.case import HardCase
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory
 
 ROOT = Path(__file__).parents[2]
@@ -46,13 +47,13 @@ class TestPromisesNotice:
         assert not any(kept("flight; 1"))
 
     def test_a_run_that_hides_it(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        stop = scene_run._Runner._stop
-        monkeypatch.setattr(scene_run._Runner, "_stop", lambda runner, _: stop(runner, "end of the planned time"))
+        stop = Progress.stop
+        monkeypatch.setattr(Progress, "stop", lambda progress, _: stop(progress, StopReason.END))
         assert not any(kept())
 
     def test_numbers_that_are_not_finite(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        sample = scene_run._Runner._sample
-        monkeypatch.setattr(scene_run._Runner, "_sample", lambda runner, state, _: sample(runner, state, float("nan")))
+        sample = Progress.sample
+        monkeypatch.setattr(Progress, "sample", lambda progress, _: sample(progress, float("nan")))
         assert not any(kept())
 
 

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.chatter import SURFACE, cases, falling, most_taps, tapping, taps_of
 from bristle_sim.parameters import Tool, Workpart
-from bristle_sim.scene import run as scene_run
+from bristle_sim.scene import transitions
 from bristle_sim.scene.contact_laws import Coefficients
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.chatter import SURFACE, cases, falling, most_taps, tapping, taps_of
 
 
 @pytest.mark.parametrize("case", cases(full=False), ids=lambda case: case.name)
@@ -35,7 +35,7 @@ def kept(part: str) -> list[bool]:
 class TestPromisesNotice:
     def test_fixed_steps_that_tap_for_ever(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Without a stepper's step, every hop is followed: the least speed e a h/(1 - e) never falls to rest."""
-        monkeypatch.setattr(scene_run._Runner, "_stays", lambda _runner, record: record.velocity_after[0] <= 1e-8)
+        monkeypatch.setattr(transitions, "_stays", lambda _progress, record: record.velocity_after[0] <= 1e-8)
         assert not any(kept("whole pass"))
 
     def test_another_restitution(self, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -44,13 +44,13 @@ class TestPromisesNotice:
         def livelier(obstacle: Obstacle) -> Coefficients:
             return Coefficients(obstacle.friction, obstacle.restitution_friction, min(1.02 * obstacle.restitution, 1.0))
 
-        monkeypatch.setattr(scene_run.Coefficients, "of", livelier)
+        monkeypatch.setattr(transitions.Coefficients, "of", livelier)
         assert not any(kept("bar, restitution 0.5"))
         assert not any(kept("friction"))
         assert not any(kept("from 1e-4 rad, restitution 0.5"))
 
     def test_energy_gained(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        resolve = scene_run.EnergeticLaw.resolve
+        resolve = transitions.EnergeticLaw.resolve
 
         def gaining(*given: Any) -> Any:
             after, record = resolve(*given)
@@ -58,7 +58,7 @@ class TestPromisesNotice:
             work = (record.restitutive_work[0] - 2.0 * record.compressive_work[0], record.restitutive_work[1])
             return lively, dataclasses.replace(record, restitutive_work=work)
 
-        monkeypatch.setattr(scene_run.EnergeticLaw, "resolve", gaining)
+        monkeypatch.setattr(transitions.EnergeticLaw, "resolve", gaining)
         monkeypatch.setattr("bristle_sim.scene.contact_laws.EnergeticLaw.resolve", gaining)
         assert not any(kept("falls 0.3 rad"))
         assert not any(kept("friction 0.3"))

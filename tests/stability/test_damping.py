@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.damping import cases, decay
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.scene import pace
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Effects
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.damping import cases, decay
 
 ON_AXIS = Tool(hub=Hub(radius=0.0), bar=None, workpart=None)
 

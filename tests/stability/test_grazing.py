@@ -7,16 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases import grazing, tip_paths
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.grazing import cases
+from bristle_sim.benchmarks.hard_cases.tip_paths import bar_at, gap_of_circle, lowest_place, swinging
 from bristle_sim.parameters import Bar, Bristle, Contact, Hub, Surface, Tool, Workpart
 from bristle_sim.scene import contact_laws
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import grazing, tip_paths
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.grazing import cases
-from bristle_sim.studies.hard_cases.tip_paths import bar_at, gap_of_circle, lowest_place, swinging
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.theory.monofilament import LEAST_ANGLE as SMALLEST
 from bristle_sim.theory.monofilament import monofilament_impact, normal_final_impulse

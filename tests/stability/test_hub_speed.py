@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.hub_speed import cases
 from bristle_sim.parameters import Belt, Bristle, Hub, Tool
 from bristle_sim.scene import pace
 from bristle_sim.scene import tool as scene_tool
@@ -15,8 +17,6 @@ from bristle_sim.scene.build import Effects
 from bristle_sim.scene.mechanism import Mechanism
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.hub_speed import cases
 
 FREE = Tool(bar=None, workpart=None)
 

@@ -9,16 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases import jam
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.jam import cases, critical_frictions
+from bristle_sim.benchmarks.hard_cases.one_rod import rod_strike, sine_and_cosine
 from bristle_sim.parameters import Contact, Surface, Tool, Workpart
 from bristle_sim.scene import contact_laws
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import jam
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.jam import cases, critical_frictions
-from bristle_sim.studies.hard_cases.one_rod import rod_strike, sine_and_cosine
+from bristle_sim.studies.impulse_course import contact_inverse_mass
 from bristle_sim.theory.impact import Impact, energetic_impact, stick_threshold
 from bristle_sim.theory.pendulums import stick_friction
 
@@ -98,7 +99,7 @@ def test_critical_frictions() -> None:
     first, second = jam.TWO_RODS.angles
     # Ten roundings.
     assert found["sticks"] == pytest.approx(float(stick_friction(1.0, -first, -second)), rel=10 * EPSILON)
-    assert found["sticks"] == pytest.approx(stick_threshold(jam._inverse_mass(jam.TWO_RODS)), rel=10 * EPSILON)
+    assert found["sticks"] == pytest.approx(stick_threshold(contact_inverse_mass(jam.TWO_RODS)), rel=10 * EPSILON)
     surface = Surface(found["presses on"], None, 0.0)
     hit = strike(jam.TWO_RODS, surface, Contact(), Settings()).contact
     assert hit.phases == ("compression slip", "compression stick")

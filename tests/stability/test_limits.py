@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.limits import CHAINS, cases, mirrored
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene import contact_laws
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.limits import CHAINS, cases, mirrored
 from bristle_sim.theory.impact import energetic_impact, poisson_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 

@@ -11,16 +11,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bristle_sim.benchmarks.hard_cases import mass_ratio
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.mass_ratio import MOTIONS, cases
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.scene import contact_laws, contact_space, passage
+from bristle_sim.scene import contact_laws, contact_space
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import mass_ratio
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.mass_ratio import MOTIONS, cases
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 
@@ -52,12 +52,6 @@ class TestPromisesNotice:
         chain = mass_ratio.chain
         monkeypatch.setattr(mass_ratio, "chain", lambda ratio, *rest: chain(ratio * (1.0 + 1e-6), *rest))
         assert not any(kept("n = 1000, slip", "n = 1000, reverse slip", "n = 1000, stick"))
-
-    def test_a_probe_as_long_as_the_contact(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        """In such a time slip in the wrong direction becomes anything."""
-        monkeypatch.setattr(passage.Passage, "_quickest", lambda _: math.inf)
-        monkeypatch.setattr(passage, "MOST_STRETCHES", 100)
-        assert not kept("n = 1000, stick, in time")[0]
 
     def test_a_flight_less_accurate(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr(mass_ratio, "Extrapolation", lambda _: Extrapolation(1e-5))

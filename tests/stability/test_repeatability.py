@@ -16,16 +16,17 @@ import numpy as np
 import pymunk
 import pytest
 
+from bristle_sim.benchmarks.hard_cases import repeatability
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.repeatability import bits, difference, guards
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scenario_cli import main
 from bristle_sim.scene.energetic_contact import EnergeticContact
-from bristle_sim.scene.going_on import go_on, simulated_with
+from bristle_sim.scene.resume import resume, simulated_with
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import repeatability
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.repeatability import bits, difference, guards
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory
 
 SETTINGS = Settings(accuracy=1e-6)
@@ -73,9 +74,9 @@ def test_going_on_from_another_state_is_noticed(monkeypatch: pytest.MonkeyPatch)
     """Off by a hundred times the accuracy, of which the strike after a release still sees a tenth."""
 
     def pushed(run: Trajectory) -> Trajectory:
-        return go_on(dataclasses.replace(run, rates=run.rates * (1.0 + 1e-4)))
+        return resume(dataclasses.replace(run, rates=run.rates * (1.0 + 1e-4)))
 
-    monkeypatch.setattr(repeatability, "go_on", pushed)
+    monkeypatch.setattr(repeatability, "resume", pushed)
     assert not measured("energetic: stopped at an event, loaded, gone on")
 
 
@@ -193,7 +194,7 @@ def test_going_on_from_anywhere(name: str) -> None:
         few = dataclasses.replace(SETTINGS, maximum_steps=int(share * whole.cost.steps))
         stopped = simulate(TOOLS[name], few)
         assert stopped.stop_reason == "step budget spent"
-        found = go_on(stopped, SETTINGS)
+        found = resume(stopped, SETTINGS)
         assert [event.name for event in found.events] == names
         assert found.stop_reason == whole.stop_reason
         assert difference(found, whole) < TWICE
@@ -208,9 +209,9 @@ def test_going_on_again_and_again() -> None:
     whole, run = simulate(Tool(), SETTINGS), simulate(Tool(), SETTINGS, stop_after="bar touch")
     for stop in ("bar release", "bar touch", "bar release", "largest retraction", "strike", "workpart touch", None):
         before = run
-        run = go_on(run, stop_after=stop)
+        run = resume(run, stop_after=stop)
         if stop is not None:
-            assert run.stop_reason == stop
+            assert run.stop_reason is StopReason.EVENT
             assert run.event_time(stop, last=True) == pytest.approx(run.time[-1], rel=1e-15)
         assert run.time[-1] >= before.time[-1]
         assert run.cost.steps > before.cost.steps
@@ -225,19 +226,20 @@ def test_going_on_again_and_again() -> None:
 
 
 def test_a_second_strike_is_a_touch() -> None:
-    run = go_on(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after="strike")
+    run = resume(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after="strike")
     assert [event.name for event in run.events].count("strike") == 1
     assert run.stop_reason == "end of the planned time"
-    again = go_on(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after="workpart touch")
-    assert again.stop_reason == "workpart touch"
+    again = resume(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after="workpart touch")
+    assert again.stop_reason is StopReason.EVENT
+    assert again.event_time("workpart touch", last=True) == again.time[-1]
     assert again.event_time("workpart touch") == pytest.approx(again.time[-1], rel=1e-15)
 
 
 def test_the_next_touch_of_a_bar_that_still_holds() -> None:
     """Held after the second touch, the run goes on past the release, and ends where there is no third one."""
-    held = go_on(simulate(Tool(), SETTINGS, stop_after="bar touch"), stop_after="bar touch")
+    held = resume(simulate(Tool(), SETTINGS, stop_after="bar touch"), stop_after="bar touch")
     assert held.first_contact("bar") is not None
-    run = go_on(held, stop_after="bar touch")
+    run = resume(held, stop_after="bar touch")
     assert [event.name for event in run.events].count("bar touch") == 2
     assert run.stop_reason == "end of the planned time"
 
@@ -246,7 +248,7 @@ def test_what_never_happened_is_noted_once() -> None:
     bare = Tool(workpart=Workpart(penetration=-0.01))
     stopped = simulate(bare, SETTINGS, stop_after="bar touch")
     assert [event.name for event in stopped.events] == ["bar touch", "workpart not reached"]
-    run = go_on(stopped)
+    run = resume(stopped)
     assert [event.name for event in run.events].count("workpart not reached") == 1
     assert run.event_time("workpart not reached") == run.time[-1]
     assert run.event_time("bar not touched") is None
@@ -254,7 +256,7 @@ def test_what_never_happened_is_noted_once() -> None:
 
 def test_a_contact_in_time_keeps_its_clock() -> None:
     deep = Tool(contact=Contact("compliant", 1e-4))
-    run, whole = go_on(simulate(deep, SETTINGS, stop_after="largest retraction")), simulate(deep, SETTINGS)
+    run, whole = resume(simulate(deep, SETTINGS, stop_after="largest retraction")), simulate(deep, SETTINGS)
     ours, theirs = run.first_contact("workpart"), whole.first_contact("workpart")
     assert ours is not None
     assert theirs is not None
@@ -268,13 +270,13 @@ def test_a_hub_at_rest_sets_no_end() -> None:
     """The bristle swings on for as long as a run takes, with the energy it has."""
     still = Tool(hub=Hub(speed=0.0), bar=None, workpart=None)
     first = simulate(still, SETTINGS, start_relative_angle=-0.5)
-    run = go_on(first)
+    run = resume(first)
     assert run.time[-1] == pytest.approx(2.0 * first.time[-1], rel=1e-12)
     assert run.total_energy[-1] == pytest.approx(first.total_energy[0], rel=TWICE)
 
 
 def test_further_than_asked_for_at_first() -> None:
-    run = go_on(simulate(Tool(), SETTINGS), dataclasses.replace(SETTINGS, hub_turn=6.0))
+    run = resume(simulate(Tool(), SETTINGS), dataclasses.replace(SETTINGS, hub_turn=6.0))
     assert run.hub_angle[-1] - run.hub_angle[0] == pytest.approx(6.0, rel=1e-12)
     assert simulated_with(run) == (Tool(), dataclasses.replace(SETTINGS, hub_turn=6.0))
 
@@ -282,7 +284,7 @@ def test_further_than_asked_for_at_first() -> None:
 def test_more_accurately_than_before() -> None:
     """The error is that of the first part, and the estimate counts both."""
     rough = simulate(Tool(), Settings(accuracy=1e-4), stop_after="bar release")
-    run = go_on(rough, SETTINGS)
+    run = resume(rough, SETTINGS)
     assert difference(run, simulate(Tool(), SETTINGS)) < 2e-4
     assert run.cost.error_estimate is not None
     assert rough.cost.error_estimate is not None
@@ -292,7 +294,7 @@ def test_more_accurately_than_before() -> None:
 def test_plain_steps_go_on_without_an_estimate() -> None:
     """To first order: each run is off by some steps' share of the motion until the strike, 450 steps in all."""
     steps = Settings(step=1e-5)
-    run, whole = go_on(simulate(Tool(), steps, stop_after="bar release")), simulate(Tool(), steps, stop_after="strike")
+    run, whole = resume(simulate(Tool(), steps, stop_after="bar release")), simulate(Tool(), steps, stop_after="strike")
     ours, theirs = run.first_contact("workpart"), whole.first_contact("workpart")
     assert run.cost.error_estimate is None
     assert ours is not None
@@ -304,30 +306,30 @@ def test_plain_steps_go_on_without_an_estimate() -> None:
 JAMMED = Tool(workpart=Workpart(friction=0.6), bar=Bar(friction=0.2), bristle=Bristle(knee_angle_deg=20.0))
 
 REFUSED = {
-    "jam": lambda: go_on(simulate(JAMMED, SETTINGS)),
-    "end": lambda: go_on(simulate(Tool(), SETTINGS)),
-    "reference": lambda: go_on(simulate_reference(Tool(), stop_after="strike")),
-    "nothing": lambda: go_on(None),  # type: ignore[arg-type]
-    "stop": lambda: go_on(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after="lunch"),
-    "settings": lambda: go_on(simulate(Tool(), SETTINGS, stop_after="strike"), 1e-6),  # type: ignore[arg-type]
-    "array": lambda: go_on(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after=np.zeros(2)),  # type: ignore[arg-type]
+    "jam": lambda: resume(simulate(JAMMED, SETTINGS)),
+    "end": lambda: resume(simulate(Tool(), SETTINGS)),
+    "reference": lambda: resume(simulate_reference(Tool(), stop_after="strike")),
+    "nothing": lambda: resume(None),  # type: ignore[arg-type]
+    "stop": lambda: resume(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after="lunch"),
+    "settings": lambda: resume(simulate(Tool(), SETTINGS, stop_after="strike"), 1e-6),  # type: ignore[arg-type]
+    "array": lambda: resume(simulate(Tool(), SETTINGS, stop_after="strike"), stop_after=np.zeros(2)),  # type: ignore[arg-type]
 }
 
 
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("jam", "trajectory that stopped for 'jam'"),
+        ("jam", "trajectory that stopped for jam"),
         ("end", "hub_turn = 4.71239: more than the turn so far"),
         ("reference", "one that simulate() returned"),
         ("nothing", "one that simulate() returned"),
-        ("stop", "stop_after = 'lunch': None or one of bar touch"),
+        ("stop", "stop_after = 'lunch': must be one of bar touch"),
         ("settings", "settings = 1e-06: Settings or None are allowed"),
-        ("array", "stop_after = array([0., 0.]): None or one of"),
+        ("array", "stop_after = array([0., 0.]): must be one of"),
     ],
 )
 def test_what_cannot_go_on_says_why(name: str, words: str) -> None:
-    with pytest.raises(ValueError, match="allowed") as refusal:
+    with pytest.raises(ValueError, match=r"allowed|must be") as refusal:
         REFUSED[name]()
     assert words in str(refusal.value)
     assert "\n" not in str(refusal.value)

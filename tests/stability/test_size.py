@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases import size
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.size import Scale, cases, dimensionless, scaled
 from bristle_sim.parameters import Belt, Bristle, Contact, Tool, Workpart
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases import size
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.size import Scale, cases, dimensionless, scaled
 
 UNITY = Scale(1.0, 1.0, 1.0)
 

@@ -8,6 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.tunnelling import (
+    THINNEST,
+    TIP,
+    cases,
+    first_bar_touch,
+    first_strike,
+    with_bar_at,
+)
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.scene import touch_search
 from bristle_sim.scene.events import turns
@@ -15,8 +24,6 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import LEAST_REACH, BarObstacle
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
-from bristle_sim.studies.hard_cases.case import HardCase
-from bristle_sim.studies.hard_cases.tunnelling import THINNEST, TIP, cases, first_bar_touch, first_strike, with_bar_at
 
 FREE = replace(Tool(), bar=None, workpart=None)
 COARSE = Settings(accuracy=0.1, samples_per_period=1)

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bristle_sim.parameters import Surface
-from bristle_sim.scene.strike import Chain
-from bristle_sim.studies.accuracy_cost import (
+from bristle_sim.benchmarks.accuracy_cost import (
     cases,
     effects,
     measure,
@@ -20,9 +18,11 @@ from bristle_sim.studies.accuracy_cost import (
     our_methods,
     scipy_methods,
 )
-from bristle_sim.studies.accuracy_cost.compliant_contact import TipContact
-from bristle_sim.studies.accuracy_cost.measure import Attempt, Effort, Point, Run
-from bristle_sim.studies.accuracy_cost.study import accuracy_cost
+from bristle_sim.benchmarks.accuracy_cost.compliant_contact import TipContact
+from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point, Run
+from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
+from bristle_sim.parameters import Surface
+from bristle_sim.scene.strike import Chain
 from bristle_sim.theory.monofilament import final_rate, tip_speed
 from bristle_sim.theory.pendulums import double_pendulum_impact
 

@@ -13,8 +13,8 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
-from bristle_sim.studies.audit import DIFFERS, NOT_COMPUTABLE, REPRODUCED, audit_rows
-from bristle_sim.studies.audit_row import claim, half_unit, number
+from bristle_sim.dissertation.audit import DIFFERS, NOT_COMPUTABLE, REPRODUCED, audit_rows
+from bristle_sim.dissertation.audit_row import claim, half_unit, number
 
 ROWS = {row.where: row for row in audit_rows()}
 
@@ -332,7 +332,7 @@ def test_half_a_unit_of_the_last_digit(printed, half):
 def test_verdicts_on_numbers(computed, allowance, status):
     row = number("place", "57", "N", computed, half_unit, allowance=allowance)
     assert row.status == status
-    assert row.function == "studies.audit_row.half_unit"
+    assert row.function == "dissertation.audit_row.half_unit"
     assert row.tolerance == pytest.approx(0.5 + allowance)
 
 

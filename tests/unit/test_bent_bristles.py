@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool
+from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.render.bent_figure import bent_figure
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import bent_bristles, slide_of
+from bristle_sim.studies.bent_bristles import bent_bristles, centre_line, slide_of
 
 TOOL = Tool(
     hub=Hub(speed=272.27),
@@ -75,6 +76,67 @@ def test_slide_is_the_tips_displacement() -> None:
     slide = slide_of(contact)
     assert slide.total == pytest.approx(run.tip[-1, 0] - run.tip[-2, 0], rel=5e-3)
     assert slide.forward > slide.total
+
+
+def test_remarks_say_what_was_computed() -> None:
+    """A knee of 60 degrees: the three tips do not slide about as far, so the words must not say so."""
+    tool = dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=60.0))
+    report = bent_bristles(tool, Settings())
+    slides = report.subject.slides
+    reverse, straight, forward = (slides[shape].forward for shape in ("reverse", "straight", "forward"))
+    assert forward < 0.5 * straight
+    assert f"{forward / (0.5 * (reverse + straight)):.0%} as far" in report.remarks[-1]
+    for remark, shape in zip(report.remarks[1:4], slides, strict=True):
+        assert shape in remark
+        assert f"{1e3 * slides[shape].forward:.2f} mm forward" in remark
+    assert report.outcome is None
+    assert slides["forward"].turn_time < slides["forward"].compression_time
+    assert slides["reverse"].turn_time > slides["reverse"].compression_time
+
+
+def test_centre_line_is_the_wires() -> None:
+    """The lengths of shank and knee's arm are the bristle's, the angles are those asked for, and the tip is the run's."""
+    run = simulate(TOOL, Settings(), stop_after="strike")
+    root, knee, tip = centre_line(TOOL, float(run.hub_angle[-1]), float(run.angles[-1, 0]))
+    assert math.hypot(*root) == pytest.approx(TOOL.hub.radius)
+    assert math.dist(root, knee) == pytest.approx(TOOL.bristle.knee_position * TOOL.bristle.length)
+    assert math.dist(root, knee) + math.dist(knee, tip) == pytest.approx(TOOL.bristle.length)
+    assert math.atan2(*(knee - root) * (1.0, -1.0)) == pytest.approx(float(run.angles[-1, 0]))
+    np.testing.assert_allclose(tip, run.tip[-1], rtol=0.0, atol=1e-12 * TOOL.bristle.length)
+
+
+@pytest.mark.parametrize("knee", [-45.0, 30.0])
+def test_figure_ends_wires_and_paths_at_the_strike(knee: float) -> None:
+    bent = bent_bristles(dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=knee)), Settings()).subject
+    figure = bent_figure(bent)
+    wires, paths, _, slides = figure.axes
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert len(set(titles)) == 4
+    for shape, corners in (("reverse", 3), ("straight", 2), ("forward", 3)):
+        wire = next(line for line in wires.lines if line.get_gid() == f"wire {shape}")
+        assert len(wire.get_xdata()) == corners
+        # Interpolated between samples: the instant of the strike is one of them.
+        np.testing.assert_allclose([wire.get_xdata()[-1], wire.get_ydata()[-1]], 0.0, atol=1e-9)
+        before, after = (line for line in paths.lines if line.get_gid() == f"path {shape}")
+        touch = next(line for line in paths.lines if line.get_gid() == f"touch {shape}")
+        np.testing.assert_allclose(np.transpose(before.get_data())[-1], 0.0, atol=1e-9)
+        # The path in touch by the trapezoidal rule on some thirty samples, as in test_slide_is_the_tips_displacement.
+        ends = np.transpose(touch.get_data())[-1] - np.transpose(after.get_data())[0]
+        np.testing.assert_allclose(ends, 0.0, atol=5e-3 * 1e3 * bent.slides[shape].forward)
+        assert max(next(line for line in slides.lines if line.get_gid() == f"in touch {shape}").get_ydata()) == (
+            pytest.approx(1e3 * bent.slides[shape].forward)
+        )
+    assert [text.get_text() for legend in figure.legends for text in legend.get_texts()][:3] == [
+        "reverse bent",
+        "straight",
+        "forward bent",
+    ]
+
+
+def test_figure_of_bristles_that_never_strike_says_so() -> None:
+    tool = dataclasses.replace(TOOL, workpart=Workpart(penetration=-5e-3))
+    figure = bent_figure(bent_bristles(tool, Settings()).subject)
+    assert all("no tip strikes" in axes.texts[-1].get_text() for axes in figure.axes)
 
 
 def test_needs_a_contact_in_time() -> None:

@@ -24,7 +24,7 @@ def rod(mass: float, length: float, root: tuple[float, float], angle: float) -> 
 
 
 def hinge(space: pymunk.Space, first: pymunk.Body, second: pymunk.Body, at: tuple[float, float]) -> None:
-    space.add(pymunk.PivotJoint(first, second, at))
+    space.add(*(each for each in (first, second) if each.space is None), pymunk.PivotJoint(first, second, at))
 
 
 def unit(angle: float) -> tuple[float, float]:
@@ -235,10 +235,47 @@ class TestRefusals:
         with pytest.raises(ValueError, match="length 1"):
             contact_space(pymunk.Body(1.0, 1.0), (0.0, 0.0), (math.nan, 1.0))
 
-    @pytest.mark.parametrize("kind", [pymunk.GearJoint, pymunk.SimpleMotor])
-    def test_joints_it_does_not_know(self, kind: type[pymunk.Constraint]) -> None:
-        space, first, second = pymunk.Space(), pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 1.0)
-        arguments = (0.0, 1.0) if kind is pymunk.GearJoint else (1.0,)
-        space.add(first, second, kind(first, second, *arguments))
-        with pytest.raises(ValueError, match=kind.__name__):
-            contact_space(first, (0.0, 0.0), UP)
+
+class TestJointsThatTurn:
+    """Two rods pinned at their centres to the ground, of moments 1 and I, one of which is struck at a lever of 1."""
+
+    @staticmethod
+    def compliance(make: object) -> float:
+        space, first, second = pymunk.Space(), pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 3.0)
+        second.position = (5.0, 0.0)
+        space.add(first, second)
+        for body in (first, second):
+            space.add(pymunk.PivotJoint(space.static_body, body, tuple(body.position)))
+        space.add(make(first, second))  # type: ignore[operator]
+        return float(contact_space(first, (1.0, 0.0), UP).inverse_mass[0, 0])
+
+    def test_gear(self) -> None:
+        """ratio w_b = w_a, so T = (1 + 3/ratio^2) w_a^2/2."""
+        found = self.compliance(lambda first, second: pymunk.GearJoint(first, second, 0.0, 2.0))
+        assert found == pytest.approx(1.0 / (1.0 + 3.0 / 4.0), rel=1e-13)
+
+    def test_motor(self) -> None:
+        """It holds w_b - w_a whatever the torque: T = (1 + 3) w_a^2/2."""
+        found = self.compliance(lambda first, second: pymunk.SimpleMotor(first, second, 7.0))
+        assert found == pytest.approx(0.25, rel=1e-13)
+
+    def test_motor_of_finite_torque(self) -> None:
+        def make(first: pymunk.Body, second: pymunk.Body) -> pymunk.Constraint:
+            motor = pymunk.SimpleMotor(first, second, 7.0)
+            motor.max_force = 1e9
+            return motor
+
+        assert self.compliance(make) == pytest.approx(1.0, rel=1e-13)
+
+    @pytest.mark.parametrize(("lowest", "expected"), [(0.0, 0.25), (-1.0, 1.0)])
+    def test_rotary_limit(self, lowest: float, expected: float) -> None:
+        """Joined as one at the limit, apart before it."""
+        found = self.compliance(lambda first, second: pymunk.RotaryLimitJoint(first, second, lowest, 1.0))
+        assert found == pytest.approx(expected, rel=1e-13)
+
+    def test_groove(self) -> None:
+        """A body in a groove along x: free along it, and held across it at its anchor 1 from the centre: 1/(m + I)."""
+        space, body = pymunk.Space(), pymunk.Body(1.0, 3.0)
+        space.add(body, pymunk.GrooveJoint(space.static_body, body, (0.0, 0.0), (2.0, 0.0), (1.0, 0.0)))
+        matrix = contact_space(body, (0.0, 0.0), UP).inverse_mass
+        np.testing.assert_allclose(matrix, [[0.25, 0.0], [0.0, 1.0]], atol=ROUNDING)

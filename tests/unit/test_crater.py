@@ -304,6 +304,15 @@ def test_depth_in_closed_form_over_friction():
     np.testing.assert_allclose(depths / depths[0], shape / shape[0], rtol=1e-13)
 
 
+def test_friction_for_a_small_depth_keeps_its_digits():
+    """At gamma = 0 the depth is like mu^2: 5e-11 of the largest at mu = 1e-5, of which 1 - 2 depth/largest has six digits.
+
+    The depth's own rounding, by pi/4 - arccot(mu)/2 = 5e-6, is 2e-11.
+    """
+    depth = merchant_crater_depth(1e-5, 0.0)
+    assert friction_for_crater_depth(depth, 0.0) == pytest.approx(1e-5, rel=1e-10, abs=0.0)
+
+
 @pytest.mark.parametrize("gamma_deg", [0.0, 10.0, 23.4])
 def test_friction_for_a_depth_inverts_the_depth(gamma_deg):
     gamma = math.radians(gamma_deg)

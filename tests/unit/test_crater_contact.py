@@ -76,6 +76,14 @@ def test_inclined_surface_is_the_least_work_over_all_shear_planes(mu, gamma_deg)
     assert specific_cutting_energy(mu, gamma, surface="inclined") == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize("mu", [1e-6, 1e-5, 1e-4])
+def test_little_friction_keeps_its_digits(mu):
+    """At gamma = 0, u = 2 tau_s cos(arccot mu)/(1 - sin(arccot mu)) = 4 tau_s/mu (1 + mu^2/4 - ...)."""
+    expected = 4.0 * 1.2e8 / mu * (1.0 + 0.25 * mu**2)
+    # The angle beta - alpha = arccot(mu), close to pi/2, has the rounding 1e-16/mu in its cosine.
+    assert specific_cutting_energy(mu, 0.0, surface="inclined") == pytest.approx(expected, rel=3e-16 / mu)
+
+
 def test_both_surfaces_agree_when_the_path_runs_along_the_surface():
     assert specific_cutting_energy(0.5, 0.0) == pytest.approx(specific_cutting_energy(0.5, 0.0, surface="inclined"))
 

@@ -5,18 +5,14 @@ import math
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
+from bristle_sim.dissertation import impact_figures
+from bristle_sim.dissertation.figures import NUMBERS, Selection, figures_report, redrawn
+from bristle_sim.dissertation.redrawn import Redrawn, largest_differences
+from bristle_sim.render.contact_sheet import contact_sheet
 from bristle_sim.render.dissertation_figures import draw, save_figures
-from bristle_sim.studies.dissertation_curves import NUMBERS, impact, redrawn
-from bristle_sim.studies.dissertation_curves.model import (
-    SOURCES,
-    Axis,
-    Panel,
-    Redrawn,
-    curve_of,
-    largest_differences,
-)
-from bristle_sim.studies.dissertation_report import Selection, figures_report
+from bristle_sim.studies.curves import SOURCES, Axis, Panel, curve_of
 
 MASS, LENGTH, RADIUS, SPEED, RATIO, GAMMA = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4)
 
@@ -74,9 +70,9 @@ def test_data_are_finite_and_points_stand_on_the_grid(figures):
                     assert np.all(np.isfinite(y))
 
 
-@pytest.mark.parametrize("number", impact.FIGURES)
+@pytest.mark.parametrize("number", impact_figures.FIGURES)
 def test_curves_of_the_bristle_follow_the_equations(figures, number):
-    quantity, sweep, _ = impact.FIGURES[number]
+    quantity, sweep, _ = impact_figures.FIGURES[number]
     curves = figures[number].panels[0].curves
     assert len(curves) == len(sweep.values) >= 3
     for case, curve in zip(sweep.cases(), curves, strict=True):
@@ -84,7 +80,7 @@ def test_curves_of_the_bristle_follow_the_equations(figures, number):
         np.testing.assert_allclose(curve.theory, formula(quantity, case, sweep.along, curve.x), rtol=1e-10)
 
 
-@pytest.mark.parametrize("number", [*impact.FIGURES, "2.26", "2.28", "2.29", "2.30"])
+@pytest.mark.parametrize("number", [*impact_figures.FIGURES, "2.26", "2.28", "2.29", "2.30"])
 def test_simulated_impacts_lie_on_the_curves(figures, number):
     """By both laws, on every curve but that of the hub in 2.30."""
     found = largest_differences(figures[number])
@@ -258,7 +254,7 @@ def test_a_point_off_its_curve_is_seen():
 
 
 def test_no_such_figure():
-    with pytest.raises(ValueError, match=r"only = '2\.25'.*allowed"):
+    with pytest.raises(ValueError, match=r"only = '2\.25': must be"):
         redrawn("2.25")
 
 
@@ -288,6 +284,31 @@ def test_drawn_lines_are_the_data_in_the_units_named(figures):
     np.testing.assert_allclose(line.get_ydata(), 1e3 * curve.theory)
     assert "(mm)" in axes.get_xlabel()
     assert "(mN·s)" in axes.get_ylabel()
+
+
+def test_a_sheet_has_a_cell_for_each_panel_and_is_read_on_a_screen(figures):
+    """Figure 4.2 has six panels, the table a cell of its own; text is at least 8 pixels high at full size."""
+    chosen = [figures[number] for number in ("2.22", "4.2", "table_3.1", "4.19")]
+    sheet = contact_sheet(chosen)
+    assert len(sheet.axes) == 9
+    width, _ = sheet.get_size_inches() * sheet.dpi
+    assert width <= 1366
+    sheet.draw_without_rendering()
+    texts = [text for axes in sheet.axes for text in axes.findobj(Text) if text.get_text() and text.get_visible()]
+    assert min(text.get_fontsize() * sheet.dpi / 72.0 for text in texts) >= 8.0
+    for axes in sheet.axes:
+        box = axes.get_tightbbox()
+        assert box.x0 >= 0.0
+        assert box.x1 <= width
+    stiction = [text.get_text() for text in sheet.axes[0].get_legend().get_texts()]
+    assert "stiction, $\\mu$ = tan $\\gamma$" in stiction
+
+
+def test_several_figures_are_pages_of_one_pdf(figures, tmp_path):
+    target = tmp_path / "all.pdf"
+    assert save_figures([figures["2.9"], figures["table_3.1"], figures["4.6"]], target) == [target]
+    # A page is an object of its own, and its type stands in plain text.
+    assert target.read_bytes().count(b"/Type /Page ") == 3
 
 
 def test_pictures_are_named_after_their_numbers(figures, tmp_path):

@@ -11,7 +11,7 @@ from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import Course
 from bristle_sim.studies.force_comparison import SEGMENTS, force_comparison, segment_table
-from bristle_sim.studies.force_trials import fit_trials, noisy_points
+from bristle_sim.studies.force_trials import fit_trials, noisy_points, trial_row
 from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
 from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve
 
@@ -232,10 +232,10 @@ def test_measured_points_take_the_curves_place(tmp_path):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("time,force\n1,2\n", "points; at least 4"),
+        ("time,force\n1,2\n", "1 points; there must be at least 4"),
         ("0,1\n1,2\n1,3\n2,4\n3,5\n", "more than the time before"),
-        ("0,0\n1,1\n2,0\n3,-1\n4,0\n5,1\n6,0\n", "rises and falls"),
-        ("0,0,0\n1,1,1\n", "3 columns"),
+        ("0,0\n1,1\n2,0\n3,-1\n4,0\n5,1\n6,0\n", "4 points in and around the contact"),
+        ("0,0,0\n1,1,1\n", "force_column must say"),
     ],
 )
 def test_points_that_are_no_force_history(tmp_path, text, line):
@@ -245,12 +245,123 @@ def test_points_that_are_no_force_history(tmp_path, text, line):
         report(measurement=Measurement(str(path)))
 
 
+def points_of(curve, path, *, before=0, after=0, origin=0.0, baseline=0.0, step=1e-6, noise=0.0):
+    """Time in ms and force in mN, semicolons, decimal commas: the values need every step of the reading."""
+    time = np.arange(-before, round(curve.duration / step) + after + 1) * step
+    force = np.where((time >= 0.0) & (time <= curve.duration), curve(np.clip(time, 0.0, curve.duration)), 0.0)
+    force = force + baseline + noise * np.random.default_rng(3).standard_normal(time.size)
+    lines = [f"{1e3 * (t + origin):.12g};{1e3 * f:.12g}".replace(".", ",") for t, f in zip(time, force, strict=True)]
+    path.write_text("\n".join(["Zeit (ms);Kraft (mN)", *lines]), encoding="utf-8")
+    return Measurement(str(path))
+
+
+@pytest.mark.parametrize("sides", [{}, {"before": 100}, {"before": 500, "after": 700, "baseline": 8.0}])
+@pytest.mark.parametrize("origin", [0.0, 1e-4, 0.01, 1.0])
+def test_a_file_on_another_clock_gives_the_same_contact(tmp_path, origin, sides):
+    found = report(measurement=points_of(BRISTLE, tmp_path / "scope.csv", origin=origin, **sides))
+    # (3.19) to 50 us, and the 3e-4 by which its printed offset is not (3.3)'s.
+    assert row(found, "compression_time").theory == pytest.approx(5e-5, rel=1e-3)
+    assert row(found, "compressive_impulse").theory == pytest.approx(1.61157e-3, rel=1e-3)
+    assert row(found, "peak_force").theory == pytest.approx(56.88, rel=1e-3)
+    assert found.extra["measured_fit"]["start"] == pytest.approx(origin, abs=3e-8)
+    assert found.extra["measured_fit"]["baseline"] == pytest.approx(sides.get("baseline", 0.0), abs=0.02)
+    assert [each.name for each in found.quantities if each.ok is False] == []
+    # Points and curve share their clock and zero: what is drawn coincides.
+    measured = found.subject.measured
+    inside = (measured.time >= 0.0) & (measured.time <= measured.fit.curve.duration)
+    np.testing.assert_allclose(measured.force[inside], found.subject.curve(measured.time[inside]), atol=0.05)
+
+
+def test_a_force_of_the_opposite_sign_is_a_push_all_the_same(tmp_path):
+    class Pulled:
+        duration = BRISTLE.duration
+
+        def __call__(self, time):
+            return -BRISTLE(time)
+
+    for sides in ({"before": 100}, {"before": 300, "after": 200, "baseline": 3.0, "noise": 0.5}):
+        found = report(measurement=points_of(Pulled(), tmp_path / "pulled.csv", **sides))
+        # Noise of 0.5 N on a hundred points: five of its standard deviations in the fit, of 57 N.
+        assert row(found, "peak_force").theory == pytest.approx(56.88, rel=0.01)
+        assert any("opposite sign" in line for line in found.remarks)
+    assert not any("opposite sign" in line for line in report().remarks)
+
+
+class Shape:
+    """A force of another form."""
+
+    duration = 1e-4
+
+    def __init__(self, form):
+        self.form = form
+
+    def __call__(self, time):
+        return 57.0 * self.form(np.asarray(time) / self.duration)
+
+
+FORMS = {
+    "clipped": (lambda x: np.minimum(np.sin(np.pi * x) ** 1.5, 0.6), False),
+    "half sine": (lambda x: np.sin(np.pi * x), True),
+    "Hertz": (lambda x: np.sin(np.pi * x) ** 1.5, True),
+    "rectangle": (lambda x: np.where((x > 0.05) & (x < 0.95), 1.0, 0.0), False),
+    "two humps": (lambda x: np.sin(2.0 * np.pi * x) ** 2 + 0.8 * np.sin(np.pi * x) ** 4, False),
+}
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0])
+@pytest.mark.parametrize("form", FORMS)
+def test_a_force_of_another_form_is_told_from_the_curves(tmp_path, form, noise):
+    """A half sine differs from (3.3) by 0.027 of its peak, Hertz's form by 0.003, the others by far more than 0.05."""
+    shape, like = FORMS[form]
+    found = report(measurement=points_of(Shape(shape), tmp_path / "form.csv", before=100, after=100, noise=noise))
+    assert all(each.ok is not False for each in found.quantities if each.name.startswith("fit")) is like
+    if like:
+        assert row(found, "fitted_impulse").ok
+        # 2/pi of the peak times the duration for a half sine.
+        whole = np.trapezoid(shape(np.linspace(0.0, 1.0, 10001)), dx=1e-8) * 57.0
+        assert row(found, "fitted_impulse").reference == pytest.approx(whole, rel=0.01 + 0.02 * noise)
+
+
+@pytest.mark.parametrize("key", ["time_column", "force_column", "force_per_volt"])
+def test_what_describes_a_file_needs_one(key):
+    with pytest.raises(ValueError, match=f"^{key} = .*: must be given with force_csv"):
+        Measurement(**{key: 2.0 if key == "force_per_volt" else "2"})
+
+
+@pytest.mark.parametrize(
+    ("settings", "line"),
+    [
+        ({"force_column": " "}, "^force_column = ' ': the heading"),
+        ({"force_column": "volts"}, "^force_csv = .*: force_column = 'volts': must be"),
+        ({"force_per_volt": 0.0}, "^force_per_volt = 0: must be positive"),
+        ({"force_per_volt": math.nan}, "^force_per_volt = nan: "),
+        ({"force_per_volt": 2.0}, "^force_csv = .*: force_per_volt must not be given"),
+    ],
+)
+def test_descriptions_that_do_not_fit_the_file(tmp_path, settings, line):
+    path = tmp_path / "points.csv"
+    path.write_text("t (s),F (N)\n0,0\n1,1\n2,1\n3,0\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=line):
+        report(measurement=Measurement(str(path), **settings))
+
+
+def test_a_fit_that_finds_no_curve_where_it_should_is_wrong():
+    exact, noisy = fit_trials(BRISTLE, 101, 1.0)
+    for trial in (exact, noisy):
+        assert trial_row(trial, BRISTLE).ok is True
+        assert trial_row(dataclasses.replace(trial, fit=None), BRISTLE).ok is False
+
+
+def test_the_simulated_force_is_checked_by_its_work():
+    assert row(report(), "contact_work").ok is True
+
+
 @pytest.mark.parametrize("name", ["", "nowhere.csv", "no\0thing", "."])
 def test_files_that_are_not_there(name):
-    with pytest.raises(ValueError, match=r"^force_csv = .*: a readable file is allowed$"):
+    with pytest.raises(ValueError, match=r"^force_csv = .*: must be a readable file$"):
         Measurement(name)
 
 
 def test_points_are_counted():
-    with pytest.raises(ValueError, match=r"points = 10\.5: a whole number"):
+    with pytest.raises(ValueError, match=r"points = 10\.5: must be a whole number"):
         ForceHistory(points=10.5)

@@ -1,12 +1,15 @@
-"""The least-squares fit of chapter 3 on points whose curve is known, and the reader of measured points."""
+"""The least-squares fit of chapter 3 on points and records whose curve is known."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
 
-from bristle_sim.theory.force_fit import fit_force_history, read_force_csv
+from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve
+
+from_first_touch = partial(fit_force_history, start=0.0)
 
 BALL_PEAK, BALL_DURATION = 335.0, 5e-3
 TRUE_BALL = ForceCurve.of_impact(1.3935, 101.6189, BALL_PEAK, BALL_DURATION)
@@ -38,7 +41,7 @@ def expected_errors(time, noise, values):
 @pytest.mark.parametrize("share", [1.0, 0.48])
 def test_exact_points_give_the_published_parameters_back(duration, share):
     time, force = sampled(TRUE_BALL, share=share)
-    fit = fit_force_history(time, force, duration=duration, peak_force=BALL_PEAK)
+    fit = from_first_touch(time, force, duration=duration, peak_force=BALL_PEAK)
     # Points carry rounding of 1e-16; up to the peak alone, t_f, c and lambda are told apart 1e5 times worse.
     np.testing.assert_allclose(fit.values[:2], [1.3935, 101.6189], rtol=1e-8)
     assert fit.curve.duration == pytest.approx(BALL_DURATION, rel=1e-8)
@@ -47,7 +50,7 @@ def test_exact_points_give_the_published_parameters_back(duration, share):
 
 @pytest.mark.parametrize(("curve", "peak_force"), [(BALL, 335.0), (BRISTLE, 60.0)])
 def test_published_curves_are_fitted_within_the_rounding_of_their_offset(curve, peak_force):
-    fit = fit_force_history(*sampled(curve), duration=curve.duration, peak_force=peak_force)
+    fit = from_first_touch(*sampled(curve), duration=curve.duration, peak_force=peak_force)
     # The printed offsets are whole newtons: 0.059 and 0.019 N from what (3.3) has, times c.
     shift = abs(curve.offset - 0.5 * peak_force * math.cos(math.pi / 6)) * curve.amplitude[0]
     assert 0.0 < fit.root_mean_square < shift
@@ -60,7 +63,7 @@ def test_noisy_points_give_the_parameters_within_their_uncertainty(seed):
     noise = 5.0
     time, force = sampled(TRUE_BALL)
     measured = force + noise * np.random.default_rng(seed).standard_normal(force.size)
-    fit = fit_force_history(time, measured, peak_force=BALL_PEAK, noise=noise)
+    fit = from_first_touch(time, measured, peak_force=BALL_PEAK, noise=noise)
     true = [1.3935, 101.6189, BALL_DURATION]
     errors = expected_errors(time, noise, true)
     # Four standard errors: chance 6e-5 for each of the 15 draws.
@@ -68,7 +71,7 @@ def test_noisy_points_give_the_parameters_within_their_uncertainty(seed):
     # The errors reported are those at the fitted values, which differ from the true ones by a few errors: second order.
     np.testing.assert_allclose(fit.standard_errors, errors, rtol=0.1)
     # Residual variance: chi-squared with 48 degrees of freedom, relative spread sqrt(2/48); four of them.
-    assert fit_force_history(time, measured, peak_force=BALL_PEAK).noise ** 2 == pytest.approx(
+    assert from_first_touch(time, measured, peak_force=BALL_PEAK).noise ** 2 == pytest.approx(
         noise**2, rel=4 * math.sqrt(2 / 48)
     )
 
@@ -78,7 +81,7 @@ def test_reported_uncertainty_covers_the_truth_as_often_as_it_says():
     time, force = sampled(TRUE_BALL)
     rng = np.random.default_rng(7)
     fits = [
-        fit_force_history(time, force + noise * rng.standard_normal(force.size), peak_force=BALL_PEAK)
+        from_first_touch(time, force + noise * rng.standard_normal(force.size), peak_force=BALL_PEAK)
         for _ in range(draws)
     ]
     covered = np.mean([np.abs(f.values[0] - 1.3935) < f.standard_errors[0] for f in fits])
@@ -88,7 +91,7 @@ def test_reported_uncertainty_covers_the_truth_as_often_as_it_says():
 
 def test_two_terms_are_told_apart_when_the_points_hold_two():
     curve = ForceCurve.of_impact((1.0, 0.8), (50.0, 900.0), BALL_PEAK, BALL_DURATION)
-    fit = fit_force_history(*sampled(curve), terms=2, peak_force=BALL_PEAK)
+    fit = from_first_touch(*sampled(curve), terms=2, peak_force=BALL_PEAK)
     order = np.argsort(fit.values[2:4])
     # Rounding of 1e-16 times the condition number of two exponentials, about 1e5.
     np.testing.assert_allclose(fit.values[2:4][order], [50.0, 900.0], rtol=1e-7)
@@ -102,9 +105,9 @@ def test_a_second_term_does_not_improve_a_fit_to_one():
     gains = []
     for seed in range(8):
         measured = force + 5.0 * np.random.default_rng(seed).standard_normal(force.size)
-        one = fit_force_history(time, measured, **settings)
+        one = from_first_touch(time, measured, **settings)
         try:
-            two = fit_force_history(time, measured, terms=2, **settings)
+            two = from_first_touch(time, measured, terms=2, **settings)
         except ValueError as refusal:
             assert str(refusal).startswith("terms = 2: the points do not tell")  # noqa: PT017
         else:
@@ -116,12 +119,12 @@ def test_a_second_term_does_not_improve_a_fit_to_one():
 
 def test_more_terms_than_the_points_hold_are_refused():
     with pytest.raises(ValueError, match="terms = 2: the points do not tell"):
-        fit_force_history(*sampled(TRUE_BALL), terms=2, duration=BALL_DURATION, peak_force=BALL_PEAK)
+        from_first_touch(*sampled(TRUE_BALL), terms=2, duration=BALL_DURATION, peak_force=BALL_PEAK)
 
 
 def test_the_peak_force_only_scales_the_amplitude():
     time, force = sampled(TRUE_BALL)
-    fits = [fit_force_history(time, force, peak_force=each) for each in (335.0, 670.0, None)]
+    fits = [from_first_touch(time, force, peak_force=each) for each in (335.0, 670.0, None)]
     # One minimum reached from three scalings: 1e-10 of the curve's 340 N.
     for fit in fits[1:]:
         np.testing.assert_allclose(fit.curve(time), fits[0].curve(time), atol=4e-8)
@@ -134,7 +137,7 @@ def test_the_peak_force_only_scales_the_amplitude():
         ([0, 1, 2], [0, 1], {}, "shapes"),
         ([0, 1, 2, 3], [0, 1, math.nan, 0], {}, "finite"),
         ([0, 1, 1, 3], [0, 1, 2, 0], {}, "increasing"),
-        ([-1, 1, 2, 3], [0, 1, 2, 0], {}, "increasing values from 0"),
+        ([-1, 1, 2, 3], [0, 1, 2, 0], {}, "increasing values from start = 0 on"),
         ([0, 1, 2, 3], [0, -1, -2, 0], {}, "above 0"),
         ([0, 1, 2], [0, 1, 0], {}, "3 points"),
         ([0, 1, 2, 3, 4], [0, 1, 2, 1, 0], {"duration": 3.0}, "duration = 3"),
@@ -145,53 +148,105 @@ def test_the_peak_force_only_scales_the_amplitude():
 )
 def test_what_is_no_force_history_is_refused(time, force, settings, message):
     with pytest.raises(ValueError, match=message):
-        fit_force_history(time, force, **settings)
+        from_first_touch(time, force, **settings)
 
 
-@pytest.mark.parametrize("separator", [",", ";", "\t", " ; "])
-@pytest.mark.parametrize("header", ["", "time,force\n", "# Yu et al.\n\nt (s);F (N)\n", "\ufefftime\tforce\n"])
-def test_files_are_read_with_any_separator_and_header(tmp_path, separator, header):
-    path = tmp_path / "points.csv"
-    rows = "\n".join(f"{t}{separator}{f}" for t, f in ((0, 0.5), (1e-3, 2), (2e-3, 3.25), (4e-3, -1)))
-    path.write_text(header + rows + "\n\n", encoding="utf-8")
-    time, force = read_force_csv(path)
-    assert time.tolist() == [0.0, 1e-3, 2e-3, 4e-3]
-    assert force.tolist() == [0.5, 2.0, 3.25, -1.0]
+def record(curve=BRISTLE, step=1e-6, before=0.0, after=0.0, origin=0.0, baseline=0.0, noise=0.0, seed=0):
+    """A contact as an oscilloscope records it: on a clock of its own, with samples before and after, offset and noise."""
+    time = np.arange(-round(before / step), round((curve.duration + after) / step) + 1) * step
+    force = np.where((time >= 0.0) & (time <= curve.duration), curve(np.clip(time, 0.0, curve.duration)), 0.0)
+    return time + origin, force + baseline + noise * np.random.default_rng(seed).standard_normal(time.size)
+
+
+def found(fit):
+    peak = fit.curve.peak_time()
+    return peak, float(fit.curve.impulse(peak)), fit.curve.peak_force()
+
+
+@pytest.mark.parametrize(("before", "after"), [(0.0, 0.0), (1e-4, 0.0), (0.0, 1e-4), (1e-3, 2e-3)])
+@pytest.mark.parametrize("origin", [0.0, 1e-4, 0.01, 1.0, -3.0])
+def test_a_contact_is_found_on_any_clock(origin, before, after):
+    """(3.19) with its printed offset, which is 0.02 N of 57 off what (3.3) has: 3e-4, and as much of the impulse to 50 us."""
+    fit = fit_force_history(*record(before=before, after=after, origin=origin))
+    peak, impulse, force = found(fit)
+    # 0.02 N over the initial slope of 8e5 N/s is 25 ns; a clock at 3 s is read to 4e-16 s.
+    assert fit.start == pytest.approx(origin, abs=3e-8)
+    assert peak == pytest.approx(5e-5, rel=1e-3)
+    assert impulse == pytest.approx(1.61157e-3, rel=1e-3)
+    assert force == pytest.approx(56.88, rel=1e-3)
+
+
+@pytest.mark.parametrize("baseline", [0.0, 25.0, -400.0])
+@pytest.mark.parametrize("noise", [0.5, 3.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_contact_is_found_in_noise_and_above_a_baseline(seed, noise, baseline):
+    true = {"start": 0.25, "baseline": baseline, "duration": BRISTLE.duration}
+    fit = fit_force_history(*record(before=2e-3, after=5e-3, origin=0.25, baseline=baseline, noise=noise, seed=seed))
+    errors = dict(zip(fit.names, zip(fit.values, fit.standard_errors, strict=True), strict=True))
+    for name, value in true.items():
+        # Four standard errors and the 25 ns and 0.02 N of the printed offset: chance 6e-5 for each.
+        assert abs(errors[name][0] - value) < 4.0 * errors[name][1] + (0.02 if name == "baseline" else 3e-8)
+    # Six unknowns share the noise of about a hundred points; five standard deviations.
+    assert found(fit)[2] == pytest.approx(56.88, abs=0.02 + 5.0 * noise * math.sqrt(6 / 100))
+
+
+def test_the_largest_of_several_contacts_is_taken():
+    time, force = record(before=1e-3, after=1e-3)
+    smaller = ForceCurve.of_impact(0.4, 0.0, 60.0, 1e-4)
+    for start in (-6e-4, 5e-4):
+        inside = (time >= start) & (time <= start + 1e-4)
+        force = force + np.where(inside, smaller(np.clip(time - start, 0.0, 1e-4)), 0.0)
+    fit = fit_force_history(time, force)
+    assert fit.start == pytest.approx(0.0, abs=3e-8)
+    assert found(fit)[1] == pytest.approx(1.61157e-3, rel=1e-3)
+
+
+def test_a_long_record_of_a_short_contact():
+    """Fifty thousand samples, a hundred of them in the contact, mains hum of 2 N."""
+    time, force = record(before=0.02, after=0.03, noise=0.5)
+    fit = fit_force_history(time, force + 2.0 * np.sin(2.0 * np.pi * 50.0 * time))
+    # The hum changes by 2 N 2 pi 50 Hz 1e-4 s = 0.06 N during the contact.
+    assert fit.start == pytest.approx(0.0, abs=1e-6)
+    assert found(fit)[1] == pytest.approx(1.61157e-3, rel=0.02)
+
+
+def test_a_contact_recorded_up_to_just_behind_its_peak():
+    time, force = record(TRUE_BALL, step=2.5e-5, before=1e-3, origin=7.0)
+    early = time < 7.0 + 3e-3
+    fit = fit_force_history(time[early], force[early], peak_force=BALL_PEAK)
+    # The start lies on a sample: rounding of 7 s is 1e-15, that of times since the start 1e-12 of the duration, and start,
+    # duration and decay are told apart 1e5 times worse.
+    assert fit.start == pytest.approx(7.0, abs=1e-8)
+    assert fit.curve.peak_time() == pytest.approx(TRUE_BALL.peak_time(), rel=1e-5)
+
+
+@pytest.mark.parametrize("seed", range(1, 4))
+@pytest.mark.parametrize("points", [40, 400, 4000])
+def test_no_contact_is_found_in_noise(points, seed):
+    """One record of noise in a hundred may show one; these nine do not."""
+    time = 1e-6 * np.arange(points)
+    with pytest.raises(ValueError, match=r"^force: (no contact found|\d points in)"):
+        fit_force_history(time, np.random.default_rng(seed).standard_normal(points))
+
+
+RAMP = np.arange(12.0)
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("time", "force", "message"),
     [
-        ("", "0 points; at least 4"),
-        ("time,force\n", "0 points; at least 4"),
-        ("0,1\n1,2\n2,3\n", "3 points; at least 4"),
-        ("time,force\n0,1\nx,2\n", "line 3: 'x'"),
-        ("time,force\nseconds,newtons\n0,1\n", "line 2: 'seconds'"),
-        ("0,1\n1,nan\n", "line 2: 'nan'"),
-        ("0,1\n1,inf\n", "line 2: 'inf'"),
-        ("0,1\n1,\n", "line 2: ''"),
-        ("0,1\n1,2,3\n", "line 2: 3 columns"),
-        ("0 1\n", "line 1: 1 columns"),
-        ("0,1\n2,2\n\n2,3\n", "line 4: time = 2: more than the time before"),
-        ("0,1\n2,2\n1,3\n", "line 3: time = 1"),
-        ("-1,1\n", "line 1: time = -1"),
+        (RAMP, 0 * RAMP, "no contact found"),
+        (RAMP, 0 * RAMP + 5.3, "no contact found"),
+        (RAMP, RAMP, "time: the record ends at 11 s, before the force has passed its peak"),
+        (RAMP, 11 - RAMP, "time: the contact seems to begin at"),
+        (RAMP, np.where(RAMP == 6, 5.0, 0.0), "force: no contact found"),
+        (*record(baseline=6.0), "force: the record begins at 6.0"),
+        (*record(baseline=-6.0), "force: the record begins at -5.9"),
+        (*(each[20:] for each in record(after=1e-4)), "time: the contact seems to begin at"),
+        (1e9 * RAMP**9, 0 * RAMP + [0, 1, 2, 2, 1, 0, 0, 0, 0, 0, 0, 0], "."),
     ],
 )
-def test_other_files_are_refused_in_one_line(tmp_path, text, message):
-    path = tmp_path / "points.csv"
-    path.write_text(text, encoding="utf-8")
+def test_records_without_a_whole_contact_are_refused(time, force, message):
     with pytest.raises(ValueError, match=message) as refusal:
-        read_force_csv(path)
-    assert "\n" not in str(refusal.value)
-    assert "points.csv" in str(refusal.value)
-
-
-def test_missing_and_binary_files_are_refused(tmp_path):
-    with pytest.raises(ValueError, match=r"none\.csv: a readable file"):
-        read_force_csv(tmp_path / "none.csv")
-    with pytest.raises(ValueError, match="a readable file"):
-        read_force_csv(tmp_path)
-    binary = tmp_path / "binary.csv"
-    binary.write_bytes(b"\xff\xfe\x00\x80")
-    with pytest.raises(ValueError, match="text in UTF-8"):
-        read_force_csv(binary)
+        fit_force_history(time, force)
+    assert "SVD" not in str(refusal.value)

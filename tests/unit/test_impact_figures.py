@@ -11,9 +11,20 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
 
-from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface, Tool
-from bristle_sim.render.chain_drawing import chain_points
+from bristle_sim.parameters import (
+    Bar,
+    Bristle,
+    Contact,
+    DoublePendulum,
+    Hub,
+    SinglePendulum,
+    Strike,
+    Surface,
+    Tool,
+)
+from bristle_sim.render.chain_drawing import ChainDrawing
 from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion, stretches
 from bristle_sim.render.convergence_figure import compliant_convergence_figure
 from bristle_sim.render.cue_figure import cue_figure
@@ -21,13 +32,19 @@ from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_fi
 from bristle_sim.render.impact_video import ImpactScene, impact_video
 from bristle_sim.render.prefixes import scale_for
 from bristle_sim.render.style import save_figure
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.strike import Chain
+from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import CueTiming, cue_timing
+from bristle_sim.studies.impact_families import double_pendulum_panels, oblique_panels, single_pendulum_panels
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact, single_pendulum
 from bristle_sim.studies.impulse_course import energetic_course
-from bristle_sim.studies.law_convergence import Convergence
+from bristle_sim.studies.law_convergence import Convergence, engine_energy
+from bristle_sim.studies.timed_contact import with_visible_contact
 
+STICTION = "stiction, $\\mu$ = tan $\\gamma$"
+HAND = "the impact at hand"
 ROUGH = Surface(friction=0.5, restitution=0.5)
 TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
 """Relative error of an impulse summed by the trapezoidal rule over the 24 stretches of a record."""
@@ -45,6 +62,15 @@ def rods(surface: Surface = ROUGH, **pendulum: float) -> Impacts:
     return report.subject
 
 
+def oblique(impacts: Impacts) -> Figure:
+    return oblique_figure(impacts, oblique_panels(impacts))
+
+
+def two_rods(impacts: Impacts) -> Figure:
+    energy = engine_energy(impacts.chain, impacts.surface) if any(impacts.chain.rates) else None
+    return double_pendulum_figure(impacts, double_pendulum_panels(impacts), energy)
+
+
 @pytest.fixture(scope="module")
 def strike() -> Impacts:
     return bristle()
@@ -57,12 +83,12 @@ def pendulum() -> Impacts:
 
 @pytest.fixture(scope="module")
 def strike_figure(strike: Impacts) -> Figure:
-    return oblique_figure(strike)
+    return oblique(strike)
 
 
 @pytest.fixture(scope="module")
 def pendulum_figure(pendulum: Impacts) -> Figure:
-    return double_pendulum_figure(pendulum)
+    return two_rods(pendulum)
 
 
 @pytest.fixture(scope="module")
@@ -154,21 +180,21 @@ def test_impulses_that_fall_together_share_a_name(strike_figure: Figure) -> None
 
 def test_oblique_figure_shows_families_and_the_impact_at_hand(strike_figure: Figure) -> None:
     rebound, by_angle, by_restitution = (panel(strike_figure, letter) for letter in "bcd")
-    assert data(rebound, "at hand") == pytest.approx((23.4, -0.539903), rel=2e-6)
+    assert data(rebound, HAND) == pytest.approx((23.4, -0.539903), rel=2e-6)
     for axes in (by_angle, by_restitution):
-        assert data(axes, "at hand") == pytest.approx((0.31, 2.504205), rel=5e-7)
+        assert data(axes, HAND) == pytest.approx((0.31, 2.504205), rel=5e-7)
     # Without friction the rate after is -e* kappa/R - r_h/(L R) of that before at any angle.
-    _, frictionless = data(rebound, "theory 0")
+    _, frictionless = data(rebound, "curve 0")
     radius = 0.0275 / 0.027
     np.testing.assert_allclose(frictionless, -(0.42 * (3.23 + radius) + radius) / 3.23, rtol=1e-12)
-    assert data(by_angle, "stiction")[0][0] == pytest.approx(math.tan(math.radians(15.0)))
+    assert data(by_angle, STICTION)[0][0] == pytest.approx(math.tan(math.radians(15.0)))
     assert "23.4°" in [text.get_text() for text in by_angle.get_legend().get_texts()]
 
 
 def test_points_of_a_family_lie_on_its_curves(strike_figure: Figure) -> None:
     rebound = panel(strike_figure, "b")
     for name in ("0", "0.1", "0.31", "0.6", "1"):
-        curve, points = data(rebound, f"theory {name}"), data(rebound, f"energetic {name}")
+        curve, points = data(rebound, f"curve {name}"), data(rebound, f"energetic {name}")
         # Linear between 81 places that lie closer where the curve is steep.
         np.testing.assert_allclose(points[1], np.interp(points[0], *curve), atol=2e-3)
 
@@ -176,23 +202,48 @@ def test_points_of_a_family_lie_on_its_curves(strike_figure: Figure) -> None:
 def test_single_pendulum_figure_shows_the_formula() -> None:
     report = single_pendulum(SinglePendulum(), Surface(), Contact(), Settings())
     assert isinstance(report.subject, Impacts)
-    figure = single_pendulum_figure(report.subject)
+    figure = single_pendulum_figure(report.subject, single_pendulum_panels(report.subject))
     drag = 0.31 / math.tan(math.radians(23.4))
     expected = -0.42 * math.sqrt((1.0 - drag) / (1.0 + drag))
-    assert data(panel(figure, "b"), "at hand") == pytest.approx((23.4, expected), rel=1e-9)
-    assert data(panel(figure, "c"), "at hand") == pytest.approx((0.31, expected), rel=1e-9)
+    assert data(panel(figure, "b"), HAND) == pytest.approx((23.4, expected), rel=1e-9)
+    assert data(panel(figure, "c"), HAND) == pytest.approx((0.31, expected), rel=1e-9)
 
 
 def test_double_pendulum_figure_shows_rates_impulses_and_energies(pendulum_figure: Figure) -> None:
     rates, impulses, energies = (panel(pendulum_figure, letter) for letter in "bcd")
-    stars = [each.get_ydata()[0] for each in rates.get_lines() if each.get_gid() == "at hand"]
+    stars = [each.get_ydata()[0] for each in rates.get_lines() if each.get_gid() == HAND]
     assert stars == pytest.approx([-0.19893234, 0.22313679], abs=5e-9)  # eqs. 2.74-2.89 evaluated on their own
-    assert data(rates, "rod 1 before")[1][0] == -0.1
-    assert data(impulses, "stiction")[0][0] == pytest.approx(math.tan(math.radians(23.4)))
+    assert data(rates, "rod 1 before the impact")[1][0] == -0.1
+    assert data(impulses, STICTION)[0][0] == pytest.approx(math.tan(math.radians(23.4)))
     iterations, engine = data(energies, "engine")
     assert (iterations[0], iterations[-1]) == (1.0, 1000.0)
     assert engine[-1] > 1.0 > data(energies, "energetic")[1][0]
     assert energies.get_ylim()[1] > engine.max()
+
+
+def test_figures_never_simulate(strike: Impacts, pendulum: Impacts, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Studies compute and figures draw: no scene can be built while they do."""
+    panels, rates = oblique_panels(strike), double_pendulum_panels(pendulum)
+    energy = engine_energy(pendulum.chain, ROUGH)
+
+    def refuse(*_: object) -> None:
+        pytest.fail("a figure builds a scene")
+
+    monkeypatch.setattr(Scene, "__init__", refuse)
+    oblique_figure(strike, panels)
+    single_pendulum_figure(strike, {"rebound over angle": panels["rebound over angle"]})
+    double_pendulum_figure(pendulum, rates, energy)
+
+
+def test_panels_of_one_page_have_titles_of_their_own(strike_figure: Figure, pendulum_figure: Figure) -> None:
+    for figure in (strike_figure, pendulum_figure):
+        titles = [axes.get_title(loc="left").split("  ", 1)[1] for axes in figure.axes]
+        assert len(set(titles)) == len(titles) == 4
+
+
+def test_every_dotted_line_of_stiction_is_explained(strike_figure: Figure) -> None:
+    for letter in "cd":
+        assert f"dashed: {STICTION}" in words(panel(strike_figure, letter))
 
 
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
@@ -202,14 +253,14 @@ def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: st
 
 
 def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
-    away = oblique_figure(bristle(Strike(speed_ratio=0.0)))
+    away = oblique(bristle(Strike(speed_ratio=0.0)))
     assert "no ratio" in words(panel(away, "b"))
-    resting = double_pendulum_figure(rods(rate_1=0.0, rate_2=0.0))
+    resting = two_rods(rods(rate_1=0.0, rate_2=0.0))
     assert "no contact" in words(panel(resting, "a"))
     assert "no energy" in words(panel(resting, "d"))
     unresolved = rods()
     del unresolved.strikes["compliant"]
-    names = {each.get_gid() for each in panel(double_pendulum_figure(unresolved), "a").get_lines()}
+    names = {each.get_gid() for each in panel(two_rods(unresolved), "a").get_lines()}
     assert not any(name and "resolved" in name for name in names)
     for number, figure in enumerate((away, resting)):
         save_figure(figure, tmp_path / f"{number}.png")
@@ -217,7 +268,7 @@ def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("surface", [{"friction": 0.6}, {"restitution": 0.0}, {"restitution_friction": 0.9}])
 def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_path: Path) -> None:
-    figure = oblique_figure(bristle(**surface))
+    figure = oblique(bristle(**surface))
     assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
     save_figure(figure, tmp_path / "stuck.png")
 
@@ -239,30 +290,66 @@ def release() -> CueTiming:
     return subject
 
 
+def bars(axes: Axes) -> dict[str, np.ndarray]:
+    """Centres of the bars drawn, m, by name."""
+    return {
+        patch.get_gid(): -1e-3 * np.array(patch.get_center())
+        for patch in axes.patches
+        if isinstance(patch, Circle) and patch.get_gid()
+    }
+
+
 def test_cue_figure_marks_both_cues_and_every_bar(release: CueTiming, tmp_path: Path) -> None:
-    figure = cue_figure(release.trajectory, release.tool, release.retraction)
-    angle, plan = panel(figure, "a"), panel(figure, "b")
-    rate = next(axes for axes in figure.axes if axes.get_ylabel() == "relative rate (rad/s)")
+    figure = cue_figure(release)
+    retraction, speed, plan = (panel(figure, letter) for letter in "abc")
     inertia = 8.387e-5 * 0.027**2 / 3.0
     natural = math.sqrt(math.degrees(0.00041) / inertia)
-    assert data(rate, "cue, quasi-static formula")[0][0] == pytest.approx(0.5e3 * math.pi / natural)
-    assert data(rate, "highest, quasi-static formula")[1][0] == pytest.approx(math.radians(44.5) * natural)
+    assert data(speed, "cue, quasi-static formula")[0][0] == pytest.approx(0.5e3 * math.pi / natural)
+    assert data(speed, "highest, quasi-static formula")[1][0] == pytest.approx(math.radians(44.5) * natural)
     # From an integration of I alpha'' + k alpha + g sin alpha = 0, to the digits given.
-    assert data(rate, "cue, simulated")[0][0] == pytest.approx(1.4052, abs=5e-5)
-    assert data(rate, "highest, simulated")[1][0] == pytest.approx(869.1, abs=0.05)
-    assert data(angle, "angle, simulated")[1][0] == pytest.approx(-44.5)
-    assert abs(data(angle, "angle, simulated")[1][-1]) < 1e-3
-    bars = {patch.get_gid() for patch in plan.patches if patch.get_gid() is not None}
-    readings = ("per_radian", "per_degree", "from_254_hz")
-    assert bars == {f"{side} {reading}" for side in ("simulated", "formula") for reading in readings}
+    assert data(speed, "cue, simulated")[0][0] == pytest.approx(1.4052, abs=5e-5)
+    assert data(speed, "highest, simulated")[1][0] == pytest.approx(869.1, abs=0.05)
+    assert data(retraction, "retraction, simulated")[1][0] == pytest.approx(44.5)
+    assert abs(data(retraction, "retraction, simulated")[1][-1]) < 1e-3
+    sides = {f"{side} {reading}" for side in ("simulated", "formula") for reading in ("per_degree", "from_254_hz")}
+    assert set(bars(plan)) == {"bar as given", *sides}  # the soft belt's are on the other side of the hub
     table = "\n".join(words(axes) for axes in figure.axes)
-    assert all(degrees in table for degrees in ("66.56°", "59.97°", "65.93°"))
+    assert all(degrees in table for degrees in ("66.56°", "59.97°", "65.93°", "114.33°", "1.97°", "2.74°"))
+    assert "0.00041 N·m per radian *" in table
     save_figure(figure, tmp_path / "cue.png")
 
 
-def test_cue_figure_needs_a_bar(release: CueTiming) -> None:
-    with pytest.raises(ValueError, match="bar, workpart"):
-        cue_figure(release.trajectory, dataclasses.replace(release.tool, bar=None), release.retraction)
+def test_cue_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_needs(release: CueTiming) -> None:
+    moved = Bar(horizontal=0.052, vertical=0.018)
+    plan = panel(cue_figure(dataclasses.replace(release, bar=moved)), "c")
+    drawn = bars(plan)
+    assert drawn["bar as given"] == pytest.approx([0.052, 0.018])
+    needed = drawn["simulated per_degree"]
+    outline = next(patch.get_xy() for patch in plan.patches if patch.get_gid() == "wire released") * 1e-3
+    tip = 0.5 * (outline[1] + outline[2])
+    assert np.hypot(*(tip + needed)) == pytest.approx(Tool().bar_reach, abs=1e-9)  # m; rounding, and 1e-6 of the turn
+    (left, right), (bottom, top) = plan.get_xlim(), plan.get_ylim()
+    for horizontal, vertical in drawn.values():
+        assert left < -1e3 * horizontal < right
+        assert bottom < -1e3 * vertical < top
+
+
+def test_cue_figure_never_simulates(release: CueTiming, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("a figure must not simulate")
+
+    for module in ("scene.tool", "studies.cue_timing", "studies.cue_places"):
+        monkeypatch.setattr(f"bristle_sim.{module}.simulate", refuse)
+    cue_figure(release)
+
+
+def test_cue_figure_without_a_formula_or_a_cue(release: CueTiming) -> None:
+    own = dataclasses.replace(release.places["per_degree"], simulated=None, formula=None, passed=None)
+    places = {**release.places, "per_degree": own}
+    bare = dataclasses.replace(release, places=places, formula=None, released=None, fastest=None)
+    figure = cue_figure(bare)
+    assert set(bars(panel(figure, "c"))) == {"bar as given", "simulated from_254_hz", "formula from_254_hz"}
+    assert "none" in words(figure.axes[-1])
 
 
 def test_motion_passes_the_record(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
@@ -340,9 +427,48 @@ def test_no_motion_of_an_instantaneous_contact(strike: Impacts) -> None:
         contact_motion(strike.strikes["energetic"].contact)
 
 
-def test_chain_is_drawn_to_scale() -> None:
-    points = chain_points(Chain((1.0, 1.0), (2.0, 1.0), (0.0, -0.5 * math.pi), (0.0, 0.0)))
-    np.testing.assert_allclose(points, [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
+def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
+    chain = Chain((1.0, 1.0), (2.0, 1.0), (0.0, -0.5 * math.pi), (1.0, 0.0))
+    struck = strike_chain(chain, Surface(), Contact(), Settings())
+    np.testing.assert_allclose(struck.centre_line, [(0.0, 0.0), (0.0, -2.0), (-1.0, -2.0)], atol=1e-15)
+    axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
+    ChainDrawing(axes, struck, 0.0, 1.0)
+    np.testing.assert_allclose(line(axes, "rods").get_xydata(), [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
+
+
+def test_root_of_a_chain_on_a_hub_is_on_its_rim(strike: Impacts) -> None:
+    """The radial bristle's root and tip, 23.4 deg before the workpart's normal."""
+    gamma = math.radians(23.4)
+    towards = np.array([-math.sin(gamma), -math.cos(gamma)])
+    for struck in strike.strikes.values():
+        np.testing.assert_allclose(struck.centre_line, np.outer([0.0275, 0.0545], towards), atol=1e-15)
+
+
+@pytest.mark.parametrize("contact", [Contact(), Contact("compliant"), Contact("engine")])
+def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None:
+    """50 us of compression, millimetres and some ten newtons instead of nanometres and meganewtons."""
+    shown = with_visible_contact(bristle(contact=contact))
+    scene = ImpactScene(shown, width=320, height=180)
+    assert scene.motion.compression_end == pytest.approx(5e-5, rel=1e-5)
+    # Impulse over duration: the mean force of 2.8 mN s in some 100 us; the peak is at most pi/2 of it in either half.
+    assert 20.0 < scene.motion.normal_force.max() < 100.0
+    written = "\n".join(each.get_text() for each in scene.stage.figure.texts)
+    assert "compression 50 µs (as printed, for the film)" in written
+
+
+def test_films_show_a_requested_duration() -> None:
+    shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
+    assert contact_motion(shown.strikes["compliant"].contact).touch_end == pytest.approx(2e-5, rel=0.02)  # see scene
+    assert shown.timing == "contact_duration as requested"
+
+
+def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
+    tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
+    slow = rods(rate_1=-1e-5, rate_2=-2e-5)
+    for impacts in (tiny, slow):
+        shown = with_visible_contact(impacts)
+        assert shown.timing == "rigid-body limit"
+        assert shown.strikes == impacts.strikes
 
 
 def test_film_shows_the_motion(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bristle_sim.theory.impact import LAWS as BY_NAME
 from bristle_sim.theory.impact import (
     OUTCOMES,
     PHASES,
@@ -20,7 +21,7 @@ from bristle_sim.theory.impact import (
     stick_threshold,
 )
 
-LAWS = [energetic_impact, poisson_impact, newton_impact]
+LAWS = list(BY_NAME.values())
 every_law = pytest.mark.parametrize("law", LAWS)
 MIRROR = np.array([[1.0, -1.0], [-1.0, 1.0]])
 
@@ -282,6 +283,14 @@ def test_poisson_impulse_rule_and_no_energy_gained():
     assert np.all(result.energy_change <= 1e-12 * before)
 
 
+def test_poisson_gains_energy_now_and_then_where_restitution_has_its_own_friction():
+    """As its docstring says; the energetic coefficient gains none on the same impacts."""
+    impacts = with_other_friction(random_impacts(22, 120_000), 23)
+    before = kinetic_energy(impacts["inverse_mass"], impacts["velocity"])
+    assert 0.0 < np.mean(poisson_impact(**impacts).energy_change > 1e-6 * before) < 0.2
+    assert np.all(energetic_impact(**impacts).energy_change <= 1e-12 * before)
+
+
 def test_newton_velocity_rule_and_that_it_gains_energy_now_and_then():
     impacts = random_impacts(20, 120_000)
     result = newton_impact(**impacts)
@@ -294,7 +303,7 @@ def test_newton_velocity_rule_and_that_it_gains_energy_now_and_then():
     assert not np.any(gains & np.isinf(result.slip_stop_impulse))
 
 
-def test_coefficients_agree_when_slip_neither_stops_nor_couples():
+def test_coefficients_agree_where_friction_is_none_or_slip_lasts():
     """One slope of v_n over the impulse from start to end: e, e* and Poisson's e are the same number."""
     impacts = random_impacts(21, 20_000)
     results = [law(**impacts) for law in LAWS]
@@ -302,6 +311,25 @@ def test_coefficients_agree_when_slip_neither_stops_nor_couples():
     assert lasting.sum() > 5000
     for other in results[1:]:
         np.testing.assert_allclose(other.impulse_normal[lasting], results[0].impulse_normal[lasting], rtol=1e-12)
+    # Without friction slip that reverses has no effect either, and one degree of freedom always reverses.
+    impacts = random_impacts(24, 5_000, reach=1.0) | {"friction": 0.0}
+    results = [law(**impacts) for law in LAWS]
+    for other in results[1:]:
+        np.testing.assert_allclose(other.impulse_normal, results[0].impulse_normal, rtol=1e-12)
+
+
+def test_coefficients_of_one_degree_of_freedom():
+    """Slip and compression stop together: v_n gains s_1 per impulse before and s_2 after, so p_r/p_c is e sqrt(s_1/s_2)
+    by work, e by impulse and e s_1/s_2 by velocity.
+    """
+    gamma, mu, e = 0.6, 0.3, 0.5
+    line = np.array([math.sin(gamma), math.cos(gamma)])
+    first, second = (math.sin(gamma) + sign * mu * math.cos(gamma) for sign in (1.0, -1.0))
+    ratios = {"energetic": e * math.sqrt(first / second), "poisson": e, "newton": e * first / second}
+    for name, law in BY_NAME.items():
+        result = law(3.0 * np.outer(line, line), -line, mu, e)
+        restitutive = result.impulse_normal / result.compressive_impulse_normal - 1.0
+        assert restitutive == pytest.approx(ratios[name], rel=1e-12)
 
 
 def test_elastic_sticking_impact_conserves_energy():
@@ -604,19 +632,35 @@ def test_march_in_small_impulses(kind):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"inverse_mass": [[1.0, 0.5], [0.4, 1.0]]}, r"^inverse_mass: a symmetric matrix"),
-        ({"inverse_mass": [[1.0, 2.0], [2.0, 1.0]]}, r"^inverse_mass: a positive semidefinite matrix \(1/kg\)"),
-        ({"inverse_mass": [[-1.0, 0.0], [0.0, 1.0]]}, r"^inverse_mass: a positive semidefinite matrix \(1/kg\)"),
-        ({"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]}, r"^inverse_mass: finite entries"),
+        ({"inverse_mass": [[1.0, 0.5], [0.4, 1.0]]}, r"^inverse_mass = \(1, 0.5, 0.4, 1\): a symmetric matrix"),
+        (
+            {"inverse_mass": [[1.0, 2.0], [2.0, 1.0]]},
+            r"^inverse_mass = \(1, 2, 2, 1\): a positive semidefinite matrix \(1/kg\)",
+        ),
+        (
+            {"inverse_mass": [[-1.0, 0.0], [0.0, 1.0]]},
+            r"^inverse_mass = \(-1, 0, 0, 1\): a positive semidefinite matrix \(1/kg\)",
+        ),
+        ({"inverse_mass": [[math.nan, 0.0], [0.0, 1.0]]}, r"^inverse_mass = \(nan, 0, 0, 1\): finite entries"),
         ({"inverse_mass": [1.0, 2.0]}, r"^inverse_mass, velocity of shapes \(2,\), \(2,\)"),
         ({"velocity": [-1.0, 0.0, 0.0]}, r"^inverse_mass, velocity of shapes \(2, 2\), \(3,\)"),
-        ({"velocity": [-math.inf, 0.0]}, r"^velocity: finite components \(m/s\)"),
-        ({"friction": -0.1}, r"^friction: finite and >= 0"),
-        ({"friction": math.inf}, r"^friction: finite and >= 0"),
-        ({"friction": [0.1, math.nan]}, r"^friction: finite and >= 0"),
-        ({"restitution_friction": -0.1}, r"^restitution_friction: finite and >= 0"),
-        ({"restitution": 1.1}, r"^restitution: 0 <= restitution <= 1"),
-        ({"restitution": [0.5, -0.1]}, r"^restitution: 0 <= restitution <= 1"),
+        ({"velocity": [-math.inf, 0.0]}, r"^velocity = \(-inf, 0\): finite components \(m/s\)"),
+        ({"friction": -0.1}, r"^friction = -0.1: finite and >= 0"),
+        ({"friction": math.inf}, r"^friction = inf: finite and >= 0"),
+        ({"friction": [0.1, math.nan]}, r"^friction = nan: finite and >= 0"),
+        ({"restitution_friction": -0.1}, r"^restitution_friction = -0.1: finite and >= 0"),
+        ({"restitution": 1.1}, r"^restitution = 1.1: 0 <= restitution <= 1"),
+        ({"restitution": [0.5, -0.1]}, r"^restitution = -0.1: 0 <= restitution <= 1"),
+        ({"friction": True}, r"^friction = True: real numbers"),
+        ({"friction": [0.3, False]}, r"^friction = \[0.3, False\]: real numbers"),
+        ({"restitution": "0.5"}, r"^restitution = '0.5': real numbers"),
+        ({"velocity": ("-1", "0")}, r"^velocity = \('-1', '0'\): real numbers"),
+        ({"inverse_mass": np.eye(2, dtype=bool)}, r"^inverse_mass = .*: real numbers"),
+        ({"inverse_mass": [[1e200, 3e200], [3e200, 1e200]]}, r"^inverse_mass = .*: a positive semidefinite matrix"),
+        ({"inverse_mass": [[1e-200, 3e-200], [3e-200, 1e-200]]}, r"^inverse_mass = .*: a positive semidefinite matrix"),
+        ({"velocity": (-1e200, 1e200)}, r"^velocity = \(-1e\+200, 1e\+200\) with inverse_mass .* v\^2/K are finite"),
+        ({"velocity": [(-1.0, 1.0), (-1e160, 0.0)]}, r"^velocity = \(-1e\+160, 0\) with inverse_mass"),
+        ({"inverse_mass": [[1e-320, 0.0], [0.0, 1e-320]]}, r"^velocity = .* with inverse_mass of diagonal"),
     ],
 )
 def test_bad_input_is_named_in_one_line(law, change, message):

@@ -1,6 +1,6 @@
 """The benchmark runs and tells every way's cost; no figure is asked of it here, machines are noisy."""
 
-from bristle_sim.studies.law_benchmark import costs
+from bristle_sim.benchmarks.law_benchmark import costs
 
 
 def test_every_way_is_measured() -> None:

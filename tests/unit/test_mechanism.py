@@ -65,6 +65,30 @@ def test_velocities_are_derivatives_of_places(seed: int, point: str) -> None:
     np.testing.assert_allclose(velocities, slope, rtol=0.0, atol=1e-8)
 
 
+@pytest.mark.parametrize("links", [1, 2, 4])
+def test_centre_line_runs_from_the_root_over_joints_and_knees_to_the_tip(links: int) -> None:
+    """Compared with one turned arm after the other; its velocities with central differences of its places."""
+    rng = np.random.default_rng(links)
+    mechanism, state = chain(rng, links), random_state(rng, links)
+
+    def line(time: float) -> tuple[np.ndarray, np.ndarray]:
+        at = moved(state, time)
+        return mechanism.centre_line(np.array([at.time]), np.array([at.angles]), np.array([at.rates]))
+
+    (places,), (velocities,) = line(0.0)
+    point = -0.7j * cmath.exp(1j * (-0.4 + 1.3 * state.time))
+    expected = [point]
+    for link, angle in zip(mechanism.links, state.angles, strict=True):
+        expected += [point + complex(*corner) * cmath.exp(1j * angle) for corner in (*link.knees, link.tip)]
+        point = expected[-1]
+    assert places.shape == velocities.shape == (links + 2, 2)  # root, a tip for every link, and the last one's knee
+    np.testing.assert_allclose(places @ [1.0, 1j], expected, atol=1e-14)
+    (later,), _ = line(STEP)
+    (earlier,), _ = line(-STEP)
+    # Third derivatives of the root's and of each link's circle, radius times rate cubed, at most 2 x 27.
+    np.testing.assert_allclose(velocities, (later - earlier) / (2.0 * STEP), atol=1e-8)
+
+
 def test_kinetic_energy_is_that_of_the_rods_elements() -> None:
     """Three-point Gauss quadrature is exact for the square of a velocity that is linear along a rod."""
     rng = np.random.default_rng(7)

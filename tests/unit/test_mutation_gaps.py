@@ -127,7 +127,7 @@ class TestStepping:
         Twice that for each link; 2 % for a factor of 8/27 rounded to two digits.
         """
         start, end = State(1.0, (0.1, 0.2), (1.0, -2.0)), State(1.0 + step, (0.3, 0.1), (1.5, -2.2))
-        assert kind(0.01).stray(start, end) == pytest.approx(8.0 / 27.0 * step * 0.7, rel=0.02)
+        assert kind(0.01).interpolation_error(start, end) == pytest.approx(8.0 / 27.0 * step * 0.7, rel=0.02)
 
     def test_cost_counts_every_run_and_step(self) -> None:
         """Two runs of 4 and 5 steps cost two overheads and 9 steps."""

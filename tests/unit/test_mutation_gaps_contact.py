@@ -11,30 +11,31 @@ from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import Coefficients, EngineLaw
 from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.hold import ELBOW, EngineHold, elbow, ledger_of_hold, locking, set_back
+from bristle_sim.scene.engine_contact import ELBOW, EngineContact, elbow, locking, set_back, sustained_contact_record
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
 
 
-def on_workpart(angle: float, friction: float) -> EngineHold:
+def on_workpart(angle: float, friction: float) -> EngineContact:
     """The rod's tip on the workpart."""
     obstacle = WorkpartObstacle(math.cos(angle), friction, friction, 0.5)
-    return EngineHold(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle)
+    return EngineContact(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle)
 
 
-def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[EngineHold, BarObstacle]:
+def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[EngineContact, BarObstacle]:
     """The rod, at an angle, against a bar of reach 0.1 at a distance along it, on the side of larger angles."""
     direction = (math.sin(angle), -math.cos(angle))
     across = (math.cos(angle), math.sin(angle))
     centre = (along * direction[0] + 0.1 * across[0], along * direction[1] + 0.1 * across[1])
     obstacle = BarObstacle(centre, 0.1, 0.0, friction, 0.5)
-    return EngineHold(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle), obstacle
+    return EngineContact(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle), obstacle
 
 
 Vector = tuple[float, float]
@@ -166,8 +167,8 @@ class TestWatches:
             hold = on_workpart(0.7, friction)
             watch = locking(hold)
             assert watch.value(result) == pytest.approx(hold.grip(state) - 1e-3, abs=1e-15)
-            assert (watch.falling, watch.event, watch.final) == (True, event, True)
-            assert watch.name == ("jam" if friction else "workpart met end-on: no grip for the engine's contact")
+            assert (watch.falling, watch.event) == (True, event)
+            assert watch.final is (StopReason.JAM if friction else StopReason.NO_GRIP)
 
     def test_another_piece_that_meets_the_bar(self) -> None:
         """Its gap falls to zero; a straight wire has no other piece."""
@@ -207,7 +208,7 @@ def test_ledger_of_a_hold() -> None:
     """Slip of a tip at 0.7 is the rate times cos 0.7; the normal velocity is 0 by definition."""
     obstacle = WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5)
     first, last = State(1.0, (0.7,), (0.5,)), State(1.5, (0.7,), (-0.25,))
-    record = ledger_of_hold(ROD, obstacle, first, last, (3.0, -1.0, -0.2), "released")
+    record = sustained_contact_record(ROD, obstacle, first, last, (3.0, -1.0, -0.2), "released")
     assert (record.obstacle, record.law, record.outcome) == ("workpart", "hold", "released")
     assert (record.time, record.duration, record.impulse) == (1.0, 0.5, (3.0, -1.0))
     assert record.compressive_work == (0.0, -0.2)

@@ -1,13 +1,15 @@
 """Force histories: what other tests let pass. Expected values from the definition, a symmetry or by hand."""
 
 import math
-from pathlib import Path
+from functools import partial
 
 import numpy as np
 import pytest
 
-from bristle_sim.theory.force_fit import fit_force_history, read_force_csv
+from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve, segment_impulses
+
+from_first_touch = partial(fit_force_history, start=0.0)
 
 
 class TestForceHistory:
@@ -60,7 +62,7 @@ class TestForceFit:
         """A negative decay is a parameter as any other, also where the duration is given."""
         curve = ForceCurve.of_impact(0.7, -150.0, 100.0, 5e-3)
         time = np.linspace(0.0, 5e-3, 21)
-        fit = fit_force_history(time, curve(time), duration=5e-3, peak_force=100.0)
+        fit = from_first_touch(time, curve(time), duration=5e-3, peak_force=100.0)
         np.testing.assert_allclose(fit.values, [0.7, -150.0], rtol=1e-8)
         assert fit.curve.decay == tuple(fit.values[1:])
 
@@ -68,30 +70,30 @@ class TestForceFit:
         """Residuals of n points and p parameters: s^2 (n - p) is their sum of squares."""
         time = np.linspace(0.0, 1.0, 6)
         force = ForceCurve.of_impact(1.0, 1.0, 10.0, 1.0)(time) + np.array([0.0, 1.0, -1.0, 1.0, -1.0, 0.0])
-        fit = fit_force_history(time, force, peak_force=10.0)
+        fit = from_first_touch(time, force, peak_force=10.0)
         assert fit.noise**2 * 3 == pytest.approx(np.sum(fit.residuals**2), rel=1e-12)
 
     def test_a_single_point_that_says_much(self) -> None:
         """Four of five points are next to the first touch, where the bracket of (3.3) is below a fifth of the fifth's."""
         curve = ForceCurve.of_impact(1.0, 1.5, 2.0, 1.0)
         time = np.array([0.0, 0.01, 0.02, 0.03, 0.5])
-        fit = fit_force_history(time, curve(time), duration=1.0, peak_force=2.0)
+        fit = from_first_touch(time, curve(time), duration=1.0, peak_force=2.0)
         np.testing.assert_allclose(fit.values, [1.0, 1.5], rtol=1e-8)
 
     def test_four_points_are_enough_for_three_unknowns_and_not_for_four(self) -> None:
         curve = ForceCurve.of_impact(1.0, 1.5, 2.0, 1.0)
         time = np.array([0.1, 0.4, 0.6, 0.9])
         np.testing.assert_allclose(
-            fit_force_history(time, curve(time), peak_force=2.0).values, [1.0, 1.5, 1.0], rtol=1e-8
+            from_first_touch(time, curve(time), peak_force=2.0).values, [1.0, 1.5, 1.0], rtol=1e-8
         )
-        with pytest.raises(ValueError, match=r"^force: 4 points; more than the 4 unknowns"):
-            fit_force_history(time, curve(time), terms=2, duration=1.0)
+        with pytest.raises(ValueError, match=r"^force: 4 points; there must be more than the 4 unknowns"):
+            from_first_touch(time, curve(time), terms=2, duration=1.0)
 
     def test_an_amplitude_of_any_size(self) -> None:
         """F* only scales the amplitude: with F* = 1e13 times as large it is 1e-13 times as large, and as certain."""
         curve = ForceCurve.of_impact(1.4, 100.0, 300.0, 5e-3)
         time = np.linspace(0.0, 5e-3, 51)
-        fits = [fit_force_history(time, curve(time), peak_force=scale, noise=1.0) for scale in (300.0, 3e15)]
+        fits = [from_first_touch(time, curve(time), peak_force=scale, noise=1.0) for scale in (300.0, 3e15)]
         np.testing.assert_allclose(fits[1].values, fits[0].values * [1e-13, 1.0, 1.0], rtol=1e-8)
         np.testing.assert_allclose(fits[1].standard_errors, fits[0].standard_errors * [1e-13, 1.0, 1.0], rtol=1e-6)
 
@@ -109,29 +111,8 @@ class TestForceFit:
     )
     def test_refusals_name_key_value_range_and_unit(self, time: list[float], settings: dict, said: tuple) -> None:
         with pytest.raises(ValueError, match=f"^{said[0]}") as refusal:
-            fit_force_history(time, [0.0, 1.0, 2.0, 1.0, 0.5], **settings)
+            from_first_touch(time, [0.0, 1.0, 2.0, 1.0, 0.5], **settings)
         assert all(word in str(refusal.value) for word in said)
-
-
-class TestForceFile:
-    ROWS = "1,2\n2,3\n3,2.5\n"
-
-    @pytest.mark.parametrize(
-        "text",
-        ["\ufeff0,1\n" + ROWS, "  # a remark\n0,1\n" + ROWS, "X,FX\n0,1\n" + ROWS, '"0","1"\n' + ROWS],
-        ids=["byte order mark", "indented remark", "header", "quotes"],
-    )
-    def test_what_spreadsheets_write_is_read(self, tmp_path: Path, text: str) -> None:
-        path = tmp_path / "points.csv"
-        path.write_text(text, encoding="utf-8")
-        time, force = read_force_csv(path)
-        assert (time.tolist(), force.tolist()) == ([0.0, 1.0, 2.0, 3.0], [1.0, 2.0, 3.0, 2.5])
-
-    def test_a_row_with_one_number_is_no_header(self, tmp_path: Path) -> None:
-        path = tmp_path / "points.csv"
-        path.write_text("0,one\n" + self.ROWS, encoding="utf-8")
-        with pytest.raises(ValueError, match=r"points\.csv, line 1: 'one': a finite number"):
-            read_force_csv(path)
 
 
 CURVE = ForceCurve.of_impact(1.0, 0.0, 2.0, 1.0)

@@ -101,7 +101,7 @@ class TestExtrapolation:
 
     def test_it_does_not_stray_from_the_cubic(self) -> None:
         start, end = State(0.0, (0.1,), (1.0,)), State(1.0, (0.3,), (1.5,))
-        assert Extrapolation(1e-6).stray(start, end) == 0.0
+        assert Extrapolation(1e-6).interpolation_error(start, end) == 0.0
 
     @pytest.mark.parametrize(
         ("errors", "row", "grows"),

@@ -18,6 +18,7 @@ from bristle_sim.parameters import (
     Bar,
     Belt,
     Bristle,
+    Contact,
     Hub,
     Release,
     Strike,
@@ -190,7 +191,7 @@ def test_workpart_must_clear_the_hub():
     Tool(workpart=Workpart(penetration=math.nextafter(0.027, 0.0) - 1e-17))
     for penetration in (0.027, 0.03):
         with pytest.raises(
-            ValueError, match=rf"^penetration = {penetration}: less than .* 0\.027 .*is allowed.*\(in m\)$"
+            ValueError, match=rf"^penetration = {penetration}: must be less than .* 0\.027, .*\(in m\)$"
         ):
             Tool(workpart=Workpart(penetration=penetration))
     assert Tool(workpart=Workpart(penetration=-0.1)).workpart_depth == pytest.approx(0.1545, rel=1e-15)
@@ -199,8 +200,18 @@ def test_workpart_must_clear_the_hub():
 def test_bar_must_clear_the_root_circle():
     largest = math.hypot(0.05037, 0.0225) - 3.55e-4 - 0.0275
     Tool(bar=Bar(radius=0.999 * largest))
-    with pytest.raises(ValueError, match=rf"^bar_radius = .* = {largest:g} is allowed.*\(in m\)$"):
+    with pytest.raises(ValueError, match=rf"^bar_radius = .*: must be less than .* = {largest:g}, .*\(in m\)$"):
         Tool(bar=Bar(radius=1.001 * largest))
+
+
+@pytest.mark.parametrize("law", ["energetic", "engine"])
+def test_only_a_contact_resolved_in_time_has_a_duration(law: str):
+    with pytest.raises(
+        ValueError, match=rf"^contact_duration = 0\.0001: must be left out with contact = {law}.*in s\)$"
+    ):
+        Contact(law, 1e-4)
+    assert Contact("compliant", 1e-4).duration == 1e-4
+    assert Contact(law).duration is None
 
 
 def test_bar_and_workpart_may_be_absent():
@@ -222,8 +233,10 @@ def test_parts_are_frozen_and_keep_to_their_declarations(part: type):
 
 
 @pytest.mark.parametrize(("part", "name", "found"), FIELDS, ids=identity)
-def test_every_declaration_tells_its_source(part: type, name: str, found: Range | Choice):
+def test_every_declaration_tells_its_meaning_and_source(part: type, name: str, found: Range | Choice):
     assert len(found.source) > 5, f"{part.__name__}.{name}"
+    assert len(found.meaning) > 10, f"{part.__name__}.{name}"
+    assert found.meaning.isascii()
     assert found.key.isidentifier()
     assert found.unit
     assert found.allowed
@@ -234,7 +247,7 @@ def test_every_number_is_refused_out_of_its_range(part: type, name: str, found: 
     below = math.nextafter(found.lowest, -math.inf) if found.lowest_allowed else found.lowest
     above = math.nextafter(found.highest, math.inf)
     for wrong in (below, above, math.nan, math.inf, -math.inf, "0.1", True, [0.1]):
-        with pytest.raises(ValueError, match=rf"^{found.key} = .* is allowed \((in |dimensionless)"):
+        with pytest.raises(ValueError, match=rf"^{found.key} = .*: must be .* \((in |dimensionless)"):
             part(**{name: wrong})
 
 
@@ -243,5 +256,5 @@ def test_every_word_is_refused_unless_allowed(part: type, name: str, found: Choi
     for option in found.options:
         assert getattr(part(**{name: option}), name) == option
     for wrong in ("", "other", found.options[0].upper(), None, 1):
-        with pytest.raises(ValueError, match=rf"^{found.key} = .* is allowed$"):
+        with pytest.raises(ValueError, match=rf"^{found.key} = .*: must be one of "):
             part(**{name: wrong})

@@ -87,6 +87,16 @@ def test_tabulated_impacts(ratio, mu, rate_1, rate_2, p_c, p_f):
     assert computed == pytest.approx((rate_1, rate_2, p_c, p_f), rel=0, abs=1e-8)
 
 
+def test_a_small_restitution_keeps_its_digits():
+    """p_f = p_c + e* sqrt(2 W_c/(dv_n/dp)) in one slip, 50 digits: 0.379055774120665038... at e* = 1.93e-9.
+
+    1 - (1 - e*^2) would leave none of the second term, 7e-10.
+    """
+    for restitution, expected in ((1.93e-9, 0.37905577412066503815), (0.0, 0.37905577338908739551)):
+        result = double_pendulum_impact(mass_ratio=1, friction=0.5, **(RODS | {"restitution": restitution}))
+        assert result.normal_final_impulse == pytest.approx(expected, rel=1e-13, abs=0.0)
+
+
 def test_tabulated_phases():
     slips_back = ("compression slip", "restitution slip", "restitution reverse slip")
     sticks = ("compression slip", "restitution slip", "restitution stick")

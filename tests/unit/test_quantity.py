@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
+import subprocess
+import sys
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -12,7 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bristle_sim.quantity import Choice, Range, check, choice, declaration, quantity, validate
+from bristle_sim.quantity import ANY, Choice, Range, check, choice, declaration, quantity, validate
 
 FROM_ZERO = Range("friction", "1", 0.0, 1e9, True, "a source")
 ABOVE_ZERO = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
@@ -64,7 +67,6 @@ def test_decimal_numbers_are_parsed(text: str, value: float):
         "1_000",
         "1,5",
         "1 2",
-        "5 m",
         "\u22125",  # the minus sign that word processors set
         "\u0663",  # three in Arabic-Indic digits, which float() takes
         "\uff15",  # full-width, likewise
@@ -73,15 +75,99 @@ def test_decimal_numbers_are_parsed(text: str, value: float):
         "\udcff",
         "None",
         "True",
-        "1j",
+        "5 1/m",
+        "5 (m)",
+        "5 m**99",
+        "m 5",
     ],
 )
 def test_anything_else_is_refused_in_one_line(text: str):
     with pytest.raises(ValueError, match=r"^friction = ") as refusal:
         FROM_ZERO.parse(text)
     message = str(refusal.value)
-    assert message == f"friction = {text!r}: a finite number with 0 <= friction <= 1e+09 is allowed (dimensionless)"
+    assert message == f"friction = {text!r}: must be a finite number with 0 <= friction <= 1e+09 (dimensionless)"
     assert message.isprintable()
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("27mm", "m", 0.027),
+        ("2.7e1 mm", "m", 0.027),
+        ("710 um", "m", 7.1e-4),
+        ("710\u00b5m", "m", 7.1e-4),
+        ("2500rpm", "rad/s", 2500.0 * math.tau / 60.0),
+        ("2500 turn/min", "rad/s", 2500.0 * math.tau / 60.0),
+        ("15000 deg/s", "rad/s", math.radians(15000.0)),
+        ("44.5deg", "deg", 44.5),
+        ("44.5\u00b0", "deg", 44.5),
+        ("0.5 rad", "deg", math.degrees(0.5)),
+        ("0.00041 N m/deg", "N m/rad", math.degrees(0.00041)),
+        ("0.41 N*mm/deg", "N m/rad", math.degrees(0.00041)),
+        ("84mg", "kg", 8.4e-5),
+        ("120MPa", "Pa", 1.2e8),
+        ("9.81 m/s^2", "m/s^2", 9.81),
+        ("9.81 m s^-2", "m/s^2", 9.81),
+        ("50us", "s", 5e-5),
+        ("31%", "1", 0.31),
+    ],
+)
+def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
+    """The factor is pint's; one rounding for it and one for the product."""
+    assert Range("key", unit, 0.0, 1e9, True, "a source").parse(text) == pytest.approx(value, rel=4e-16)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "why"),
+    [
+        ("27kg", "m", "in m, to which kg cannot be converted"),
+        ("27 xyz", "m", "in m, to which xyz cannot be converted"),
+        ("27m^2", "m", r"in m, to which m\^2 cannot be converted"),
+        ("250Hz", "rad/s", "in rad/s, to which Hz cannot be converted"),
+        ("0.4 N m", "N m/rad", "in N m/rad, to which N m cannot be converted"),
+        ("20deg", "1", "dimensionless, to which deg cannot be converted"),
+        ("20degC", "1", "dimensionless, to which degC cannot be converted"),
+        ("10x", "1", "dimensionless, to which x cannot be converted"),
+        ("1j", "1", "dimensionless, to which j cannot be converted"),
+        ("1e9 km", "m", "in m"),
+        ("-1 mm", "m", "in m"),
+    ],
+)
+def test_a_unit_that_does_not_fit_is_refused(text: str, unit: str, why: str):
+    """An angle is no pure number here: 250 Hz are 1571 rad/s, not 250."""
+    with pytest.raises(ValueError, match=rf"^key = '{re.escape(text)}': must be a finite number .* \({why}\)$"):
+        Range("key", unit, 0.0, 1e9, True, "a source").parse(text)
+
+
+def test_pint_is_imported_only_for_a_unit():
+    code = (
+        "import sys; from bristle_sim.quantity import Range; r = Range('k', 'm', 0, 1, True, 's');"
+        " r.parse('1e-3'); print('pint' in sys.modules); r.parse('1mm'); print('pint' in sys.modules)"
+    )
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.split() == ["False", "True"]
+
+
+@pytest.mark.parametrize(
+    ("value", "default", "usual", "far"),
+    [
+        (27.0, 0.027, None, True),  # mm typed as m
+        (2.7, 0.027, None, True),  # a factor of 100 is far
+        (2.6, 0.027, None, False),
+        (0.00027, 0.027, None, True),
+        (-2.7, 0.027, None, True),
+        (0.0, 0.027, None, False),  # an effect left out
+        (1e9, 0.0, None, False),  # nothing to compare with
+        (1e9, None, None, False),
+        (2500.0, 261.8, (1.0, 1500.0), True),
+        (1200.0, 261.8, (1.0, 1500.0), False),
+        (1e-11, 1e-6, ANY, False),
+    ],
+)
+def test_a_value_far_from_what_is_usual(
+    value: float, default: float | None, usual: tuple[float, float] | None, far: bool
+):
+    assert Range("key", "m", 0.0, 1e9, True, "a source", usual=usual).unusual(value, default) is far
 
 
 def test_long_text_is_shortened():
@@ -94,7 +180,7 @@ def test_long_text_is_shortened():
 
 
 def test_units_are_named():
-    with pytest.raises(ValueError, match=r"^bristle_length = '0': .* 0 < bristle_length <= 1000 is allowed \(in m\)$"):
+    with pytest.raises(ValueError, match=r"^bristle_length = '0': must be .* 0 < bristle_length <= 1000 \(in m\)$"):
         ABOVE_ZERO.parse("0")
 
 
@@ -155,9 +241,9 @@ def test_what_is_not_a_real_number_is_refused(value: object):
 @pytest.mark.parametrize("digits", [400, 5000])
 def test_whole_numbers_beyond_floats_are_refused(digits: int):
     """Python does not even print a number of 5000 digits."""
-    with pytest.raises(ValueError, match="friction = inf: a finite number"):
+    with pytest.raises(ValueError, match="friction = inf: must be a finite number"):
         FROM_ZERO.check(10**digits)
-    with pytest.raises(ValueError, match="friction = -inf: a finite number"):
+    with pytest.raises(ValueError, match="friction = -inf: must be a finite number"):
         FROM_ZERO.check(-(10**digits))
 
 
@@ -172,8 +258,8 @@ def test_words():
     for text in ("", "Engine", "engine ", "both", "e\nf"):
         with pytest.raises(ValueError, match=r"^contact = ") as refusal:
             word.parse(text)
-        assert str(refusal.value) == f"contact = {text!r}: one word of energetic | engine is allowed"
-    with pytest.raises(ValueError, match="contact = 3: one word"):
+        assert str(refusal.value) == f"contact = {text!r}: must be one of energetic | engine"
+    with pytest.raises(ValueError, match="contact = 3: must be one of"):
         word.check(3)
 
 

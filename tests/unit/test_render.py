@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import ast
+import dataclasses
 import io
+import itertools
 import math
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,9 +19,11 @@ from hypothesis import strategies as st
 from matplotlib.text import Text
 from PIL import Image
 
-from bristle_sim.parameters import Bar, Hub, Tool
+from bristle_sim.parameters import Bar, Bristle, Hub, Tool, Workpart
+from bristle_sim.reference import simulate_reference
+from bristle_sim.render import motion as motion_module
 from bristle_sim.render import video
-from bristle_sim.render.motion import Motion, tip_speed, wire_ends
+from bristle_sim.render.motion import Motion
 from bristle_sim.render.pass_figure import LABEL_SLANT, pass_figure, spread
 from bristle_sim.render.pass_video import PassScene, pass_video
 from bristle_sim.render.readout import Readout
@@ -26,6 +32,8 @@ from bristle_sim.render.style import blank_figure, save_figure, signed
 from bristle_sim.render.time_warp import slow_motion
 from bristle_sim.render.tool_drawing import close_up, wire_outline
 from bristle_sim.render.video import Stage, write_video
+from bristle_sim.scene.tool import simulate
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
 FREQUENCY, AMPLITUDE = 1100.0, 0.7
@@ -41,6 +49,16 @@ def swing(time):
     return before, after
 
 
+def straight_wire(tool, hub, angle, rate):
+    """Root and tip, and their velocities, by (sin, -cos) and its derivative (cos, sin)."""
+    arm, root = tool.bristle.length, tool.hub.radius
+    places = [root * np.array([np.sin(hub), -np.cos(hub)])]
+    places.append(places[0] + arm * np.array([np.sin(angle), -np.cos(angle)]))
+    velocities = [root * tool.hub.speed * np.array([np.cos(hub), np.sin(hub)])]
+    velocities.append(velocities[0] + arm * rate * np.array([np.cos(angle), np.sin(angle)]))
+    return np.moveaxis(places, -1, 0), np.moveaxis(velocities, -1, 0)
+
+
 def make_trajectory(samples: int = 60, events: tuple[Event, ...] | None = None) -> Trajectory:
     """A run in closed form, with two samples at the strike's instant."""
     tool = Tool()
@@ -50,22 +68,22 @@ def make_trajectory(samples: int = 60, events: tuple[Event, ...] | None = None) 
     rate = np.concatenate([swing(first)[0][1], swing(second)[1][1]])
     hub = HUB_START + tool.hub.speed * time
     angle, absolute = hub + alpha, rate + tool.hub.speed
-    x = tool.hub.radius * np.sin(hub) + tool.bristle.length * np.sin(angle)
-    y = -tool.hub.radius * np.cos(hub) - tool.bristle.length * np.cos(angle)
+    lines, velocities = straight_wire(tool, hub, angle, absolute)
     named = (Event("bar release", 0.2e-3), Event("strike", STRIKE), Event("largest retraction", 2.3e-3))
     return Trajectory(
         time=time,
         hub_angle=hub,
         angles=angle[:, None],
         rates=absolute[:, None],
-        tip=np.stack([x, y], axis=1),
+        centre_line=lines,
+        centre_line_velocity=velocities,
         kinetic_energy=0.5 * tool.bristle.inertia_about_root * absolute**2,
         potential_energy=0.5 * tool.belt.stiffness * alpha**2,
         normal_force=np.zeros_like(time),
         hub_speed=tool.hub.speed,
         events=named if events is None else events,
         contacts=(make_contact(angle[samples], absolute[samples - 1], absolute[samples]),),
-        stop_reason="end of the planned time",
+        stop_reason=StopReason.END,
         cost=Cost(0.0, 0.0, 1),
     )
 
@@ -112,28 +130,28 @@ def test_motion_between_samples_is_the_cubic_that_theory_bounds(run):
     step = STRIKE / 59.0
     # Hermite's cubic is off by at most h^4/384 max|f''''|, here A w^4; twice that leaves room for rounding.
     bound = 2.0 * step**4 / 384.0 * AMPLITUDE * FREQUENCY**4
-    assert np.abs(Motion(run).relative_angle(time) - swing(time)[0][0]).max() < bound
+    assert np.abs(Motion(run).retraction(time) + swing(time)[0][0]).max() < bound
     assert np.abs(Motion(run).hub_angle(time) - (HUB_START + 261.8 * time)).max() < 1e-12  # linear: rounding alone
 
 
-def test_motion_has_both_rates_of_an_impact(run):
-    motion, just_before = Motion(run), math.nextafter(STRIKE, 0.0)
-    arriving, leaving = swing(STRIKE)[0][1], swing(STRIKE)[1][1]
-    assert arriving > 0.0 > leaving
-    assert motion.relative_rate(just_before) == pytest.approx(arriving, rel=1e-9)  # samples are met: rounding alone
-    assert motion.relative_rate(STRIKE) == pytest.approx(leaving, rel=1e-9)
+def test_motion_has_both_speeds_of_an_impact(run):
+    motion = Motion(run)
+    before, after = (float(np.hypot(*run.tip_velocity[at])) for at in (59, 60))
+    assert before > after
+    assert motion.tip_speed(math.nextafter(STRIKE, 0.0)) == pytest.approx(before, rel=1e-9)  # samples are met: rounding
+    assert motion.tip_speed(STRIKE) == pytest.approx(after, rel=1e-9)
 
 
 def test_motion_stays_at_its_ends_outside_the_run(run):
     motion = Motion(run)
-    assert motion.angles(-1.0)[0] == run.angles[0, 0]
-    assert motion.angles([5.0, 6.0])[:, 0] == pytest.approx(run.angles[-1, 0], rel=1e-12)
+    assert motion.retraction(-1.0) == run.retraction[0]
+    assert motion.retraction([5.0, 6.0]) == pytest.approx(run.retraction[-1], rel=1e-12)
+    assert motion.centre_line(5.0) == pytest.approx(run.centre_line[-1], rel=1e-12)
 
 
 def test_motion_needs_two_instants(run):
-    fields = ("time", "hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
-    arrays = {name: getattr(run, name)[:1] for name in fields}
-    single = Trajectory(**arrays, hub_speed=1.0, events=(), contacts=(), stop_reason="", cost=run.cost)
+    arrays = {name: getattr(run, name)[:1] for name in run.__slots__ if isinstance(getattr(run, name), np.ndarray)}
+    single = Trajectory(**arrays, hub_speed=1.0, events=(), contacts=(), stop_reason=StopReason.END, cost=run.cost)
     with pytest.raises(ValueError, match="two instants are needed"):
         Motion(single)
 
@@ -144,7 +162,7 @@ def test_course_keeps_every_sample_and_both_sides_of_the_impact(run):
     assert np.isin(run.time, course.time).all()
     assert np.count_nonzero(course.time == STRIKE) == 2
     assert (np.diff(course.time) >= 0.0).all()
-    energy = motion.along(course, run.total_energy)
+    energy = motion.along(course.time, run.total_energy)
     # Both go through the samples; between them only their spacing differs.
     assert energy[np.searchsorted(course.time, run.time[:59])] == pytest.approx(run.total_energy[:59], rel=1e-12)
 
@@ -156,36 +174,161 @@ def test_course_ends_where_asked_and_refuses_an_end_before_the_start(run):
             Motion(run).course(until=until)
 
 
-def test_wire_ends_at_the_tip_of_the_run(run):
-    root, tip = wire_ends(Tool(), run.hub_angle, run.angles[:, 0])
-    assert tip == pytest.approx(run.tip, abs=1e-15)  # m; rounding alone
-    assert np.hypot(*root.T) == pytest.approx(np.full(run.time.size, 0.0275), rel=1e-12)
+def test_energies_between_samples_are_as_smooth_as_the_motion():
+    """Belt energy (k A^2/4)(1 + cos 2wt): a cubic spline is off by 5/384 h^4 (2w)^4 of its half size (de Boor 2001)."""
+    run = make_trajectory(samples=24)
+    motion = Motion(run)
+    time = motion.course().time
+    before = time < STRIKE
+    size = 0.5 * Tool().belt.stiffness * AMPLITUDE**2
+    expected = size * np.cos(FREQUENCY * time[before]) ** 2
+    step = STRIKE / 23.0
+    # At its ends the not-a-knot condition leaves some ten times that.
+    bound = 10.0 * 5.0 / 384.0 * (2.0 * FREQUENCY * step) ** 4 * 0.5 * size
+    assert np.abs(motion.along(time, run.potential_energy)[before] - expected).max() < bound
 
 
-def test_tip_speed_is_the_rate_of_the_tip(run):
-    radial = tip_speed(Tool(), 0.3, 0.3, 1107.4)
-    assert radial == pytest.approx(0.0275 * 261.8 + 0.027 * 1107.4, rel=1e-12)  # one straight line from the centre
-    motion, time, step = Motion(run), 0.7e-3, 1e-7
-    ends = [wire_ends(Tool(), motion.hub_angle(at), motion.angles(at)[0])[1] for at in (time - step, time + step)]
-    drawn = np.hypot(*(ends[1] - ends[0])) / (2.0 * step)
-    # The central difference is off by h^2 w^2/6 = 2e-9 of the speed, and by rounding, 1e-17 m / 1e-7 s.
-    speed = tip_speed(Tool(), motion.hub_angle(time), motion.angles(time)[0], motion.rates(time)[0])
-    assert speed == pytest.approx(drawn, rel=1e-7)
+def test_energies_have_their_kinks_where_contacts_begin_and_end():
+    """A ramp that sets in with a sustained contact is met exactly by splines that end there."""
+    run = make_trajectory()
+    begin = float(run.time[20])
+    held = dataclasses.replace(run.contacts[0], time=begin, duration=float(run.time[40]) - begin, law="hold")
+    motion = Motion(dataclasses.replace(run, contacts=(held,)))
+    time = motion.course().time
+    ramp = np.clip(run.time - begin, 0.0, held.duration)
+    expected = np.clip(time - begin, 0.0, held.duration)
+    assert np.abs(motion.along(time, ramp) - expected).max() < 1e-15  # s; rounding of 1e-3
+
+
+# What a picture shows is the recorded centre line
+
+
+def kinked(run: Trajectory, corners: int = 5) -> Trajectory:
+    """The same run with a centre line that no tool has: four links at odd angles, and with its own velocities."""
+    spread_out = np.linspace(0.0, 1.0, corners)[:, None] ** [1.0, 1.7]
+    root, tip = run.centre_line[:, :1], run.centre_line[:, 1:]
+    lines = root + (0.8 * tip - root) * spread_out
+    velocities = (
+        run.centre_line_velocity[:, :1] * (1.0 - spread_out) + 0.8 * run.centre_line_velocity[:, 1:] * spread_out
+    )
+    return dataclasses.replace(run, centre_line=lines, centre_line_velocity=velocities)
+
+
+def middle(outline: np.ndarray) -> np.ndarray:
+    """The corners of the centre line that an outline runs about, mm: the mean of its left and its right side."""
+    half = len(outline) // 2
+    left, right = outline[:half], outline[half : 2 * half][::-1]
+    return 0.5 * (left + right)
+
+
+def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
+    """Of whatever shape: were any length, knee or angle of the tool used, wire and record would part."""
+    odd = kinked(run)
+    figure = pass_figure(odd, Tool(), until=END)
+    for number, event in enumerate(key_events(odd), start=1):
+        for wire in figure.findobj(lambda each, number=number: each.get_gid() == f"wire {number}"):
+            shown = middle(wire.get_xy()[:-1])
+            # A wire that ends an interval is a sample; the others lie between two: Hermite's cubic, as above.
+            assert shown == pytest.approx(1e3 * Motion(odd).centre_line(event.time), abs=1e-9)
+    path = np.concatenate([artist(figure, name).get_xydata() for name in ("tip path", "tip path after the strike")])
+    for sample in 1e3 * odd.tip:
+        assert np.hypot(*(path - sample).T).min() < 1e-9  # mm: every recorded tip is on the path
+    scene = PassScene(odd, Tool(), width=320, height=240, duration=1.0, until=END)
+    for number in (10, 30, 60, 100):
+        scene.show(float(scene.warp.film_time(odd.time[number])))
+        shown = middle(scene.wire.wire.get_xy()[:-1])
+        # The warp's inverse is linear between 4001 nodes: an instant off by rounding, times 40 m/s.
+        assert shown == pytest.approx(1e3 * odd.centre_line[number], abs=1e-6)
+        assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * odd.tip[number], abs=1e-6)
+
+
+WIRE_DRAWINGS = (
+    "motion",
+    "tool_drawing",
+    "pass_figure",
+    "pass_video",
+    "cue_figure",
+    "chain_drawing",
+    "contact_closeup",
+)
+
+
+@pytest.mark.parametrize("module", WIRE_DRAWINGS)
+def test_what_draws_wires_knows_no_lengths_knees_or_link_angles(module):
+    """Kinematics need them; a picture is given points."""
+    tree = ast.parse((Path(motion_module.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
+    read = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
+    assert not read & {"length", "lengths", "path", "knee_angle_deg", "knee_position", "links", "angles"}
+
+
+@pytest.fixture(scope="module", params=[-30.0, 0.0, 30.0, 45.0])
+def bent(request) -> tuple[Tool, Trajectory]:
+    """A pass of a bent bristle up to its strike, in the scene."""
+    tool = Tool(bristle=Bristle(knee_angle_deg=request.param))
+    return tool, simulate(tool, stop_after="strike")
+
+
+def test_a_bent_wire_touches_the_bar_and_strikes_the_workpart_in_the_picture(bent):
+    tool, run = bent
+    figure = pass_figure(run, tool)
+    numbers = {event.name: number for number, event in enumerate(key_events(run), start=1)}
+    struck = middle(artist(figure, f"wire {numbers['strike']}").get_xy()[:-1])
+    assert struck[-1] == pytest.approx(1e3 * run.tip[-1], abs=1e-9)
+    assert struck[-1, 1] == pytest.approx(-1e3 * tool.workpart_depth, abs=1e-6)  # mm; where the touch is located
+    touching = middle(artist(figure, f"wire {numbers['bar touch']}").get_xy()[:-1])
+    distance = min(_distance(1e3 * np.array(tool.bar.centre), *piece) for piece in itertools.pairwise(touching))
+    assert distance == pytest.approx(1e3 * tool.bar_reach, abs=1e-6)
+    speed = math.hypot(*run.first_contact("workpart").velocity_before)
+    written = "\n".join(each.get_text() for each in figure.findobj(Text))
+    assert f"tip arrives at {speed:.2f} m/s" in written
+    assert Motion(run).tip_speed(math.nextafter(run.time[-1], 0.0)) == pytest.approx(speed, rel=1e-9)
+
+
+def _distance(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
+    """Of a point from a straight piece of wire."""
+    along = end - start
+    share = min(max(float((point - start) @ along / (along @ along)), 0.0), 1.0)
+    return float(np.hypot(*(point - start - share * along)))
+
+
+def test_the_bent_wire_is_as_long_as_it_is_and_moves_as_it_is_drawn(bent):
+    tool, run = bent
+    pieces = np.diff(run.centre_line, axis=1)
+    lengths = np.hypot(pieces[..., 0], pieces[..., 1])
+    assert lengths.sum(axis=1) == pytest.approx(np.full(run.time.size, tool.bristle.length), rel=1e-12)
+    motion, step = Motion(run), 1e-8
+    time = 0.5 * (run.time[5] + run.time[6])
+    ends = [motion.centre_line(time + shift)[-1] for shift in (-step, step)]
+    # The central difference of a cubic is off by h^2 and rounding, 1e-17 m / 1e-8 s of 20 m/s.
+    assert motion.tip_speed(time) == pytest.approx(np.hypot(*(ends[1] - ends[0])) / (2.0 * step), rel=1e-7)
+
+
+def test_scene_and_reference_agree_on_the_centre_line():
+    """Written by each from its own kinematics; compared at the strike, where both have a sample."""
+    tool = Tool(bristle=Bristle(knee_angle_deg=-30.0))
+    run, other = simulate(tool, stop_after="strike"), simulate_reference(tool, accuracy=1e-9, stop_after="strike")
+    assert run.centre_line.shape[1:] == other.centre_line.shape[1:] == (3, 2)
+    before = [np.flatnonzero(each.time == each.first_contact("workpart").time)[0] for each in (run, other)]
+    places = [each.centre_line[at] for each, at in zip((run, other), before, strict=True)]
+    velocities = [each.centre_line_velocity[at] for each, at in zip((run, other), before, strict=True)]
+    # Accuracy 1e-6, magnified tenfold as elsewhere: of 55 mm and 40 m/s.
+    assert places[0] == pytest.approx(places[1], abs=1e-5 * 0.055)
+    assert velocities[0] == pytest.approx(velocities[1], abs=1e-5 * 40.0)
 
 
 # The figure
 
 
 def test_lines_hold_the_samples(figure, run):
-    angle, rate = artist(figure, "relative angle"), artist(figure, "relative rate")
-    at = [int(np.flatnonzero(np.isclose(angle.get_xdata(), 1e3 * time, atol=1e-12))[0]) for time in run.time[:60]]
-    assert angle.get_ydata()[at] == pytest.approx(np.degrees(run.relative_angle[:60]), abs=1e-9)
+    lag, rate = artist(figure, "retraction"), artist(figure, "relative speed")
+    at = [int(np.flatnonzero(np.isclose(lag.get_xdata(), 1e3 * time, atol=1e-12))[0]) for time in run.time[:60]]
+    assert lag.get_ydata()[at] == pytest.approx(-np.degrees(run.relative_angle[:60]), abs=1e-9)
     assert rate.get_ydata()[at[:-1]] == pytest.approx(run.relative_rate[:59], abs=1e-6)  # rad/s of 770
-    assert angle.get_xdata()[-1] == pytest.approx(1e3 * run.time[-1])
+    assert lag.get_xdata()[-1] == pytest.approx(1e3 * run.time[-1])
 
 
 def test_rate_line_jumps_at_the_strike(figure):
-    rate = artist(figure, "relative rate")
+    rate = artist(figure, "relative speed")
     jump = rate.get_ydata()[np.isclose(rate.get_xdata(), 1e3 * STRIKE, atol=1e-12)]
     expected = AMPLITUDE * FREQUENCY * math.sin(FREQUENCY * STRIKE)
     assert jump == pytest.approx([expected, -expected], rel=1e-9)
@@ -208,6 +351,27 @@ def test_drawing_is_to_scale(figure):
     (left, right), (bottom, top) = figure.axes[0].get_xlim(), figure.axes[0].get_ylim()
     box = figure.axes[0].get_window_extent()
     assert (right - left) / box.width == pytest.approx((top - bottom) / box.height, rel=1e-6)
+
+
+def overlaps(figure) -> list[tuple[str, str]]:
+    """Texts that are written over each other, but for slanted ones, whose boxes say little."""
+    figure.draw_without_rendering()
+    scales = [axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+    ticks = {id(each) for axis in scales for each in axis.findobj(Text) if each is not axis.label}
+    texts = [each for each in figure.findobj(Text) if each.get_text().strip() and id(each) not in ticks]
+    boxes = [(each.get_text(), each.get_window_extent()) for each in texts if each.get_rotation() % 90.0 == 0.0]
+    pairs = itertools.combinations(boxes, 2)
+    return [(one, other) for (one, box), (other, second) in pairs if box.shrunk(0.98, 0.9).overlaps(second)]
+
+
+@pytest.mark.parametrize("penetration", [0.0045, -0.003])
+def test_texts_keep_clear_of_each_other_with_and_without_a_strike(penetration):
+    tool = Tool(workpart=Workpart(penetration=penetration))
+    figure = pass_figure(simulate(tool), tool)
+    assert overlaps(figure) == []
+    written = {each.get_text() for each in figure.findobj(Text)}
+    colours = {"tip path until the strike", "tip path after it"} if penetration > 0.0 else {"tip path"}
+    assert colours | {"wire, in the colour of its instant", "root in the belt"} <= written
 
 
 def test_every_event_is_labelled_and_every_text_is_on_the_page(figure, run):
@@ -260,10 +424,18 @@ def test_close_up_holds_wire_bar_and_surface_at_the_aspect_asked_for(run):
 
 
 def test_wire_outline_is_a_rectangle_about_the_centre_line():
-    corners = wire_outline(np.array([0.0, 0.0]), np.array([3.0, 4.0]), 0.5)
+    corners = wire_outline(np.array([[0.0, 0.0], [3.0, 4.0]]), 0.5)
     assert corners.mean(axis=0) == pytest.approx([1.5, 2.0])
     sides = np.hypot(*np.diff(np.vstack([corners, corners[:1]]), axis=0).T)
     assert sides == pytest.approx([5.0, 0.5, 5.0, 0.5])
+
+
+def test_wire_outline_is_mitred_at_a_knee():
+    """Two pieces at a right angle: the corners stand half a diameter from both, at the root of 2 from the knee."""
+    corners = wire_outline(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), 1.0)
+    assert corners == pytest.approx(
+        np.array([[0.0, 0.5], [3.5, 0.5], [3.5, 3.0], [4.5, 3.0], [4.5, -0.5], [0.0, -0.5]])
+    )
 
 
 # The story
@@ -386,10 +558,10 @@ def test_scene_shows_the_run(run):
     # The sample's instant comes back from the warp but for rounding, times a tip speed of some 20 m/s.
     assert 0.5 * (outline[1] + outline[2]) == pytest.approx(1e3 * run.tip[20], abs=1e-9)
     assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
-    angle, clock = math.degrees(run.relative_angle[20]), 1e3 * run.time[20]
+    retraction, clock = -math.degrees(run.relative_angle[20]), 1e3 * run.time[20]
     texts = [readout.text.replace("\N{MINUS SIGN}", "-") for readout in scene.readouts]
     assert float(texts[0].split()[1]) == pytest.approx(clock, abs=0.5e-3)  # half of the last digit shown
-    assert float(texts[2].split()[2].rstrip("°")) == pytest.approx(angle, abs=0.05)
+    assert float(texts[2].split()[1].rstrip("°")) == pytest.approx(retraction, abs=0.05)
 
 
 def test_scene_tells_the_strike_and_marks_it_where_it_is(run):

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import errno
+import io
 import json
+import logging
 import math
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -17,16 +21,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim import __version__
+from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.crater_parameters import Measurement
 from bristle_sim.quantity import choice, quantity, validate
 from bristle_sim.scenario_cli import Scenario, build, main
 
 
 @dataclass(frozen=True)
 class Body:
-    mass: float = quantity(2.0, "mass", "kg", above=0.0, at_most=1e3, source="a source")
+    mass: float = quantity(2.0, "mass", "kg", above=0.0, at_most=1e3, source="a source", meaning="how heavy it is")
     speed: float = quantity(0.5, "speed", "m/s", at_least=-10.0, at_most=10.0, source="another source")
-    drag: float | None = quantity(None, "drag", "1", at_least=0.0, at_most=1.0, source="off")
+    drag: float | None = quantity(None, "drag", "1", at_least=0.0, at_most=1.0, source="off", needs="law = plastic")
     inner: object = None
 
     def __post_init__(self) -> None:
@@ -45,7 +51,7 @@ class Law:
 def run(values: Mapping[str, Any]) -> Report:
     body = build(Body, values)
     if body.mass * abs(body.speed) > 100.0:
-        raise ValueError("mass = too much:\n  less momentum is allowed (in kg m/s)")
+        raise ValueError("mass = too much:\n  must be less (in kg m/s)")
     momentum = Quantity("momentum", "N s", body.mass * body.speed, 1.0, tolerance=1e-9)
     return Report(
         "rebound",
@@ -95,13 +101,22 @@ def document(capsys: pytest.CaptureFixture[str], *arguments: str) -> dict[str, A
 
 
 def test_keys_come_from_the_declarations():
-    keys = dataclasses.replace(SCENARIO, defaults={"speed": 4.0}).keys()
+    keys = dataclasses.replace(SCENARIO, defaults={"speed": (4.0, "chosen")}).keys()
     assert {key: default for key, (_, default) in keys.items()} == {
         "mass": 2.0,
         "speed": 4.0,
         "drag": None,
         "law": "elastic",
     }
+
+
+def test_a_default_of_the_script_has_its_own_source(capsys: pytest.CaptureFixture[str]):
+    faster = dataclasses.replace(SCENARIO, defaults={"speed": (4.0, "chosen")})
+    assert faster.keys()["speed"][0].source == "chosen"
+    assert main(faster, ["--list-keys"]) == 0
+    out = capsys.readouterr().out
+    assert "(default: chosen)" in out
+    assert "another source" not in out
 
 
 def test_build_takes_what_the_values_name():
@@ -122,6 +137,25 @@ def test_the_table_is_printed(capsys: pytest.CaptureFixture[str]):
     assert capsys.readouterr().out.splitlines()[-2:] == ["", "outcome: no contact"]
 
 
+def test_no_outcome_is_printed_where_no_impact_is_asked_about(capsys: pytest.CaptureFixture[str]):
+    silent = dataclasses.replace(SCENARIO, run=lambda _: Report(None, (), remarks=("a remark",)))
+    assert main(silent, []) == 0
+    out = capsys.readouterr().out
+    assert "outcome" not in out
+    assert out.splitlines()[-2:] == ["", "a remark"]
+    assert main(silent, ["--json", "-"]) == 0
+    assert json.loads(capsys.readouterr().out)["outcome"] is None
+
+
+def test_long_remarks_are_wrapped_and_columns_are_not(capsys: pytest.CaptureFixture[str]):
+    prose, columns = "word " * 40, "a  b  " * 40
+    assert main(dataclasses.replace(SCENARIO, run=lambda _: Report(None, (), remarks=(prose, columns))), []) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert columns in lines
+    assert max(len(line) for line in lines if line != columns) <= 100
+    assert sum(line.count("word") for line in lines) == 40
+
+
 def test_the_exit_status_tells_whether_all_agrees(capsys: pytest.CaptureFixture[str]):
     assert main(SCENARIO, ["--set", "speed=0.5"]) == 0
     assert main(SCENARIO, ["--set", "speed=0.6"]) == 1
@@ -138,6 +172,7 @@ def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str]):
     nothing = dict.fromkeys(("simulated", "theory", "reference", "printed", "relative_difference", "tolerance", "ok"))
     assert document(capsys) == {
         "scenario": "fake",
+        "version": __version__,
         "parameters": {"mass": 2.0, "speed": 0.5, "drag": None, "law": "elastic"},
         "outcome": "rebound",
         "quantities": [
@@ -167,11 +202,17 @@ def test_keys_are_listed_with_unit_default_range_and_source(capsys: pytest.Captu
     assert main(SCENARIO, ["--list-keys", "--set", "nonsense"]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert out.splitlines()[0].split() == ["key", "unit", "default", "allowed", "source"]
-    assert [line.split("  ")[0] for line in out.splitlines()[1:]] == ["mass", "speed", "drag", "law"]
-    assert out.splitlines()[1].split() == ["mass", "kg", "2", "0", "<", "mass", "<=", "1000", "a", "source"]
-    assert out.splitlines()[3].split()[:3] == ["drag", "1", "none"]
-    assert out.splitlines()[4].split()[:6] == ["law", "word", "elastic", "elastic", "|", "plastic"]
+    head, below, rule, *lines = out.splitlines()
+    assert head.split() == ["key", "default", "unit", "range"]
+    assert below.strip() == "meaning (source of the default)"
+    assert set(rule) == {"-"}
+    assert [line.split()[0] for line in lines if not line.startswith(" ")] == ["mass", "speed", "drag", "law"]
+    assert lines[0].split() == ["mass", "2", "kg", "0", "<", "mass", "<=", "1000"]
+    assert lines[1].strip() == "how heavy it is (default: a source)"
+    assert lines[4].split()[:3] == ["drag", "none", "1"]
+    assert "only with law = plastic" in lines[5]
+    assert lines[6].split() == ["law", "elastic", "word", "elastic", "|", "plastic"]
+    assert max(map(len, out.splitlines())) <= 100
 
 
 def help_text(scenario: Scenario, capsys: pytest.CaptureFixture[str]) -> str:
@@ -192,28 +233,95 @@ def test_help_shows_the_question_and_every_option(capsys: pytest.CaptureFixture[
 )
 def test_bad_values_are_refused(text: str, capsys: pytest.CaptureFixture[str]):
     line = refusal(capsys, "--set", "speed=1", "--set", f"mass={text}")
-    assert line == f"mass = {text!r}: a finite number with 0 < mass <= 1000 is allowed (in kg)"
+    assert line == f"mass = {text!r}: must be a finite number with 0 < mass <= 1000 (in kg)"
 
 
 @pytest.mark.parametrize("text", ["", "Elastic", "rubber", "elastic plastic", "law=elastic", "1"])
 def test_bad_words_are_refused(text: str, capsys: pytest.CaptureFixture[str]):
-    assert refusal(capsys, "--set", f"law={text}") == f"law = {text!r}: one word of elastic | plastic is allowed"
+    assert refusal(capsys, "--set", f"law={text}") == f"law = {text!r}: must be one of elastic | plastic"
 
 
 @pytest.mark.parametrize("setting", ["", "mass", "mass 3", "mass:3"])
 def test_malformed_settings_are_refused(setting: str, capsys: pytest.CaptureFixture[str]):
-    assert refusal(capsys, "--set", setting) == f"--set {setting!r}: KEY=VALUE is allowed"
+    assert refusal(capsys, "--set", setting) == f"--set {setting!r}: must be KEY=VALUE"
 
 
-@pytest.mark.parametrize("key", ["", "Mass", " mass", "mass ", "unused", "inner", "__class__", "\udcff", "a\nb"])
+@pytest.mark.parametrize("key", ["", "unused", "inner", "__class__", "\udcff", "a\nb"])
 def test_unknown_keys_are_refused(key: str, capsys: pytest.CaptureFixture[str]):
     line = refusal(capsys, "--set", f"{key}=1")
-    assert line == f"--set {key + '=1'!r}: unknown key {key!r}; allowed are mass, speed, drag, law"
+    assert line == f"--set {key + '=1'!r}: unknown key {key!r}; --list-keys shows all keys"
+
+
+@pytest.mark.parametrize(
+    ("key", "likely"), [("Mass", "mass"), (" mass", "mass"), ("mas", "mass"), ("sped", "speed"), ("LAW", "law")]
+)
+def test_a_misspelt_key_names_the_likely_one(key: str, likely: str, capsys: pytest.CaptureFixture[str]):
+    line = refusal(capsys, "--set", f"{key}=1")
+    assert line == f"--set {key + '=1'!r}: unknown key {key!r}; did you mean {likely}?"
+
+
+def test_a_value_may_carry_a_unit(capsys: pytest.CaptureFixture[str]):
+    found = document(
+        capsys, "--set", "mass=2500 g", "--set", "speed=-3.6km/h", "--set", "law=plastic", "--set", "drag=20%"
+    )
+    # km/h through pint's own factors: roundings.
+    assert found["parameters"] == {"mass": 2.5, "speed": pytest.approx(-1.0, rel=1e-15), "drag": 0.2, "law": "plastic"}
+
+
+@pytest.mark.parametrize(("text", "unit"), [("2m", "m"), ("2 kg/s", "kg/s"), ("2xyz", "xyz"), ("2 deg", "deg")])
+def test_a_unit_of_another_dimension_is_refused(text: str, unit: str, capsys: pytest.CaptureFixture[str]):
+    line = refusal(capsys, "--set", f"mass={text}")
+    assert line.startswith(f"mass = {text!r}: must be ")
+    assert line.endswith(f"(in kg, to which {unit} cannot be converted)")
+
+
+def test_a_key_without_effect_is_refused(capsys: pytest.CaptureFixture[str]):
+    line = refusal(capsys, "--set", "drag=0.5")
+    assert line == "drag = 0.5: must be left out unless law = plastic, or it has no effect"
+    assert document(capsys, "--set", "drag=0.5", "--set", "law=plastic")["parameters"]["drag"] == 0.5
+
+
+def test_a_default_without_effect_is_left_out(capsys: pytest.CaptureFixture[str]):
+    """The script's default for one law does not stand in the way of another."""
+    plastic = dataclasses.replace(SCENARIO, defaults={"law": ("plastic", "x"), "drag": (0.5, "x")})
+    assert main(plastic, ["--json", "-", "--set", "law=elastic"]) == 0
+    assert json.loads(capsys.readouterr().out)["parameters"]["drag"] is None
+
+
+@pytest.mark.parametrize(
+    ("setting", "warning"),
+    [
+        ("mass=2000 g", ""),
+        ("mass=0.021", ""),
+        ("mass=0.02", "mass = 0.02 kg is 0.01 times the default, 2 kg"),
+        ("mass=200", "mass = 200 kg is 100 times the default, 2 kg; if it was meant in g: mass='200 g'"),
+        ("mass=200000g", "mass = 200 kg is 100 times the default, 2 kg"),
+        ("speed=0", ""),
+        ("speed=-0.004", "speed = -0.004 m/s is -0.008 times the default, 0.5 m/s"),
+    ],
+)
+def test_a_value_far_from_the_default_is_run_with_a_warning(
+    setting: str, warning: str, capsys: pytest.CaptureFixture[str]
+):
+    """By a factor of 100 or more; zero is nothing's mistaken unit."""
+    assert main(SCENARIO, ["--set", setting, "--json", "-"]) == (setting != "mass=2000 g")
+    out, err = capsys.readouterr()
+    assert json.loads(out)["scenario"] == "fake"
+    assert err == (f"fake.py: warning: {warning}\n" if warning else "")
+
+
+def test_a_refused_value_is_still_one_line(capsys: pytest.CaptureFixture[str]):
+    """Values that do not fit together, one of them far off: the line that refuses them says so too."""
+    line = refusal(capsys, "--set", "mass=500", "--set", "speed=5")
+    assert line == (
+        "mass = too much: must be less (in kg m/s);"
+        " mass = 500 kg is 250 times the default, 2 kg; if it was meant in g: mass='500 g'"
+    )
 
 
 def test_values_that_do_not_fit_together_are_refused_in_one_line(capsys: pytest.CaptureFixture[str]):
     line = refusal(capsys, "--set", "mass=100", "--set", "speed=10")
-    assert line == "mass = too much: less momentum is allowed (in kg m/s)"
+    assert line == "mass = too much: must be less (in kg m/s)"
 
 
 @pytest.mark.parametrize("error", [OverflowError, ZeroDivisionError, FloatingPointError])
@@ -225,7 +333,9 @@ def test_values_too_extreme_for_arithmetic_are_refused(
 
     extreme = dataclasses.replace(SCENARIO, run=fail)
     line = refusal(capsys, "--set", "mass=1e-300", "--set", "speed=3", scenario=extreme)
-    assert line == "mass=1e-300, speed=3: less extreme values are allowed (out of range)"
+    assert line == (
+        "mass=1e-300, speed=3: must be less extreme (out of range); mass = 1e-300 kg is 5e-301 times the default, 2 kg"
+    )
     with pytest.raises(error):  # with no value typed it is nobody's input that is wrong
         main(extreme, [])
 
@@ -265,13 +375,13 @@ def test_bad_targets_are_refused_before_anything_runs(
     for name in ("", "out", "out.txt", f"out{ending}.bak", ending):
         line = refusal(capsys, option, str(tmp_path / name) if name else "", scenario=idle)
         assert line.startswith(f"{option} = ")
-        assert line.endswith(f": a file name that ends in {suffixes} is allowed")
+        assert line.endswith(f": must be a file name that ends in {suffixes}")
     folder = refusal(capsys, option, str(tmp_path / f"folder{ending}"), scenario=idle)
-    assert folder == f"{option} = {str(tmp_path / f'folder{ending}')!r}: a file, not a folder, is allowed"
+    assert folder == f"{option} = {str(tmp_path / f'folder{ending}')!r}: must be a file, not a folder"
     for parent in ("nowhere", "file"):
         target = tmp_path / parent / f"out{ending}"
         line = refusal(capsys, option, str(target), scenario=idle)
-        assert line == f"{option} = {str(target)!r}: a path in an existing, writable folder is allowed"
+        assert line == f"{option} = {str(target)!r}: must be in an existing, writable folder"
     assert "File name too long" in refusal(capsys, option, str(tmp_path / ("x" * 5000 + ending)), scenario=idle)
     assert sorted(each.name for each in tmp_path.iterdir()) == ["file", f"folder{ending}"]
 
@@ -301,7 +411,7 @@ def test_a_plot_folder(capsys: pytest.CaptureFixture[str], tmp_path: Path, monke
         assert (tmp_path / "figures" / "one.png").read_text() == "drawn 2.0"
     capsys.readouterr()
     (tmp_path / "file").write_text("a file")
-    assert refusal(capsys, "--plot", str(tmp_path / "file"), scenario=many).endswith("a folder is allowed")
+    assert refusal(capsys, "--plot", str(tmp_path / "file"), scenario=many).endswith("must be a folder")
     assert "existing" in refusal(capsys, "--plot", str(tmp_path / "no" / "figures"), scenario=many)
     monkeypatch.setattr(os, "access", lambda folder, _: Path(folder) != tmp_path / "figures")
     assert "writable" in refusal(capsys, "--plot", str(tmp_path / "figures"), scenario=many)
@@ -334,6 +444,114 @@ def test_a_failed_write_leaves_the_old_file(capsys: pytest.CaptureFixture[str], 
     assert list(tmp_path.iterdir()) == [target]
 
 
+def test_a_time_series_is_written_one_row_a_sample(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    """At full precision: a third and the smallest number above one survive."""
+    columns = {"shape": ["a", "b"], "time (s)": np.array([1.0 / 3.0, 0.5]), "n": [math.nextafter(1.0, 2.0), math.nan]}
+    moving, target = dataclasses.replace(SCENARIO, series=lambda _: columns), tmp_path / "run.csv"
+    assert main(moving, ["--csv", str(target)]) == 0
+    assert capsys.readouterr().err == f"--csv: wrote {target}\n"
+    with target.open(newline="") as stream:
+        assert list(csv.reader(stream)) == [
+            ["shape", "time (s)", "n"],
+            ["a", "0.3333333333333333", "1.0000000000000002"],
+            ["b", "0.5", ""],
+        ]
+    assert "--csv" in refusal(capsys, "--csv", str(target))  # of a scenario without a motion
+
+
+def test_a_series_that_is_refused_leaves_no_output(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    def refuse(_: Report) -> dict[str, Any]:
+        raise ValueError("law = elastic: must be plastic")
+
+    instant = dataclasses.replace(SCENARIO, series=refuse)
+    arguments = [
+        "--csv",
+        str(tmp_path / "a.csv"),
+        "--plot",
+        str(tmp_path / "a.png"),
+        "--json",
+        str(tmp_path / "a.json"),
+    ]
+    assert refusal(capsys, *arguments, scenario=instant) == "law = elastic: must be plastic"
+    assert not list(tmp_path.iterdir())
+
+
+def test_two_options_cannot_name_one_file(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    target, link = tmp_path / "out.png", tmp_path / "link.json"
+    link.symlink_to(target)
+    for name in (target, link, tmp_path / ".." / tmp_path.name / "out.png"):
+        line = refusal(capsys, "--plot", str(target), "--json", str(name))
+        assert line == f"--json = {str(name)!r}: must be another file than that of --plot"
+    assert list(tmp_path.iterdir()) == [link]
+
+
+def test_an_input_file_is_not_overwritten(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    points = tmp_path / "points.csv"
+    points.write_text("0,0")
+    measured = dataclasses.replace(SCENARIO, parts=(*SCENARIO.parts, Measurement))
+    line = refusal(capsys, "--set", f"force_csv={points}", "--json", str(points), scenario=measured)
+    assert line == f"--json = {str(points)!r}: must be another file than that of force_csv"
+    assert points.read_text() == "0,0"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_json_goes_through_a_named_pipe_and_into_devices(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    assert main(SCENARIO, ["--json", str(pipe)]) == 0
+    assert json.loads(os.read(reader, 100_000))["scenario"] == "fake"
+    os.close(reader)
+    assert list(tmp_path.iterdir()) == [pipe]
+    assert main(SCENARIO, ["--json", os.devnull]) == 0
+    assert not Path(os.devnull).is_file()
+    assert capsys.readouterr().err == ""
+
+
+def test_ctrl_c_ends_with_one_line(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    def interrupt(_: Mapping[str, Any]) -> Report:
+        raise KeyboardInterrupt
+
+    assert main(dataclasses.replace(SCENARIO, run=interrupt), ["--json", str(tmp_path / "a.json")]) == 130
+    assert capsys.readouterr() == ("", "fake.py: interrupted\n")
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_was_finished_before_ctrl_c_is_kept(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    def interrupt(_: Mapping[str, Any]) -> Report:
+        raise Unfinished(Report(None, (Quantity("first", "1", 1.0),), extra={"rows": [1]}))
+
+    target, picture = tmp_path / "a.json", tmp_path / "a.png"
+    long = dataclasses.replace(SCENARIO, run=interrupt)
+    assert main(long, ["--json", str(target), "--plot", str(picture)]) == 130
+    out, err = capsys.readouterr()
+    assert "first" in out
+    assert err == "fake.py: interrupted\n"
+    found = json.loads(target.read_text())
+    assert (found["rows"], found["finished"]) == ([1], False)
+    assert list(tmp_path.iterdir()) == [target]
+    assert "finished" not in document(capsys)
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("terminal", [True, False])
+def test_progress_is_shown_on_a_terminal_alone(terminal: bool, monkeypatch):
+    def work(values: Mapping[str, Any]) -> Report:
+        logging.getLogger("bristle_sim.studies.work").info("part 1 of 2")
+        return run(values)
+
+    monkeypatch.setattr(sys, "stderr", Terminal() if terminal else io.StringIO())
+    assert main(dataclasses.replace(SCENARIO, run=work), []) == 0
+    shown = sys.stderr.getvalue()
+    assert ("fake.py: part 1 of 2" in shown) is terminal
+    assert shown.endswith("\r\x1b[K") is terminal  # the line is cleared at the end
+    assert not logging.getLogger("bristle_sim").handlers
+
+
 FAKE = f"""
 import importlib.util, sys
 from bristle_sim.scenario_cli import main
@@ -343,6 +561,101 @@ sys.modules["fake"] = fake
 spec.loader.exec_module(fake)
 sys.exit(main(fake.SCENARIO, sys.argv[1:]))
 """
+
+
+SLOW = f"""
+import dataclasses, importlib.util, sys, time
+from pathlib import Path
+from bristle_sim.files import complete_or_absent
+from bristle_sim.scenario_cli import main
+spec = importlib.util.spec_from_file_location("fake", {__file__!r})
+fake = importlib.util.module_from_spec(spec)
+sys.modules["fake"] = fake
+spec.loader.exec_module(fake)
+
+def draw(report, path):
+    with complete_or_absent(path) as partial:
+        partial.write_text("half")
+        print("begun", flush=True)
+        time.sleep(60)
+
+sys.exit(main(dataclasses.replace(fake.SCENARIO, plot=draw), sys.argv[1:]))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+@pytest.mark.parametrize(
+    ("number", "status", "told"), [("SIGINT", 130, "fake.py: interrupted\n"), ("SIGTERM", 143, "")]
+)
+def test_a_signal_leaves_no_partial_file(number: str, status: int, told: str, tmp_path: Path):
+    target = tmp_path / "a.png"
+    command = [sys.executable, "-c", SLOW, "--plot", str(target)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout is not None
+    assert process.stdout.readline() == "begun\n"
+    assert len(list(tmp_path.iterdir())) == 1
+    process.send_signal(getattr(signal, number))
+    out, err = process.communicate(timeout=60)
+    assert (process.returncode, out, err) == (status, "", told)
+    assert not list(tmp_path.iterdir())
+
+
+IN_CALLBACK = f"""
+import dataclasses, importlib.util, os, signal, sys
+import pymunk
+from bristle_sim.scenario_cli import main
+spec = importlib.util.spec_from_file_location("fake", {__file__!r})
+fake = importlib.util.module_from_spec(spec)
+sys.modules["fake"] = fake
+spec.loader.exec_module(fake)
+
+def run(values):
+    space, body = pymunk.Space(), pymunk.Body(1.0, 1.0)
+    space.add(body)
+    body.velocity_func = lambda *_: os.kill(os.getpid(), signal.SIGINT)
+    space.step(0.1)
+    body.velocity_func = pymunk.Body.update_velocity
+    while True:
+        space.step(0.1)
+
+class Lost:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+
+def lose(values):
+    Lost()
+    while True:
+        pass
+
+sys.exit(main(dataclasses.replace(fake.SCENARIO, run=globals()[sys.argv[1]]), []))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of another kind")
+@pytest.mark.parametrize("where", ["run", "lose"])
+def test_ctrl_c_inside_a_callback_is_not_lost(where: str):
+    """In a callback of the engine or a destructor an exception is printed and ignored; the work would go on."""
+    command = [sys.executable, "-c", IN_CALLBACK, where]
+    found = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert (found.returncode, found.stdout, found.stderr) == (130, "", "fake.py: interrupted\n")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a POSIX shell")
+def test_a_closed_standard_output_is_an_error(tmp_path: Path):
+    target = tmp_path / "a.json"
+    command = ["/bin/sh", "-c", 'exec "$0" "$@" >&-', sys.executable, "-c", FAKE, "--json", str(target)]
+    found = subprocess.run(command, stderr=subprocess.PIPE, text=True, check=False)
+    assert (found.returncode, found.stderr) == (2, "fake.py: error: standard output: must be open\n")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a POSIX shell")
+def test_messages_do_not_get_into_the_results(tmp_path: Path):
+    """With standard error closed, print() to it would write to standard output."""
+    command = ["/bin/sh", "-c", 'exec "$0" "$@" 2>&-', sys.executable, "-c", FAKE, "--json", "-"]
+    found = subprocess.run([*command, "--plot", str(tmp_path / "a.png")], stdout=subprocess.PIPE, check=False)
+    assert found.returncode == 0
+    assert json.loads(found.stdout)["scenario"] == "fake"
 
 
 def as_process(*arguments: str, **options: Any) -> subprocess.Popen[str]:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.settings import Settings
+from bristle_sim.settings import MAXIMUM_STEPS, Settings
 
 
 def test_defaults():
@@ -15,7 +15,7 @@ def test_defaults():
     assert settings.accuracy == 1e-6
     assert settings.step is None
     assert settings.hub_turn == 1.5 * math.pi
-    assert settings.maximum_steps == 1_000_000
+    assert settings.maximum_steps == MAXIMUM_STEPS
     assert settings.samples_per_period == 24
 
 
@@ -46,5 +46,5 @@ def test_what_is_allowed(name: str, values: tuple[float | None, ...]):
 )
 def test_what_is_refused(name: str, values: tuple[object, ...]):
     for value in values:
-        with pytest.raises(ValueError, match=rf"^{name} = .* is allowed"):
+        with pytest.raises(ValueError, match=rf"^{name} = .*(must be|is allowed)"):
             Settings(**{name: value})

@@ -181,7 +181,7 @@ def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[...,
 
 def flown(scene: Scene, start: State, accuracy: float, duration: float) -> Recording:
     """A flight as a pass runs it: a tenth of the accuracy for each stretch, 24 stretches a period at least."""
-    plan = Plan(end=duration, accuracy=accuracy, longest_stretch=2.0 * math.pi / 24.0)
+    plan = Plan(end=duration, accuracy=accuracy, longest_interval=2.0 * math.pi / 24.0)
     return run(scene, start, Extrapolation(0.1 * accuracy), EnergeticLaw(), plan)
 
 

@@ -10,9 +10,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
-ARRAYS = ("time", "hub_angle", "angles", "rates", "tip", "kinetic_energy", "potential_energy", "normal_force")
+ARRAYS = (
+    "time",
+    "hub_angle",
+    "angles",
+    "rates",
+    "centre_line",
+    "centre_line_velocity",
+    "kinetic_energy",
+    "potential_energy",
+    "normal_force",
+)
 
 
 def history(samples: int = 7) -> ContactHistory:
@@ -52,7 +63,8 @@ def trajectory() -> Trajectory:
         hub_angle=hub_angle,
         angles=angles,
         rates=np.column_stack([np.full(5, 5.0), np.full(5, np.pi)]),
-        tip=np.arange(10.0).reshape(5, 2) / 7.0,
+        centre_line=np.arange(30.0).reshape(5, 3, 2) / 7.0,
+        centre_line_velocity=np.arange(30.0).reshape(5, 3, 2) / 3.0,
         kinetic_energy=np.arange(5.0),
         potential_energy=np.arange(5.0) ** 2,
         normal_force=np.zeros(5),
@@ -64,7 +76,7 @@ def trajectory() -> Trajectory:
             Event("strike", 0.1 + 0.2),
         ),
         contacts=(impact(0.1, "bar"), impact(0.3, "workpart", history()), impact(0.35, "workpart", history(2))),
-        stop_reason="end of the planned time",
+        stop_reason=StopReason.END,
         cost=Cost(0.25, 0.2, 1234, 1e-9),
         parameters={"hub_speed": 2.0, "step": None, "law": "energetic", "nested": {"friction": 0.1}},
     )
@@ -74,7 +86,7 @@ def assert_same(one: Trajectory, other: Trajectory) -> None:
     for name in ARRAYS:
         assert getattr(one, name).dtype == getattr(other, name).dtype
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name), strict=True)
-    for name in ("hub_speed", "events", "stop_reason", "cost", "parameters"):
+    for name in ("hub_speed", "events", "stop_reason", "cost", "parameters", "contact_at_end"):
         assert getattr(one, name) == getattr(other, name)
     assert len(one.contacts) == len(other.contacts)
     for mine, yours in zip(one.contacts, other.contacts, strict=True):
@@ -88,6 +100,9 @@ def assert_same(one: Trajectory, other: Trajectory) -> None:
 def test_relative_motion(trajectory: Trajectory):
     # Differences of numbers near 1: a few roundings.
     np.testing.assert_allclose(trajectory.relative_angle, -0.5 + 3.0 * trajectory.time, atol=1e-15)
+    np.testing.assert_allclose(trajectory.retraction, 0.5 - 3.0 * trajectory.time, atol=1e-15)
+    np.testing.assert_array_equal(trajectory.tip, trajectory.centre_line[:, 2])
+    np.testing.assert_array_equal(trajectory.tip_velocity, trajectory.centre_line_velocity[:, 2])
     np.testing.assert_array_equal(trajectory.relative_rate, 3.0)
     np.testing.assert_array_equal(trajectory.total_energy, [0.0, 2.0, 6.0, 12.0, 20.0])
 
@@ -99,6 +114,29 @@ def test_events_are_found_by_name(trajectory: Trajectory):
     assert trajectory.event_time("bar touch", last=True, before=0.2) == 0.2
     assert trajectory.event_time("bar touch", before=0.05) is None
     assert trajectory.event_time("jam") is None
+    assert trajectory.event_time("workpart not reached") is None
+
+
+@pytest.mark.parametrize(("name", "likely"), [("strik", "strike"), ("Strike", "strike"), ("bar relese", "bar release")])
+def test_unknown_event_is_refused_with_the_likely_name(trajectory: Trajectory, name: str, likely: str):
+    with pytest.raises(ValueError, match=rf"^name = '{name}': must be one of [^\n]*; did you mean '{likely}'\?$"):
+        trajectory.event_time(name)
+
+
+def test_every_stop_reason_has_a_remedy_and_is_saved(trajectory: Trajectory, tmp_path: Path):
+    for reason in StopReason:
+        assert reason.remedy
+        assert "{" not in reason.advice("bar")
+        stopped = dataclasses.replace(trajectory, stop_reason=reason)
+        stopped.save(tmp_path / "run.npz")
+        assert Trajectory.load(tmp_path / "run.npz").stop_reason is reason
+
+
+def test_the_advice_names_the_friction_of_the_obstacle_touched_last(trajectory: Trajectory):
+    stopped = dataclasses.replace(trajectory, stop_reason=StopReason.FRICTION)
+    assert stopped.stop_advice.startswith("less friction")
+    on_bar = dataclasses.replace(stopped, contacts=trajectory.contacts[:1])
+    assert on_bar.stop_advice.startswith("less bar_friction")
 
 
 def test_first_contact(trajectory: Trajectory):
@@ -146,6 +184,30 @@ def test_a_failed_save_leaves_the_old_file_and_nothing_else(trajectory: Trajecto
     assert path.read_bytes() == before
 
 
+def test_a_save_that_fails_names_the_file(trajectory: Trajectory, tmp_path: Path):
+    target = tmp_path / "nowhere" / "a.npz"
+    with pytest.raises(FileNotFoundError) as refusal:
+        trajectory.save(target)
+    assert refusal.value.filename == str(target)
+
+
+def test_saved_and_loaded_by_one_name(trajectory: Trajectory, tmp_path: Path, monkeypatch):
+    """No suffix is added by either."""
+    monkeypatch.chdir(tmp_path)
+    trajectory.save("pass")
+    assert [each.name for each in tmp_path.iterdir()] == ["pass"]
+    assert np.array_equal(Trajectory.load("pass").time, trajectory.time)
+
+
+def test_columns_hold_every_sample_with_its_unit(trajectory: Trajectory):
+    columns = trajectory.columns()
+    assert {len(column) for column in columns.values()} == {len(trajectory.time)}
+    assert np.array_equal(columns["time (s)"], trajectory.time)
+    assert np.array_equal(columns["angle_1 (rad)"], trajectory.angles[:, 0])
+    assert np.array_equal(columns["tip_y (m)"], trajectory.tip[:, 1])
+    assert all(name.endswith(")") for name in columns)
+
+
 def test_parameters_must_be_plain(trajectory: Trajectory, tmp_path: Path):
     odd = dataclasses.replace(trajectory, parameters={"law": object()})
     with pytest.raises(TypeError):
@@ -186,7 +248,7 @@ def rewrite(path: Path, change, dtype=None) -> None:
 @pytest.mark.parametrize(
     "change",
     [
-        lambda meta: meta | {"format": 2},
+        lambda meta: meta | {"format": 1},
         lambda _: [],
         lambda _: None,
         lambda meta: {key: value for key, value in meta.items() if key != "cost"},
@@ -227,8 +289,8 @@ def test_damaged_files_are_refused_or_read_completely(trajectory: Trajectory, tm
 def test_another_format_is_named(trajectory: Trajectory, tmp_path: Path):
     path = tmp_path / "run.npz"
     trajectory.save(path)
-    rewrite(path, lambda meta: meta | {"format": 2})
-    with pytest.raises(ValueError, match="format 2 is not 1"):
+    rewrite(path, lambda meta: meta | {"format": 1})
+    with pytest.raises(ValueError, match="written in format 1, this version reads format 2"):
         Trajectory.load(path)
 
 

@@ -13,6 +13,7 @@ from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, oper
 from bristle_sim.reference import simulate_reference
 from bristle_sim.reference.crossing import crossings, integral
 from bristle_sim.reference.watch import Happening, Watch, happenings
+from bristle_sim.stop_reason import StopReason
 
 FREE = Tool(bar=None, workpart=None)
 RETRACTED = -math.radians(44.5)
@@ -199,7 +200,7 @@ class TestFlight:
         """At the radial position, from the Jacobi integral; the run ends there when asked to."""
         run = simulate_reference(FREE, start_relative_angle=RETRACTED, stop_after="highest relative speed")
         drop = FREE.belt.stiffness * RETRACTED**2 + 2.0 * centrifugal_stiffness(FREE) * (1.0 - math.cos(RETRACTED))
-        assert run.stop_reason == "highest relative speed"
+        assert (run.stop_reason, run.events[-1].name) == (StopReason.EVENT, "highest relative speed")
         assert run.time[-1] == run.event_time("highest relative speed")
         # A hundred times the accuracy asked for; the instant is where the acceleration, 1e6 rad/s^2 per rad, vanishes.
         assert run.relative_rate[-1] == pytest.approx(math.sqrt(drop / FREE.bristle.inertia_about_root), rel=1e-8)
@@ -362,7 +363,7 @@ class TestImpact:
             tool, start_hub_angle=hub_angle, start_relative_angle=lean - hub_angle, stop_after="strike"
         )
         assert run.first_contact("workpart").time < 1e-12
-        assert run.stop_reason == outcome
+        assert (run.stop_reason is StopReason.JAM) == (outcome == "jam")
         assert (run.event_time("jam") is not None) == (outcome == "jam")
 
     def test_elastic_frictionless_bounces_keep_the_energy(self):
@@ -501,7 +502,7 @@ class TestNames:
         """Under weight the bristle sways by half a milliradian before the bar touches it; the throw comes after."""
         tool = Tool(workpart=None, gravity=GRAVITY)
         run = simulate_reference(tool, start_hub_angle=-2.5, stop_after="highest relative speed")
-        assert run.stop_reason == "highest relative speed"
+        assert (run.stop_reason, run.events[-1].name) == (StopReason.EVENT, "highest relative speed")
         assert run.time[-1] > run.event_time("bar release", last=True)
         # The sway, m g (L/2)/k, is 4.7e-4 rad; the throw is that of the operating point.
         assert run.relative_rate[-1] == pytest.approx(880.0, abs=10.0)
@@ -521,13 +522,13 @@ class TestNames:
 
     def test_workpart_out_of_reach(self):
         run = simulate_reference(Tool(bar=None, workpart=Workpart(penetration=-1e-9)), stop_after="strike")
-        assert run.stop_reason == "workpart not reached"
+        assert run.stop_reason is StopReason.END
         assert run.event_time("workpart not reached") == run.time[-1]
         assert run.event_time("strike") is None
 
     def test_grazing_workpart_is_reached(self):
         run = simulate_reference(Tool(bar=None, workpart=Workpart(penetration=1e-9)), stop_after="strike")
-        assert run.stop_reason == "strike"
+        assert (run.stop_reason, run.events[-1].name) == (StopReason.EVENT, "strike")
 
     def test_soft_belt_lets_the_wire_down_on_the_hub(self):
         """The printed stiffness as such: a tap of 266.6 + 261.8 rad/s swings far beyond a quarter turn."""

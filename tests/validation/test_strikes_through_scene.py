@@ -11,9 +11,10 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Contact, Surface
+from bristle_sim.parameters import Contact, DoublePendulum, SinglePendulum, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
+from bristle_sim.studies.impacts import double_pendulum, single_pendulum
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
@@ -140,3 +141,15 @@ def test_compliant_contact_tends_to_the_law(ratio: float, friction: float) -> No
         assert found.phases == limit.phases
         assert found.rates_after == pytest.approx(limit.rates_after, rel=10.0 * accuracy)
         assert found.impulse == pytest.approx(limit.impulse, rel=10.0 * accuracy, abs=1e-12)
+
+
+@pytest.mark.parametrize("restitution", [1e-6, 1.93e-9, 3e-11, 1e-12, 1e-14, 1e-100])
+@pytest.mark.parametrize("friction", [0.0, 0.3, 0.5])
+def test_pendulums_agree_with_theory_however_small_the_restitution(restitution: float, friction: float) -> None:
+    """A rate after the impact has the rounding of the one before: 1e-15/e* of itself."""
+    surface = Surface(friction, None, restitution)
+    for report in (
+        single_pendulum(SinglePendulum(), surface, Contact(), Settings()),
+        double_pendulum(DoublePendulum(), surface, Contact(), Settings()),
+    ):
+        assert all(row.ok for row in report.quantities), report.quantities

@@ -1,4 +1,4 @@
-"""The entry: checks what was asked for, runs the pass and writes the result."""
+"""The entry: checks what was requested, runs the pass and writes the result."""
 
 from __future__ import annotations
 
@@ -12,13 +12,17 @@ import numpy as np
 
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import quantity, validate
-from bristle_sim.reference.chain import Chain
-from bristle_sim.reference.chain_contact import Bar, Workpart, obstacles_of
-from bristle_sim.reference.chain_log import ChainLog, ChainState
-from bristle_sim.reference.chain_run import END_OF_RUN, PEAK, STRIKE, ChainRun
+from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
+from bristle_sim.reference.log import PEAK, STRIKE, ChainLog, ChainState
+from bristle_sim.reference.mechanics import Chain
+from bristle_sim.reference.run import ChainRun
+from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Cost, Trajectory
 
 __all__ = ["simulate_reference"]
+
+METHOD = "scipy DOP853"
+"""Says in a trajectory's parameters that the reference was integrated."""
 
 PERIODS_AT_REST = 3.0
 SAMPLES_PER_PERIOD = 64
@@ -34,25 +38,25 @@ LONGEST = 1e5
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    """What was asked for, checked."""
+    """What was requested, checked."""
 
-    start_hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="asked for")
+    start_hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
     start_relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-1.57, at_most=1.57, source="asked for: within a quarter turn"
+        0.0, "start_relative_angle", "rad", at_least=-1.57, at_most=1.57, source="requested: within a quarter turn"
     )
     start_relative_rate: float = quantity(
-        0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="asked for"
+        0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested"
     )
-    hub_turn: float = quantity(1.0, "hub_turn", "rad", above=0.0, at_most=1e6, source="asked for")
-    duration: float | None = quantity(None, "duration", "s", above=0.0, at_most=1e9, source="asked for")
-    accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=0.1, source="asked for")
-    sample_interval: float | None = quantity(None, "sample_interval", "s", above=0.0, at_most=1e9, source="asked for")
+    hub_turn: float = quantity(1.0, "hub_turn", "rad", above=0.0, at_most=1e6, source="requested")
+    duration: float | None = quantity(None, "duration", "s", above=0.0, at_most=1e9, source="requested")
+    accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=0.1, source="requested")
+    sample_interval: float | None = quantity(None, "sample_interval", "s", above=0.0, at_most=1e9, source="requested")
     stop_after: str | None = None
 
     def __post_init__(self) -> None:
         validate(self)
-        if self.stop_after not in (None, STRIKE, PEAK):
-            raise ValueError(f"stop_after = {self.stop_after!r}: None, {STRIKE!r} or {PEAK!r} is allowed")
+        if self.stop_after is not None:
+            checked_event("stop_after", self.stop_after, EVENTS)
 
 
 def simulate_reference(
@@ -80,9 +84,9 @@ def simulate_reference(
         start_relative_angle, start_relative_rate: alpha (rad, within a quarter turn) and its rate (rad/s) at t = 0.
         hub_turn: how far the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
         duration: length of the run instead, s.
-        accuracy: relative accuracy of the motion asked for; the integrator's tolerance is a hundredth of it.
-        stop_after: ``strike`` ends just after the first impact on the workpart, ``highest relative speed`` where the
-            relative rate is highest before it.
+        accuracy: relative accuracy of the motion requested; the integrator's tolerance is a hundredth of it.
+        stop_after: name of the event that ends the run, as for the scene's ``simulate``; a touch ends it just after the
+            impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
 
     Returns:
@@ -116,70 +120,65 @@ def simulate_reference(
     _check_start(chain, obstacles, start)
     end, interval = _span(chain, request)
     log = ChainLog(chain, interval, request.stop_after)
-    one = ChainRun(chain, obstacles, log, start, end, max(request.accuracy / 100.0, FINEST))
-    reason = _conclude(one, one.run())
-    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one.evaluations)
+    one_run = ChainRun(chain, obstacles, log, start, end, max(request.accuracy / 100.0, FINEST))
+    reason = one_run.run()
+    _note_absences(one_run)
+    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_run.evaluations)
     return log.trajectory(reason, cost, _parameters(tool, request))
 
 
 def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: ChainState) -> None:
     motion = chain.kinematics(*start)
     for name, each in obstacles.items():
-        gaps = each.height(chain, motion) if isinstance(each, Workpart) else each.feet(chain, motion)[1]
-        gap = float(gaps.min())
+        gap = float(each.gaps(chain, motion).min())
         if gap < -1e-12 * (chain.hub_radius + chain.length):
             relative = start.angles[0] - chain.start_hub_angle
             raise ValueError(
-                f"start_hub_angle = {chain.start_hub_angle:g}, start_relative_angle = {relative:g}: angles at"
-                f" which the bristle is outside the {name} are allowed, it is {-gap:g} m inside (in rad)"
+                f"start_hub_angle = {chain.start_hub_angle:g}, start_relative_angle = {relative:g}: must be angles at"
+                f" which the bristle is outside the {name}; it is {-gap:g} m inside (in rad)"
             )
 
 
 def _span(chain: Chain, request: _Request) -> tuple[float, float]:
-    """End of the run and time between samples, s."""
+    """Return the end of the run and the time between samples, s."""
     period = _period(chain)
     end = request.duration
     if end is None:
         end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
-    fastest = chain.fastest_rate if chain.links == 1 else chain.speed
+    fastest = chain.swing_rate + chain.decay_rate + chain.speed
     if fastest and end * fastest > LONGEST:
         raise ValueError(
-            f"duration = {end:g}: at most {LONGEST / fastest:g} is allowed, {LONGEST:g} radians of the"
+            f"duration = {end:g}: must be at most {LONGEST / fastest:g}, {LONGEST:g} radians of the"
             " fastest motion of hub and bristle on its belt (in s)"
         )
     if not math.isfinite(end):
-        raise ValueError("duration = None: a number is allowed, as hub, belt and gravity set no time scale (in s)")
+        raise ValueError("duration = None: must be a number, as hub, belt and gravity set no time scale (in s)")
     interval = request.sample_interval or min(period / SAMPLES_PER_PERIOD, end)
     if end / interval > MOST_SAMPLES:
-        raise ValueError(f"sample_interval = {interval:g}: at least {end / MOST_SAMPLES:g} is allowed (in s)")
+        raise ValueError(f"sample_interval = {interval:g}: must be at least {end / MOST_SAMPLES:g} (in s)")
     return end, interval
 
 
 def _period(chain: Chain) -> float:
-    """Period of the bristle as a rigid rod or of the hub, whichever is shorter; infinite if nothing moves it, s."""
+    """Return the period of the bristle as a rigid rod or of the hub, whichever is shorter; infinite if nothing moves it."""
     fastest = max(chain.swing_rate, chain.speed)
     return 2.0 * math.pi / fastest if fastest else math.inf
 
 
-def _conclude(one: ChainRun, reason: str) -> str:
-    """Note what never happened; the stop reason."""
-    one.conclude()
-    log, last = one.log, one.state.time
+def _note_absences(one_run: ChainRun) -> None:
+    """Record what never happened."""
+    log, last = one_run.log, one_run.state.time
     log.largest_retraction()
-    if "bar" in one.obstacles and not log.seen("bar touch"):
+    if "bar" in one_run.obstacles and not log.seen("bar touch"):
         log.event("bar not touched", last)
-    if "workpart" in one.obstacles and not log.seen(STRIKE) and reason != PEAK:
+    if "workpart" in one_run.obstacles and not log.seen(STRIKE) and log.stop_after != PEAK:
         log.event("workpart not reached", last)
-        if reason == END_OF_RUN and log.stop_after == STRIKE:
-            return "workpart not reached"
-    return reason
 
 
 def _parameters(tool: Tool, request: _Request) -> dict[str, Any]:
-    """Every number that the run depends on, by its key."""
-    found: dict[str, Any] = {"method": "scipy DOP853"}
-    for owner in (tool.hub, tool.belt, tool.bristle, tool.bar, tool.workpart, tool, request):
-        for each in dataclasses.fields(owner) if owner is not None else ():
-            if "declaration" in each.metadata:
-                found[each.metadata["declaration"].key] = getattr(owner, each.name)
-    return {**found, "stop_after": request.stop_after}
+    """What the run depends on: method, tool and settings, as the scene's trajectories have them."""
+    given = dataclasses.asdict(request)
+    start = {name.removeprefix("start_"): given.pop(name) for name in tuple(given) if name.startswith("start_")}
+    stop_after = given.pop("stop_after")
+    tool_values = dataclasses.asdict(tool)
+    return {"method": METHOD, "tool": tool_values, "settings": given, "start": start, "stop_after": stop_after}

@@ -9,9 +9,9 @@ from collections.abc import Sequence
 from itertools import groupby
 from pathlib import Path
 
+from bristle_sim.dissertation.audit import audit_rows, shown_number
+from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
 from bristle_sim.files import complete_or_absent
-from bristle_sim.studies.audit import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow, audit_rows
-from bristle_sim.studies.audit_report import shown_number
 
 __all__ = ["main", "markdown_page", "write_page"]
 
@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("target", type=Path, metavar="FILE.md")
     target = parser.parse_args(arguments).target
     if target.suffix != ".md" or not target.parent.is_dir():
-        print(f"{parser.prog}: error: {target}: a file name that ends in .md, in an existing folder, is allowed",
+        print(f"{parser.prog}: error: {target}: must be a file name that ends in .md, in an existing folder",
               file=sys.stderr)  # fmt: skip
         return 2
     write_page(target)

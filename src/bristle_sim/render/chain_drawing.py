@@ -10,11 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 from numpy.typing import NDArray
 
-from bristle_sim.render.motion import direction
 from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE
-from bristle_sim.scene.strike import Chain
+from bristle_sim.scene.strike import ChainStrike
 
-__all__ = ["ChainDrawing", "chain_points"]
+__all__ = ["ChainDrawing"]
 
 Array = NDArray[np.float64]
 
@@ -22,26 +21,19 @@ ARROW = 0.3
 """Length of the tip's velocity before the impact, as a share of the drawing's size."""
 
 
-def chain_points(chain: Chain) -> Array:
-    """Root, hinges and tip, seen from the tip, shape (rods + 1, 2), m."""
-    steps = np.array(chain.lengths)[:, None] * direction(np.array(chain.angles))
-    points = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
-    return np.asarray(points - points[-1])
-
-
 class ChainDrawing:
     """The chain in axes of its own; only the arrow of the tip's velocity moves."""
 
-    def __init__(self, axes: Axes, chain: Chain, fastest: float) -> None:
-        """``fastest``: the tip's speed that the longest arrow shows, m/s."""
-        points = chain_points(chain)
+    def __init__(self, axes: Axes, struck: ChainStrike, hub_radius: float, fastest: float) -> None:
+        """Draw the rods as they strike; ``fastest`` is the tip's speed that the longest arrow shows, m/s."""
+        points = struck.centre_line - struck.centre_line[-1]
         box = axes.get_window_extent()
         _frame(axes, points, box.width / box.height)
         self._size = float(np.ptp(axes.get_ylim()))
         self._fastest = fastest
         _draw_surface(axes)
-        _draw_root(axes, chain, points[0], self._size)
-        axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3)
+        _draw_root(axes, points[0], -struck.centre_line[-1], hub_radius, self._size)
+        axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3, gid="rods")
         axes.plot(*points[1:-1].T, "o", color="white", markeredgecolor=BLACK, markersize=6, zorder=4)
         self.arrow = FancyArrowPatch(
             (0.0, 0.0),
@@ -88,11 +80,10 @@ def _draw_surface(axes: Axes) -> None:
     axes.add_patch(Rectangle((left - width, 2.0 * bottom), 3.0 * width, -2.0 * bottom, **look))
 
 
-def _draw_root(axes: Axes, chain: Chain, root: Array, size: float) -> None:
+def _draw_root(axes: Axes, root: Array, centre: Array, hub_radius: float, size: float) -> None:
     """A hub's rim through the root, or a fixed hinge."""
-    if chain.hub_radius > 0.0:
-        centre = root - chain.hub_radius * direction(chain.hub_angle)
-        axes.add_patch(Circle((centre[0], centre[1]), chain.hub_radius, facecolor="#f3f3f3", edgecolor=GREY))
+    if hub_radius > 0.0:
+        axes.add_patch(Circle((centre[0], centre[1]), hub_radius, facecolor="#f3f3f3", edgecolor=GREY))
         axes.text(root[0], root[1] + 0.1 * size, "hub", color=GREY, ha="right", fontsize=9.0, clip_on=True)
     else:
         half = 0.04 * size

@@ -12,7 +12,6 @@ from matplotlib.patches import FancyArrowPatch, Polygon
 from numpy.typing import NDArray
 
 from bristle_sim.render.contact_motion import ContactMotion
-from bristle_sim.render.motion import direction
 from bristle_sim.render.prefixes import scale_for
 from bristle_sim.render.style import BLACK, BLUE, GREY, LIGHT, SKY, VERMILION
 
@@ -39,8 +38,8 @@ class CloseUp:
     Ways are to scale; rod and dent are not.
     """
 
-    def __init__(self, axes: Axes, motion: ContactMotion, rod_angle: float, letter_size: float) -> None:
-        """``rod_angle``: of the last rod from the direction of the surface, rad."""
+    def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letter_size: float) -> None:
+        """``last_rod``: from its hinge to the tip, (x, y) in any unit."""
         self.motion = motion
         way, depth = float(np.ptp(motion.along)), float(motion.depth.max() - min(0.0, motion.depth.min()))
         self.scale = min(WAY_ALONG / max(way, 1e-300), WAY_DOWN / max(depth, 1e-300))
@@ -52,9 +51,9 @@ class CloseUp:
         deepest = self.scale * self.stretch * max(0.0, float(motion.depth.max()))
         self._dent_width = max(2.2 * TIP_RADIUS, 1.8 * math.sqrt(TIP_RADIUS * deepest))
         _frame(axes)
-        self._add_moving(axes, _rod_outline(rod_angle))
+        self._add_moving(axes, _rod_outline(last_rod))
         self.artists += _force_names(axes, letter_size)
-        _draw_scale_bar(axes, self.scale, letter_size, left=rod_angle < 0.0)
+        _draw_scale_bar(axes, self.scale, letter_size, left=bool(last_rod[0] < 0.0))
 
     def show(self, time: float) -> None:
         """Move everything to an instant, s."""
@@ -103,9 +102,9 @@ def _frame(axes: Axes) -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.8, dashes=(4, 3))
 
 
-def _rod_outline(angle: float) -> Array:
+def _rod_outline(last_rod: Array) -> Array:
     """A round-ended rod that touches the origin from above and leans as the last rod does."""
-    towards_hinge = -direction(angle)
+    towards_hinge = -last_rod / math.hypot(*last_rod)
     across = np.array([-towards_hinge[1], towards_hinge[0]])
     centre = np.array([0.0, TIP_RADIUS])
     turn = np.linspace(0.0, np.pi, 40)[:, None]

@@ -68,6 +68,11 @@ class ContactMotion:
         return float(np.hypot(self.normal_velocity, self.tangential_velocity).max())
 
     @property
+    def compression_end(self) -> float:
+        """When the tip is deepest in the surface, s from the first touch."""
+        return float(self.time[int(np.argmax(self.depth))])
+
+    @property
     def slip_stop(self) -> float | None:
         """When the slip of arrival comes to its end, s; None if it does not."""
         touching = (phase for phase in self.phases if 0.0 <= phase.start < self.touch_end)

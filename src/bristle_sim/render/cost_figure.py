@@ -1,8 +1,9 @@
-"""Error against CPU time, one panel a case: colour tells the package, marker and dashes the method."""
+"""Draw error against CPU time, one panel a case: our methods and the best of each peer in colour, the others in grey."""
 
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Iterable, Sequence
 from typing import Any, Protocol
 
@@ -10,6 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
+from bristle_sim.benchmarks.accuracy_cost.results import OURS
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
@@ -23,41 +26,37 @@ from bristle_sim.render.style import (
     styled,
 )
 
-__all__ = ["cost_figure"]
+__all__ = ["best_methods", "cost_figure", "verdict"]
 
 WIDTH = 16.0
 """Printed width of the page's text, cm."""
 
 PANEL_WIDTH, PANEL_HEIGHT = 6.3, 5.6
 LEFT, COLUMN = 1.45, 8.2
+HEAD = 1.35
+"""Height of a panel's title and verdict, cm."""
+
 LINE = 0.31
 """Height of a line of a legend or a note, cm."""
+
+NOTE = 62
+"""Characters in a line of a note."""
 
 COLUMNS = 2
 """Of a panel's legend."""
 
-COLORS = {"bristle_sim": BLUE, "scipy": ORANGE, "mujoco": GREEN, "exudyn": PURPLE, "pybullet": VERMILION}
+COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN, "exudyn": PURPLE, "pybullet": VERMILION}
 MARKERS = "osD^vPX*"
+OTHERS = "#c4c4c4"
+"""Colour of peers' methods that are not their package's best."""
+
+TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
+"""Errors, the first of which is compared; where a package does not reach it, the next that it reaches."""
+
 LEAST = 1e-16
 """An error of less is drawn here: an answer that is right to the last digit has no logarithm."""
 
 MILLISECONDS = 1e3
-
-
-class _Point(Protocol):
-    """What is drawn of a measured point."""
-
-    @property
-    def method(self) -> str:
-        """The package's name and the method's."""
-
-    @property
-    def error(self) -> float:
-        """Relative, infinite if there is none."""
-
-    @property
-    def cpu_s(self) -> float:
-        """s."""
 
 
 class _Case(Protocol):
@@ -83,7 +82,7 @@ class _Measured(Protocol):
     def cases(self) -> Sequence[_Case]:
         """A panel each, in order."""
 
-    def of(self, case: str) -> Sequence[_Point]:
+    def of(self, case: str) -> Sequence[Point]:
         """The points of a case."""
 
 
@@ -94,7 +93,7 @@ def cost_figure(measured: _Measured) -> Figure:
         ValueError: if there is no case.
     """
     if not measured.cases:
-        raise ValueError("cases = (): at least one case is allowed")
+        raise ValueError("cases = (): must be one case or more")
     rows = [measured.cases[index : index + 2] for index in range(0, len(measured.cases), 2)]
     heights = [max(_height(measured, case) for case in row) for row in rows]
     with styled():
@@ -102,60 +101,111 @@ def cost_figure(measured: _Measured) -> Figure:
         top = sum(heights)
         for row, height in zip(rows, heights, strict=True):
             for column, case in enumerate(row):
-                place = (LEFT + column * COLUMN, top - PANEL_HEIGHT - 0.75, PANEL_WIDTH, PANEL_HEIGHT)
+                place = (LEFT + column * COLUMN, top - PANEL_HEIGHT - HEAD, PANEL_WIDTH, PANEL_HEIGHT)
                 _panel(axes_at(figure, *place), case, measured.of(case.name))
             top -= height
     return figure
 
 
+def best_methods(points: Sequence[Point]) -> dict[str, str]:
+    """Return by package its cheapest method at an error of 1e-6, or at the next power of ten that it reaches."""
+    best = {}
+    for package in dict.fromkeys(package_of(point.method) for point in points):
+        own = [point for point in points if package_of(point.method) == package]
+        found = next((point for target in TARGETS if (point := cheapest(own, target)) is not None), None)
+        if found is not None:
+            best[package] = found.method
+    return best
+
+
+def verdict(points: Sequence[Point]) -> str:
+    """Say what the reader should see: the cheapest of ours and the cheapest of all peers at one error."""
+    ours = [point for point in points if package_of(point.method) == OURS]
+    peers = [point for point in points if package_of(point.method) != OURS]
+    for target in TARGETS:
+        own, peer = cheapest(ours, target), cheapest(peers, target)
+        if own is not None:
+            error = f"$10^{{{round(math.log10(target))}}}$"
+            said = f"to {error}: {own.method.partition(' ')[2]} {_shown(own)}"
+            return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}, no peer gets there"
+    return "none of our methods is within 1"
+
+
+def _shown(point: Point) -> str:
+    return f"{point.cpu_s * MILLISECONDS:.2g} ms"
+
+
 def _height(measured: _Measured, case: _Case) -> float:
-    """Of a panel with its title, axis, legend and notes, cm."""
-    lines = math.ceil(len(_methods(measured.of(case.name))) / COLUMNS) + len(case.notes)
-    return PANEL_HEIGHT + 2.2 + LINE * lines
+    """Return the height of a panel with its title, axis, legend and notes, cm."""
+    points = measured.of(case.name)
+    lines = math.ceil(len(_named(points)) / COLUMNS) + len(_notes(case, points))
+    return PANEL_HEIGHT + HEAD + 1.45 + LINE * lines
 
 
-def _methods(points: Iterable[_Point]) -> list[str]:
+def _methods(points: Iterable[Point]) -> list[str]:
     return list(dict.fromkeys(point.method for point in points if math.isfinite(point.error)))
 
 
-def _panel(axes: Axes, case: _Case, points: Sequence[_Point]) -> None:
-    methods = _methods(points)
-    for method in methods:
-        _curve(axes, method, _look(method, methods), points)
+def _named(points: Sequence[Point]) -> list[str]:
+    """Methods that have a colour and a name in the legend: all of ours, and the best of each peer."""
+    best = best_methods(points).values()
+    return [method for method in _methods(points) if package_of(method) == OURS or method in best]
+
+
+def _notes(case: _Case, points: Sequence[Point]) -> list[str]:
+    """The case's notes, and which methods are drawn in grey."""
+    named = _named(points)
+    grey: dict[str, list[str]] = {}
+    for method in _methods(points):
+        if method not in named:
+            package, _, name = method.partition(" ")
+            grey.setdefault(package, []).append(name)
+    words = "; ".join(f"{package} {', '.join(names)}" for package, names in grey.items())
+    return [*(textwrap.wrap(f"grey: {words}", NOTE) if grey else []), *case.notes]
+
+
+def _panel(axes: Axes, case: _Case, points: Sequence[Point]) -> None:
+    named = _named(points)
+    for method in _methods(points):
+        _curve(axes, method, _look(method, named), points)
     axes.set_xscale("log")
     axes.set_yscale("log")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
-    axes.set_title(case.title, loc="left")
+    axes.set_title(case.title, loc="left", pad=16.0)
+    axes.annotate(verdict(points), (0.0, 1.0), (0.0, 5.0), "axes fraction", "offset points", fontsize=6.5, color=GREY)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
-    _legend(axes, methods, case.notes)
+    _legend(axes, len(named), _notes(case, points))
 
 
-def _look(method: str, methods: Sequence[str]) -> dict[str, Any]:
-    """Colour by package, marker by place among the package's methods; our own curves are heavier."""
-    package = method.split(maxsplit=1)[0]
-    place = [each for each in methods if each.split(maxsplit=1)[0] == package].index(method)
-    own = package == "bristle_sim"
+def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
+    """Colour by package, marker by place among the package's named methods; our own curves are heavier."""
+    if method not in named:
+        return {"color": OTHERS, "linewidth": 0.8, "marker": ".", "markersize": 2.0, "zorder": 1}
+    package = package_of(method)
+    place = [each for each in named if package_of(each) == package].index(method)
+    own = package == OURS
     return {
+        "label": method,
         "color": COLORS.get(package, BLACK),
         "marker": MARKERS[place % len(MARKERS)],
-        "markersize": 3.6 if own else 2.8,
+        "markersize": 3.6 if own else 3.2,
         "markerfacecolor": COLORS.get(package, BLACK) if own else "white",
         "markeredgewidth": 0.7,
-        "linewidth": 1.2 if own else 0.8,
+        "linewidth": 1.3 if own else 1.0,
         "zorder": 3 if own else 2,
     }
 
 
-def _curve(axes: Axes, method: str, look: dict[str, Any], points: Iterable[_Point]) -> None:
+def _curve(axes: Axes, method: str, look: dict[str, Any], points: Iterable[Point]) -> None:
     drawn = [point for point in points if point.method == method and math.isfinite(point.error)]
     times = [point.cpu_s * MILLISECONDS for point in drawn]
-    axes.plot(times, [max(point.error, LEAST) for point in drawn], label=method, gid=method, **look)
+    axes.plot(times, [max(point.error, LEAST) for point in drawn], gid=method, **look)
 
 
-def _legend(axes: Axes, methods: Sequence[str], notes: Sequence[str]) -> None:
+def _legend(axes: Axes, named: int, notes: Sequence[str]) -> None:
     """Names and notes below the panel."""
     below = -1.05 / PANEL_HEIGHT
     axes.legend(
@@ -168,7 +218,7 @@ def _legend(axes: Axes, methods: Sequence[str], notes: Sequence[str]) -> None:
         handlelength=2.0,
         fontsize=6.5,
     )
-    lines = math.ceil(len(methods) / COLUMNS)
+    lines = math.ceil(named / COLUMNS)
     place = below - (LINE * lines + 0.12) / PANEL_HEIGHT
     axes.text(
         -0.19, place, "\n".join(notes), transform=axes.transAxes, fontsize=6.5, color=GREY, va="top", linespacing=1.35

@@ -1,4 +1,4 @@
-"""The crater on one page: depth over plies, the chip to scale, every estimate, and the crater in three dimensions."""
+"""The crater on one page: depth over plies, the chip to scale, every estimate, the crater in three dimensions, and C."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from bristle_sim.render.crater_constant_panel import draw_constants
 from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, axes_at, blank_figure, signed, styled
 from bristle_sim.render.sweep_panels import panel_title
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
@@ -23,7 +24,7 @@ __all__ = ["crater_figure", "crater_floor"]
 
 Array = NDArray[np.float64]
 
-WIDTH, HEIGHT = 16.0, 15.6
+WIDTH, HEIGHT = 22.4, 15.6
 """Printed size, cm."""
 
 MICRO = 1e6
@@ -48,11 +49,14 @@ def crater_figure(study: CraterStudy) -> Figure:
     panel_title(plies, "a", "Merchant's depth over the plies")
     panel_title(chip, "b", "chip and shear plane at the end, to scale")
     figure.text(1.3 / WIDTH, 7.1 / HEIGHT, "$\\bf{c}$  every estimate", fontsize=8.5)
-    figure.text(8.4 / WIDTH, 7.1 / HEIGHT, "$\\bf{d}$  groove of the tip's ellipse on its path, to scale", fontsize=8.5)
+    figure.text(8.4 / WIDTH, 7.1 / HEIGHT, "$\\bf{d}$  groove of the tip on its path (red), to scale", fontsize=8.5)
     _draw_plies(plies, study)
     _draw_chip(chip, study)
     _draw_estimates(estimates, study)
     _draw_crater(crater, study)
+    constants = axes_at(figure, 17.3, 1.1, 4.7, 13.1)
+    panel_title(constants, "e", "C for the measured depth")
+    draw_constants(constants, study)
     return figure
 
 
@@ -203,4 +207,5 @@ def _draw_crater(axes: Any, study: CraterStudy) -> None:
     axes.set_xlabel("along (µm)", labelpad=-3.0)
     axes.set_ylabel("across (µm)", labelpad=-4.0)
     axes.tick_params(pad=-2.0, labelsize=6.5)
+    axes.text2D(-0.1, 0.57, "height\n(µm)", transform=axes.transAxes, fontsize=8.0)
     axes.set_zticks([-MICRO * deepest, 0.0], [signed(-MICRO * deepest, 0), "0"])

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Tool
-from bristle_sim.render.motion import Motion, wire_ends
+from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
+from bristle_sim.render.motion import Motion
 from bristle_sim.render.style import (
     BLACK,
     BLUE,
@@ -22,172 +21,219 @@ from bristle_sim.render.style import (
     GREY,
     ORANGE,
     PURPLE,
+    SKY,
     VERMILION,
     axes_at,
     blank_figure,
+    signed,
     styled,
 )
 from bristle_sim.render.sweep_panels import note, panel_title
-from bristle_sim.render.tool_drawing import MILLIMETRES, View, WireDrawing, draw_bar, draw_hub, draw_workpart
-from bristle_sim.studies.cue_places import BarPlace, ReadingPlaces, bar_places, formula_motion
-from bristle_sim.theory.cueing import cue, impact_angle, tip_lag
-from bristle_sim.trajectory import Trajectory
+from bristle_sim.render.tool_drawing import (
+    BAR_COLOUR,
+    MILLIMETRES,
+    View,
+    WireDrawing,
+    draw_hub,
+    draw_workpart,
+    name_parts,
+)
+from bristle_sim.studies.cue_places import BarPlace, FullPass, ReadingPlaces, Release
+from bristle_sim.studies.cue_timing import OWN, CueTiming
 
 __all__ = ["cue_figure"]
 
 Array = NDArray[np.float64]
 
 MILLISECONDS = 1e3
-POINTS = 400
+
+PLAN = (7.2, 6.2)
+"""Width and height of the plan view, cm."""
+
+NEARBY = math.radians(25.0)
+"""The plan shows bars within this of the tool's own, rad; others are told in the table alone."""
 
 NAMES = {
+    OWN: "{stiffness:.4g} N·m/rad",
     "per_radian": f"{PRINTED_BELT_STIFFNESS:g} N·m per radian",
     "per_degree": f"{PRINTED_BELT_STIFFNESS:g} N·m per degree",
     "from_254_hz": "another tool, 254 Hz",
 }
-COLOURS = {"per_radian": ORANGE, "per_degree": GREEN, "from_254_hz": PURPLE}
+COLOURS = {OWN: SKY, "per_radian": ORANGE, "per_degree": GREEN, "from_254_hz": PURPLE}
 
-
-@dataclass(frozen=True, slots=True)
-class _Line:
-    """One side of the comparison over time, up to its highest rate; s, rad, rad/s."""
-
-    name: str
-    color: str
-    time: Array
-    angle: Array
-    rate: Array
+COLUMNS = (0.52, 0.68, 1.0)
+"""Right edges of the table's numbers, as shares of its width."""
 
 
 @styled()
-def cue_figure(trajectory: Trajectory, tool: Tool, retraction: float) -> Figure:
-    """Relative angle and rate over time with their cue times, and the bar's place in plan view, to scale (mm).
+def cue_figure(timing: CueTiming) -> Figure:
+    """Draw retraction and relative speed over time with their cue times, and the bars' places to scale (mm).
 
     Args:
-        trajectory: a release from rest, up to the highest relative speed.
-        tool, retraction: what was released, and from where, rad.
+        timing: a release from rest, up to the highest relative speed, with the places that were computed from it.
 
     Raises:
-        ValueError: if the tool has no bar or no workpart, or the trajectory lasts no time.
+        ValueError: if the trajectory lasts no time.
     """
-    places = bar_places(tool, retraction)
-    figure = blank_figure(16.0, 12.3)
-    angle = axes_at(figure, 1.6, 6.7, 6.8, 4.5)
-    rate = axes_at(figure, 1.6, 1.2, 6.8, 4.9, sharex=angle)
-    _draw_motion(angle, rate, trajectory, tool, retraction)
-    plan = axes_at(figure, 9.5, 4.7, 6.3, 6.5)
-    _draw_plan(plan, tool, retraction, places)
-    _draw_table(axes_at(figure, 8.9, 0.7, 6.9, 2.9), tool, places)
+    figure = blank_figure(16.0, 12.6)
+    retraction = axes_at(figure, 1.5, 7.1, 5.8, 4.3)
+    speed = axes_at(figure, 1.5, 1.2, 5.8, 4.4, sharex=retraction)
+    _draw_motion(retraction, speed, timing)
+    plan = axes_at(figure, 8.6, 5.2, *PLAN)
+    shown = _draw_plan(plan, timing)
+    _draw_table(axes_at(figure, 7.9, 0.3, 7.9, 3.7), timing, shown)
     return figure
 
 
-def _draw_motion(angle: Axes, rate: Axes, trajectory: Trajectory, tool: Tool, retraction: float) -> None:
+def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
     """Simulated and by formula, each up to its own cue time."""
-    course = Motion(trajectory).course()
-    lines = [_Line("simulated", BLUE, course.time, course.relative_angle, course.relative_rate)]
-    if tool.belt.stiffness > 0.0:
-        time = np.linspace(0.0, cue(tool, retraction).cue_time, POINTS)
-        lines.append(_Line("quasi-static formula", VERMILION, time, *formula_motion(tool, retraction, time)))
-    for line in lines:
-        look: dict[str, Any] = {
-            "color": line.color,
-            "linestyle": "-" if line.color == BLUE else "--",
-            "label": line.name,
-        }
-        angle.plot(line.time * MILLISECONDS, np.degrees(line.angle), gid=f"angle, {line.name}", **look)
-        rate.plot(line.time * MILLISECONDS, line.rate, gid=f"rate, {line.name}", **look)
-    last = max(float(line.time[-1]) for line in lines) * MILLISECONDS
-    angle.set_xlim(0.0, 1.32 * last)
-    _mark_cues(angle, rate, lines)
-    _label_motion(angle, rate)
+    course = Motion(timing.trajectory).course()
+    lines = [("simulated", BLUE, Release(course.time, course.retraction, course.relative_speed))]
+    if timing.formula is not None:
+        lines.append(("quasi-static formula", VERMILION, timing.formula))
+    for name, color, line in lines:
+        look: dict[str, Any] = {"color": color, "linestyle": "-" if color == BLUE else "--", "label": name}
+        time = line.time * MILLISECONDS
+        retraction.plot(time, np.degrees(line.retraction), gid=f"retraction, {name}", **look)
+        speed.plot(time, line.relative_speed, gid=f"relative speed, {name}", **look)
+    retraction.set_xlim(0.0, 1.38 * max(float(line.time[-1]) for _, _, line in lines) * MILLISECONDS)
+    _mark_cues(retraction, speed, lines)
+    panel_title(retraction, "a", "released from rest: retraction")
+    retraction.legend(loc="lower left", bbox_to_anchor=(-0.04, 0.98), ncols=2, columnspacing=1.2)
+    retraction.axhline(0.0, color=GREY, linewidth=0.6)
+    retraction.set_ylabel("retraction (°)")
+    retraction.tick_params(labelbottom=False)
+    panel_title(speed, "b", "released from rest: relative speed", "up to the cue time, at which it is highest")
+    speed.set_ylabel("relative speed (rad/s)")
+    speed.set_xlabel("time since release (ms)")
+    speed.set_ylim(bottom=0.0)
 
 
-def _label_motion(angle: Axes, rate: Axes) -> None:
-    panel_title(angle, "a", "released from rest at the retraction angle")
-    angle.legend(loc="lower left", bbox_to_anchor=(-0.04, 0.98), ncols=2, columnspacing=1.2)
-    angle.axhline(0.0, color=GREY, linewidth=0.6)
-    angle.set_ylabel("relative angle (°)")
-    angle.tick_params(labelbottom=False)
-    rate.set_ylabel("relative rate (rad/s)")
-    rate.set_xlabel("time since release (ms)")
-    rate.set_ylim(bottom=0.0)
+def _mark_cues(retraction: Axes, speed: Axes, lines: Sequence[tuple[str, str, Release]]) -> None:
+    """Where each line ends, at its highest speed; the earlier cue is named on its left, the later on its right."""
+    latest = max(float(line.time[-1]) for _, _, line in lines)
+    for name, color, line in lines:
+        cued, highest = float(line.time[-1]) * MILLISECONDS, float(line.relative_speed[-1])
+        for axes in (retraction, speed):
+            axes.axvline(cued, color=color, linewidth=0.8, linestyle=":", gid=f"cue, {name}")
+        speed.plot([cued], [highest], "o", color=color, markersize=3.5, gid=f"highest, {name}")
+        words = f"cue time\n{cued:.4g} ms,\n{highest:.1f} rad/s"
+        side = 1.0 if line.time[-1] == latest else -1.0
+        look: dict[str, Any] = {"color": color, "ha": "left" if side > 0.0 else "right", "va": "bottom"}
+        note(speed, words, (cued, 0.0), (4.0 * side, 4.0), **look)
 
 
-def _mark_cues(angle: Axes, rate: Axes, lines: Sequence[_Line]) -> None:
-    """Where each line ends, at its highest rate; the earlier cue is named on its left, the later on its right."""
-    latest = max(lines, key=lambda line: float(line.time[-1]))
-    for line in lines:
-        cued, speed = float(line.time[-1]), float(line.rate[-1])
-        for axes in (angle, rate):
-            axes.axvline(cued * MILLISECONDS, color=line.color, linewidth=0.8, linestyle=":", gid=f"cue, {line.name}")
-        rate.plot([cued * MILLISECONDS], [speed], "o", color=line.color, markersize=3.5, gid=f"highest, {line.name}")
-        words = f"cue time\n{cued * MILLISECONDS:.4g} ms,\n{speed:.1f} rad/s"
-        side = 1.0 if line is latest else -1.0
-        place, offset = (cued * MILLISECONDS, 0.0), (4.0 * side, 4.0)
-        note(rate, words, place, offset, color=line.color, ha="left" if side > 0.0 else "right", va="bottom")
+def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
+    """Hub, workpart and bars to scale, with the wire as released and at its highest speed.
 
-
-def _draw_plan(axes: Axes, tool: Tool, retraction: float, places: Sequence[ReadingPlaces]) -> None:
-    """Hub, workpart and bar to scale, the wire as released and as it should strike, and the bars that are needed."""
-    assert tool.bar is not None
-    reach = (math.hypot(*tool.bar.centre) + 1.8 * tool.bar.radius) * MILLIMETRES
-    view = View(-reach, reach, -reach, reach)
+    Returns the names of the stiffnesses whose bars the view shows.
+    """
+    tool, given = timing.tool, BarPlace.of(timing.bar)
+    near = {name for name, each in timing.places.items() if _near(each, timing)}
+    bars = [given, *(place for name in near for place in _places(timing.places[name]))]
+    wires = [line for line in (timing.released, timing.fastest) if line is not None]
+    view = _view(timing, bars, wires)
     axes.grid(visible=False)
     draw_hub(axes, tool)
     draw_workpart(axes, tool, view)
-    draw_bar(axes, tool)
-    _draw_wires(axes, tool, retraction)
-    for place in places:
-        color = COLOURS[place.reading]
-        _draw_needed(axes, tool, place.simulated, color, "-", f"simulated {place.reading}")
-        _draw_needed(axes, tool, place.formula, color, ":", f"formula {place.reading}")
+    look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
+    axes.add_patch(_circle(timing, given, gid="bar as given", **look))
+    for name in near:
+        for side, style in (("simulated", "-"), ("formula", ":")):
+            place = getattr(timing.places[name], side)
+            if place is not None:
+                look = {"edgecolor": COLOURS[name], "linewidth": 1.3, "linestyle": style}
+                axes.add_patch(_circle(timing, place, fill=False, zorder=5, gid=f"{side} {name}", **look))
     view.apply(axes)
+    name_parts(axes, tool, 7.0, without=("bar",))
+    for line, color, name in zip(wires, (GREY, BLACK), ("released", "fastest"), strict=False):
+        drawing = WireDrawing(axes, tool, color=color)
+        drawing.place(line)
+        drawing.wire.set_gid(f"wire {name}")
+        x, y = 0.5 * (line[0] + line[-1]) * MILLIMETRES
+        above: dict[str, Any] = {"ha": "right", "va": "bottom"}
+        below: dict[str, Any] = {"ha": "left", "va": "top"}
+        offset, look = ((0.0, 4.0), above) if name == "released" else ((6.0, -2.0), below)
+        note(axes, name, (float(x), float(y)), offset, color=color, **look)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
-    panel_title(axes, "b", "where the bar must stand", "to scale; directions from the workpart's normal")
+    panel_title(axes, "c", "where the bar must stand", "to scale, with this tool's wire")
+    return near
 
 
-def _draw_wires(axes: Axes, tool: Tool, retraction: float) -> None:
-    """The wire as it slips off the tool's bar, and radial at the strike."""
-    assert tool.bar is not None
-    assert tool.workpart is not None
-    geometry = (tool.hub.radius, tool.bristle.length)
-    root = float(tip_lag(*geometry, retraction)) - math.atan2(tool.bar.horizontal, tool.bar.vertical)
-    struck = -float(impact_angle(*geometry, tool.workpart.penetration))
-    poses = (("released", root, root - retraction, GREY, (0.0, 4.0)), ("strike", struck, struck, BLACK, (6.0, -3.0)))
-    for name, hub_angle, angle, color, offset in poses:
-        WireDrawing(axes, tool, color=color).place(hub_angle, angle)
-        x, y = np.mean(wire_ends(tool, hub_angle, angle), axis=0) * MILLIMETRES
-        note(axes, name, (float(x), float(y)), offset, color=color, ha="center" if color == GREY else "left")
+def _near(places: ReadingPlaces, timing: CueTiming) -> bool:
+    """Whether a stiffness's bars are worth a place in the drawing."""
+    own = timing.places[timing.own].simulated or BarPlace.of(timing.bar)
+    directions = [place.direction for place in _places(places)]
+    return bool(directions) and all(abs(each - own.direction) < NEARBY for each in directions)
 
 
-def _draw_needed(axes: Axes, tool: Tool, place: BarPlace | None, color: str, style: str, name: str) -> None:
-    """The outline of a bar at a place."""
-    if place is None or tool.bar is None:
-        return
-    centre, radius = (-place.horizontal * MILLIMETRES, -place.vertical * MILLIMETRES), tool.bar.radius * MILLIMETRES
-    axes.add_patch(
-        Circle(centre, radius, fill=False, edgecolor=color, linewidth=1.2, linestyle=style, gid=name, zorder=5)
-    )
+def _places(places: ReadingPlaces) -> list[BarPlace]:
+    return [place for place in (places.simulated, places.formula) if place is not None]
 
 
-def _draw_table(axes: Axes, tool: Tool, places: Sequence[ReadingPlaces]) -> None:
-    """Directions of the needed bars from the workpart's normal, in the colours of the drawing."""
+def _centre(place: BarPlace) -> tuple[float, float]:
+    """On the incoming side, mm."""
+    return -place.horizontal * MILLIMETRES, -place.vertical * MILLIMETRES
+
+
+def _circle(timing: CueTiming, place: BarPlace, **look: Any) -> Circle:
+    """A bar of the tool's radius at a place."""
+    return Circle(_centre(place), timing.bar.radius * MILLIMETRES, **look)
+
+
+def _view(timing: CueTiming, bars: Sequence[BarPlace], wires: Sequence[Array]) -> View:
+    """The smallest view that holds bars, wires and the workpart's surface."""
+    radius = timing.bar.radius * MILLIMETRES
+    points = [np.array(_centre(place)) + radius * np.array([[-1.0, -1.0], [1.0, 1.0]]) for place in bars]
+    points += [line * MILLIMETRES for line in wires]
+    turning = 0.4 * timing.tool.hub.radius * MILLIMETRES  # the arrow in the hub
+    points.append(np.array([[turning, 0.0], [0.0, -timing.tool.workpart_depth * MILLIMETRES]]))
+    every = np.concatenate(points)
+    (left, bottom), (right, top) = every.min(axis=0), every.max(axis=0)
+    border = 0.06 * max(right - left, top - bottom)
+    return View(left - border, right + border, bottom - 2.0 * border, top + border).widened(PLAN[0] / PLAN[1])
+
+
+def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:
+    """Directions of the bars from the workpart's normal, in the colours of the drawing, and what a whole pass gives."""
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(-4.4, 0.4)
-    rows = [("belt stiffness", "simulated —", "formula ····", GREY)]
-    for each in places:
-        rows.append((NAMES[each.reading], _direction(each.simulated), _direction(each.formula), COLOURS[each.reading]))
-    for row, (name, simulated, formula, color) in enumerate(rows):
-        for x, words in ((0.0, name), (0.74, simulated), (1.0, formula)):
-            axes.text(x, -row, words, color=color, fontsize=7.0, va="center", ha="right" if x else "left")
-    assert tool.bar is not None
-    own = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
-    name = "the printed bar (grey)" if tool.bar == Bar() else "the tool's bar (grey)"
-    axes.text(0.0, -4.0, name, fontsize=7.0, va="center")
-    axes.text(0.74, -4.0, f"{own:.2f}°", fontsize=7.0, va="center", ha="right")
+    last = len(timing.places) + 1
+    axes.set_ylim(-max(last, 5) - 1.6, 1.0)
+    # The narrow columns' headings have two lines each.
+    rows = [
+        (
+            "bar for a belt\nstiffness of",
+            "simulated\n—",
+            "formula\n····",
+            "full pass with —:\nretraction at strike",
+            GREY,
+        )
+    ]
+    for name, each in timing.places.items():
+        title = NAMES[name].format(stiffness=each.stiffness) + ("" if name in shown else " *")
+        directions = (_direction(each.simulated), _direction(each.formula))
+        rows.append((title, *directions, _strike(each.passed), COLOURS[name]))
+    own = timing.places[timing.own]
+    rows.append(("bar as given (grey)", _direction(BarPlace.of(timing.bar)), "", _strike(own.passed_as_given), BLACK))
+    for row, (name, *numbers, color) in enumerate(rows):
+        below = row + (0.4 if row else 0.0)
+        look: dict[str, Any] = {"color": color, "fontsize": 7.0, "va": "center"}
+        axes.text(0.0, -below, name, ha="left", **look)
+        for x, words in zip(COLUMNS, numbers, strict=True):
+            axes.text(x, -below, words, ha="right", **look)
+    foot = "directions from the workpart's normal" + (
+        "" if shown >= set(timing.places) else "; * bars not in the drawing"
+    )
+    axes.text(0.0, -last - 1.3, foot, color=GREY, fontsize=6.5, va="center")
 
 
 def _direction(place: BarPlace | None) -> str:
     return "none" if place is None else f"{math.degrees(place.direction):.2f}°"
+
+
+def _strike(passed: FullPass | None) -> str:
+    if passed is None or passed.retraction is None:
+        return "no strike"
+    return f"{signed(math.degrees(passed.retraction), 2)}°"

@@ -11,8 +11,7 @@ from bristle_sim.render.sweep_panels import panel_title
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segment_table
 from bristle_sim.studies.force_trials import FitTrial
-from bristle_sim.studies.table_3_1 import TABLE_3_1
-from bristle_sim.theory.force_history import BRISTLE, segment_impulses
+from bristle_sim.theory.force_history import BRISTLE, TABLE_3_1, segment_impulses
 
 __all__ = ["draw_forces", "draw_segments", "force_figure"]
 
@@ -20,6 +19,12 @@ WIDTH, HEIGHT = 16.0, 14.4
 """Printed size, cm."""
 
 MICRO = 1e6
+
+MOST_DOTS = 400
+"""Points drawn one by one."""
+
+MARGIN = 0.25
+"""Part of the contact's duration shown before its start and after its end, where a file holds them."""
 
 
 @styled()
@@ -44,18 +49,24 @@ def draw_forces(axes: Axes, comparison: ForceComparison) -> None:
     """Force over time: curve, simulated resultant and its components, and the compression's ten segments."""
     curve = comparison.curve
     time = np.linspace(0.0, curve.duration, 301)
-    axes.plot(MICRO * time, curve(time), color=BLUE, label="curve", gid="curve")
-    if comparison.measured is not None:
+    first, longest = 0.0, curve.duration
+    measured = comparison.measured
+    if measured is not None:
+        # Between the samples of an oscilloscope there is nothing to see: a line stands for more than a few hundred.
+        style = "." if measured.time.size <= MOST_DOTS else "-"
         axes.plot(
-            MICRO * comparison.measured[0], comparison.measured[1], ".", color=GREY, markersize=3, label="measured"
-        )
+            MICRO * measured.time, measured.force, style, color=GREY, markersize=3, linewidth=0.6, label="measured",
+            gid="measured",
+        )  # fmt: skip
+        first = max(float(measured.time[0]), -MARGIN * curve.duration)
+        longest = min(float(measured.time[-1]), (1.0 + MARGIN) * curve.duration)
+    axes.plot(MICRO * time, curve(time), color=BLUE, label="fit" if measured else "curve", gid="curve")
     _mark_peak(axes, MICRO * curve.peak_time(), curve.peak_force(), BLUE)
-    longest = curve.duration
     if comparison.contact is not None:
         _draw_contact(axes, comparison.contact)
         longest = max(longest, float(comparison.contact.time[-1]))
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.set_xlim(0.0, MICRO * longest)
+    axes.set_xlim(MICRO * first, MICRO * longest)
     axes.set_xlabel("time since first touch (µs)")
     axes.set_ylabel("force on the tip (N)")
     axes.legend(loc="upper right", labelspacing=0.3)

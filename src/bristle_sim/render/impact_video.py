@@ -53,7 +53,8 @@ def impact_video(
     """Film an impact as the compliant law resolves it in time, to an mp4 or gif file; needs no display.
 
     Args:
-        impacts: the impact under every law; a contact duration that was asked for is what is filmed.
+        impacts: the impact under every law; what is filmed is the compliant one, see
+            :func:`bristle_sim.studies.timed_contact.with_visible_contact`.
         path: of the file, mp4 or gif.
         fps: frames per second of film.
         width, height: of the picture, px.
@@ -120,8 +121,10 @@ class ImpactScene:
         figure, motion = self.stage.figure, self.motion
         whole = figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
         near = figure.add_axes((0.22, 0.075, 0.36, top - 0.085))
-        self.chain = ChainDrawing(whole, impacts.chain, motion.fastest)
-        self.close_up = CloseUp(near, motion, impacts.chain.angles[-1], 0.62 * self._letters)
+        struck = impacts.strikes["compliant"]
+        self.chain = ChainDrawing(whole, struck, impacts.chain.hub_radius, motion.fastest)
+        last_rod = struck.centre_line[-1] - struck.centre_line[-2]
+        self.close_up = CloseUp(near, motion, last_rod, 0.62 * self._letters)
         _connect(whole, near)
         self._note_enlargement(whole, near)
         self.stage.add(*self.close_up.artists, *self.chain.artists)
@@ -144,11 +147,14 @@ class ImpactScene:
         """Caption and, below it, a row of read-outs; on the right what does not change."""
         width, height = self.stage.size
         clock, surface = self.panels.clock, impacts.surface
-        duration = f"{self.motion.touch_end * clock.factor:.4g} {clock.unit}"
+        compression = f"compression {self.motion.compression_end * clock.factor:.4g} {clock.unit}"
+        if impacts.timing:
+            compression += f" ({impacts.timing})"
+        touch = f"in touch for {self.motion.touch_end * clock.factor:.4g} {clock.unit}"
         self.stage.figure.text(
             0.99,
             1.0 - 0.32 * HEADER,
-            f"in touch for {duration}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}",
+            f"{compression}\n{touch}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}",
             ha="right",
             va="center",
             fontsize=0.65 * self._letters,
@@ -204,9 +210,8 @@ def _rounded(value: float, *, plain: bool = False) -> str:
     """One digit and a power of ten, or the number itself where that is short."""
     if 0.1 <= value < 1e4:
         return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
-    exponent = math.floor(math.log10(value))
-    leading = f"{value / 10.0**exponent:.0f}"
+    leading, exponent = f"{value:.0e}".split("e")
     if plain:
-        return f"{leading}e{exponent}"
-    power = f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+        return f"{leading}e{int(exponent)}"
+    power = f"10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
     return power if leading == "1" else f"{leading}·{power}"

@@ -41,6 +41,7 @@ def draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCours
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     if course.impulse.size < 2:
         axes.text(0.5, 0.6, "the tip does not approach: no contact", transform=axes.transAxes, ha="center", color=GREY)
+        axes.set(xticks=[], yticks=[])
         return
     _draw_velocities(axes, course, impulse, speed)
     if recorded is not None:

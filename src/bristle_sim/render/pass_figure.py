@@ -1,7 +1,8 @@
-"""The whole pass on one page: the tool to scale with the tip's path, and angle, rate and energy over time."""
+"""The whole pass on one page: the tool to scale with the tip's path, and retraction, relative speed and energy over time."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,11 +10,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.parameters import Tool
-from bristle_sim.render.motion import Course, Motion, direction, tip_speed, wire_ends
+from bristle_sim.render.motion import Course, Motion
 from bristle_sim.render.story import CARRIED, key_events, story_end
 from bristle_sim.render.style import (
     BLACK,
@@ -36,6 +38,7 @@ from bristle_sim.render.tool_drawing import (
     draw_hub,
     draw_workpart,
     name_parts,
+    toward,
 )
 from bristle_sim.trajectory import Event, Trajectory
 
@@ -49,8 +52,14 @@ MILLIJOULES = 1e3
 WIDTH = 16.0
 """Printed width of the page's text, cm."""
 
+DRAWING = (8.7, 6.6)
+"""Width and height of the drawing of the tool, cm."""
+
 PANEL = 12.5
 """Width of a panel over time, cm."""
+
+LEGEND = 13.0
+"""Height of the row that explains the drawing's colours, cm."""
 
 LABEL_SLANT = 35.0
 """Slope of the labels, degrees."""
@@ -81,7 +90,7 @@ class _Mark:
 
 
 def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = None) -> Figure:
-    """Draw a pass: tool and tip path to scale (mm), and relative angle, relative rate and energy over time (ms).
+    """Draw a pass: tool and tip path to scale (mm), and retraction, relative speed and energy over time (ms).
 
     ``until`` is the last instant shown, s; by default shortly after the tip has left the workpart.
 
@@ -96,25 +105,26 @@ def _compose(trajectory: Trajectory, tool: Tool, until: float | None) -> Figure:
     motion = Motion(trajectory)
     course = motion.course(story_end(trajectory) if until is None else until)
     marks = _marks(trajectory, float(course.time[-1]))
-    figure = blank_figure(WIDTH, 20.2)
-    path = axes_at(figure, 1.4, 13.2, 9.2, 6.6)
+    figure = blank_figure(WIDTH, 21.4)
+    path = axes_at(figure, 1.4, 14.4, *DRAWING)
     _draw_path(path, course, tool, trajectory.event_time("strike"))
     rebound = _rebound_instant(trajectory, float(course.time[-1]))
     _draw_ghosts(path, tool, motion, marks, rebound)
-    table = axes_at(figure, 10.75, 13.2, 5.1, 6.6)
+    table = axes_at(figure, 10.25, 14.4, 5.6, 6.6)
     _draw_table(table, motion, marks)
-    _describe_strike(table, len(marks) + 1.6, trajectory, tool, rebound)
-    angle = axes_at(figure, 2.0, 7.5, PANEL, 2.9)
-    rate = axes_at(figure, 2.0, 4.3, PANEL, 2.9, sharex=angle)
-    energy = axes_at(figure, 2.0, 1.1, PANEL, 2.9, sharex=angle)
-    _draw_angle(angle, course)
-    _draw_rate(rate, course)
+    _describe_strike(table, len(marks) + 1.6, trajectory, rebound)
+    _explain_colours(figure, path)
+    retraction = axes_at(figure, 2.0, 7.5, PANEL, 2.9)
+    speed = axes_at(figure, 2.0, 4.3, PANEL, 2.9, sharex=retraction)
+    energy = axes_at(figure, 2.0, 1.1, PANEL, 2.9, sharex=retraction)
+    _draw_retraction(retraction, course)
+    _draw_speed(speed, course)
     _draw_energy(energy, course, trajectory, motion, "belt" if tool.gravity == 0.0 else "belt and gravity")
-    path.yaxis.set_label_coords(-1.05 / 9.2, 0.5)
-    for axes in (angle, rate, energy):
+    path.yaxis.set_label_coords(-1.05 / DRAWING[0], 0.5)
+    for axes in (retraction, speed, energy):
         axes.yaxis.set_label_coords(-1.05 / PANEL, 0.5)  # in line, however wide the numbers are
         _draw_instants(axes, course, marks)
-    _label_instants(angle, marks)
+    _label_instants(retraction, marks)
     return figure
 
 
@@ -142,17 +152,17 @@ def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> A
     return np.asarray(np.maximum(below_top, lowest + offsets))
 
 
-def _draw_angle(axes: Axes, course: Course) -> None:
+def _draw_retraction(axes: Axes, course: Course) -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    axes.plot(course.time * MILLISECONDS, np.degrees(course.relative_angle), color=BLUE, gid="relative angle")
-    axes.set_ylabel("relative\nangle (°)", linespacing=1.4)
+    axes.plot(course.time * MILLISECONDS, np.degrees(course.retraction), color=BLUE, gid="retraction")
+    axes.set_ylabel("retraction (°)", linespacing=1.4)
     axes.tick_params(labelbottom=False)
 
 
-def _draw_rate(axes: Axes, course: Course) -> None:
+def _draw_speed(axes: Axes, course: Course) -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    axes.plot(course.time * MILLISECONDS, course.relative_rate, color=BLUE, gid="relative rate")
-    axes.set_ylabel("relative\nrate (rad/s)", linespacing=1.4)
+    axes.plot(course.time * MILLISECONDS, course.relative_speed, color=BLUE, gid="relative speed")
+    axes.set_ylabel("relative\nspeed (rad/s)", linespacing=1.4)
     axes.tick_params(labelbottom=False)
 
 
@@ -163,7 +173,7 @@ def _draw_energy(axes: Axes, course: Course, trajectory: Trajectory, motion: Mot
         (potential, trajectory.potential_energy, {"color": GREEN}),
     )
     for name, samples, look in lines:
-        values = motion.along(course, samples) * MILLIJOULES
+        values = motion.along(course.time, samples) * MILLIJOULES
         axes.plot(course.time * MILLISECONDS, values, label=name, gid=f"energy, {name}", **look)
     axes.set_ylabel("energy (mJ)")
     axes.set_xlabel("time (ms)")
@@ -193,20 +203,32 @@ def _label_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
 
 
 def _draw_path(axes: Axes, course: Course, tool: Tool, strike: float | None) -> None:
-    view = close_up(course, tool, 9.2 / 6.6)
+    view = close_up(course, tool, DRAWING[0] / DRAWING[1])
     axes.grid(visible=False)
     draw_hub(axes, tool)
     draw_bar(axes, tool)
     draw_workpart(axes, tool, view)
     # The sample after an impact begins the second line, so that the two meet at the strike.
     after = int(np.searchsorted(course.time, course.time[-1] if strike is None else strike, side="right"))
-    tip = wire_ends(tool, course.hub_angle, course.angles[:, 0])[1] * MILLIMETRES
-    axes.plot(*tip[:after].T, color=BLUE, linewidth=1.0, zorder=3, gid="tip path")
-    axes.plot(*tip[after - 1 :].T, color=PURPLE, linewidth=1.0, zorder=3, gid="tip path after the strike")
+    tip = course.tip * MILLIMETRES
+    look: dict[str, Any] = {"linewidth": 1.0, "zorder": 3}
+    until = "tip path" if strike is None else "tip path until the strike"
+    axes.plot(*tip[:after].T, color=BLUE, gid="tip path", label=until, **look)
+    if strike is not None:
+        axes.plot(*tip[after - 1 :].T, color=PURPLE, gid="tip path after the strike", label="tip path after it", **look)
     view.apply(axes)
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
     name_parts(axes, tool, 7.0)
+
+
+def _explain_colours(figure: Figure, path: Axes) -> None:
+    """What the lines of the drawing are, in a row below it."""
+    handles = [*path.get_legend_handles_labels()[0]]
+    handles.append(Line2D([], [], color=GREY, linewidth=3.0, label="wire, in the colour of its instant"))
+    handles.append(Line2D([], [], color=GREEN, linestyle="none", marker="o", markersize=4.5, label="root in the belt"))
+    place = (0.5, LEGEND / (figure.get_size_inches()[1] * 2.54))
+    figure.legend(handles=handles, loc="center", bbox_to_anchor=place, ncols=len(handles), columnspacing=1.6)
 
 
 def _draw_ghosts(axes: Axes, tool: Tool, motion: Motion, marks: Sequence[_Mark], rebound: float | None) -> None:
@@ -217,11 +239,11 @@ def _draw_ghosts(axes: Axes, tool: Tool, motion: Motion, marks: Sequence[_Mark],
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * np.ptp(axes.get_ylim()), 0.0)
     apart = 0.065 * np.ptp(axes.get_ylim()) / max(radius, 1e-9)
     roots = motion.hub_angle([time for time, _, _ in ghosts])
-    for (time, color, badge), root, place in zip(ghosts, roots, spread(roots, apart, -np.inf, np.inf), strict=True):
+    for (time, color, badge), place in zip(ghosts, spread(roots, apart, -np.inf, np.inf), strict=True):
         ghost = WireDrawing(axes, tool, color=color, alpha=0.75)
         ghost.wire.set_gid(f"wire {badge}")
-        ghost.place(float(root), float(motion.angles(time)[0]))
-        _badge(axes, radius * direction(place), badge, color)
+        ghost.place(motion.centre_line(time))
+        _badge(axes, radius * toward(place), badge, color)
 
 
 def _badge(axes: Axes, place: ArrayLike, text: str, color: str, **options: Any) -> Text:
@@ -246,29 +268,27 @@ def _draw_table(axes: Axes, motion: Motion, marks: Sequence[_Mark]) -> None:
     """The numbered instants with their figures."""
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(-14.5, 0.5)
-    columns = {0.08: "event", 0.765: "t (ms)", 1.0: "angle (°)"}
+    axes.set_ylim(-14.5, 1.0)
+    columns = {0.08: "event", 0.765: "time\n(ms)", 1.0: "retraction\n(°)"}
     for x, heading in columns.items():
-        axes.text(x, 0.0, heading, ha="left" if x < 0.5 else "right", fontsize=7.0, color=GREY)
+        axes.text(x, 0.4, heading, ha="left" if x < 0.5 else "right", va="center", fontsize=7.0, color=GREY)
     for row, mark in enumerate(marks, start=1):
-        angle = np.degrees(motion.relative_angle(mark.event.time))
+        retraction = np.degrees(motion.retraction(mark.event.time))
         _badge(axes, (0.03, 0.12 - row), str(mark.number), mark.color)
         axes.text(0.08, -row, mark.event.name, fontsize=7.0)
         axes.text(0.765, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
-        axes.text(1.0, -row, signed(float(angle), 2), fontsize=7.0, ha="right")
+        axes.text(1.0, -row, signed(float(retraction), 2), fontsize=7.0, ha="right")
 
 
-def _describe_strike(axes: Axes, row: float, trajectory: Trajectory, tool: Tool, rebound: float | None) -> None:
+def _describe_strike(axes: Axes, row: float, trajectory: Trajectory, rebound: float | None) -> None:
     """Speeds before and after the first strike, or why there is none."""
     contact = trajectory.first_contact("workpart")
     if contact is None:
         lines = ["no strike; the run ended:", trajectory.stop_reason]
     else:
-        hub_angle = float(np.interp(contact.time, trajectory.time, trajectory.hub_angle))
-        rates = (contact.rates_before[0], contact.rates_after[0])
-        arriving, leaving = (float(tip_speed(tool, hub_angle, contact.angles[0], rate)) for rate in rates)
+        arriving, leaving = math.hypot(*contact.velocity_before), math.hypot(*contact.velocity_after)
         lines = [
-            f"strike: {rates[0] - trajectory.hub_speed:.1f} rad/s relative to the hub,",
+            f"strike: {contact.rates_before[0] - trajectory.hub_speed:.1f} rad/s relative to the hub,",
             f"tip arrives at {arriving:.2f} m/s",
             f"and leaves at {leaving:.2f} m/s ({contact.outcome})",
         ]

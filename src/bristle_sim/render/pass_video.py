@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
-from bristle_sim.render.motion import Course, Motion, tip_speed, wire_ends
+from bristle_sim.render.motion import Course, Motion
 from bristle_sim.render.readout import Readout
 from bristle_sim.render.story import phase_at, phases, story_end
 from bristle_sim.render.style import BLACK, BLUE, SKY, VERMILION, signed, styled
@@ -43,8 +43,8 @@ CAPTION_SHOWN = 0.5
 LETTERS = 13.0
 """Letter height in a picture of 640 x 480, px."""
 
-COLUMNS = (14, 13, 22, 19)
-"""Characters of the read-outs: time, slow-down, relative angle, tip speed."""
+COLUMNS = (14, 13, 18, 19)
+"""Characters of the read-outs: time, slow-down, retraction, tip speed."""
 
 
 def pass_video(
@@ -102,7 +102,7 @@ class PassScene:
         self._strike = self.motion.end if strike is None else strike
         self._phases = phases(trajectory, _shown(self.warp, strike))
         self._trail_time = course.time
-        self._trail = wire_ends(tool, course.hub_angle, course.angles[:, 0])[1] * MILLIMETRES
+        self._trail = course.tip * MILLIMETRES
         self.stage = Stage(width, height)
         self._letters = LETTERS * min(width / 640.0, height / 480.0)
         with styled():
@@ -117,7 +117,7 @@ class PassScene:
         self._add_words()
 
     def _add_moving(self, axes: Axes) -> None:
-        struck = wire_ends(self.tool, self.motion.hub_angle(self._strike), self.motion.angles(self._strike)[0])[1]
+        struck = self.motion.centre_line(self._strike)[-1]
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
         self.wire = WireDrawing(axes, self.tool, color=BLUE, details=True)
         (self.mark,) = axes.plot(
@@ -150,31 +150,30 @@ class PassScene:
     def show(self, film_time: float) -> None:
         """Move everything to a film time, s."""
         time = float(self.warp.physical_time(film_time))
-        hub_angle, angle = float(self.motion.hub_angle(time)), float(self.motion.angles(time)[0])
-        self.wire.place(hub_angle, angle)
-        self._show_trail(time, hub_angle, angle)
-        self._show_words(film_time, time, hub_angle, angle)
+        centre_line = self.motion.centre_line(time)
+        self.wire.place(centre_line)
+        self._show_trail(time, centre_line[-1])
+        self._show_words(film_time, time)
 
-    def _show_words(self, film_time: float, time: float, hub_angle: float, angle: float) -> None:
+    def _show_words(self, film_time: float, time: float) -> None:
         caption = phase_at(self._phases, time).caption
         if caption != self.caption.get_text():
             self.caption.set_text(caption)
             self.stage.refresh()
-        speed = float(tip_speed(self.tool, hub_angle, angle, self.motion.rates(time)[0]))
+        retraction = math.degrees(float(self.motion.retraction(time)))
         texts = (
             f"time {time * 1e3:6.3f} ms",
             f"slowed {float(self.warp.slow_down_at(film_time)):5.0f}\N{MULTIPLICATION SIGN}",
-            f"relative angle {signed(math.degrees(angle - hub_angle), 1, 6)}°",
-            f"tip speed {speed:5.1f} m/s",
+            f"retraction {signed(retraction, 1, 6)}°",
+            f"tip speed {float(self.motion.tip_speed(time)):5.1f} m/s",
         )
         for readout, text in zip(self.readouts, texts, strict=True):
             readout.text = text
 
-    def _show_trail(self, time: float, hub_angle: float, angle: float) -> None:
+    def _show_trail(self, time: float, tip: Array) -> None:
         """The path so far ends at the tip, and a star marks the strike while it is new."""
-        tip = wire_ends(self.tool, hub_angle, angle)[1] * MILLIMETRES
         past = self._trail[: np.searchsorted(self._trail_time, time, side="right")]
-        self.trail.set_data(*np.vstack([past, tip]).T)
+        self.trail.set_data(*np.vstack([past, tip * MILLIMETRES]).T)
         self.mark.set_visible(phase_at(self._phases, time).caption == "strike")
 
 

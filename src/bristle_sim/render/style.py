@@ -1,4 +1,4 @@
-"""One legible look for every picture, and files that appear only when complete.
+"""One legible look for every picture.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and pyplot is not imported.
 Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 point text.
@@ -6,7 +6,6 @@ Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 poi
 
 from __future__ import annotations
 
-import os
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,6 +15,8 @@ import matplotlib as mpl
 from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from bristle_sim.files import complete_or_absent
 
 __all__ = [
     "BLACK",
@@ -32,7 +33,6 @@ __all__ = [
     "axes_at",
     "blank_figure",
     "checked_target",
-    "complete_or_absent",
     "save_figure",
     "signed",
     "styled",
@@ -118,23 +118,12 @@ def checked_target(path: str | Path, suffixes: Collection[str]) -> Path:
     """
     target = Path(path)
     if target.suffix.lower() not in suffixes:
-        raise ValueError(f"{target}: a file name that ends in {', '.join(sorted(suffixes))} is allowed")
+        raise ValueError(f"{target}: must be a file name that ends in {', '.join(sorted(suffixes))}")
     if not target.parent.is_dir():
         raise ValueError(f"{target}: the folder {target.parent} does not exist")
     if target.is_dir():
-        raise ValueError(f"{target}: is a folder, a file name is allowed")
+        raise ValueError(f"{target}: must be a file name, not a folder")
     return target
-
-
-@contextmanager
-def complete_or_absent(target: Path) -> Iterator[Path]:
-    """Yield a name next to the target to write to; it replaces the target on success and vanishes on failure."""
-    partial = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
-        yield partial
-        partial.replace(target)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def save_figure(figure: Figure, path: str | Path) -> Path:

@@ -1,36 +1,71 @@
-"""Panels of families: closed forms as lines, simulated impacts as points on them, the case at hand as a star."""
+"""Panels of curves: closed forms as lines, what checks them as points, levels, and the case at hand."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
 from bristle_sim.render.style import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
-from bristle_sim.studies.impact_sweeps import Curve
+from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
 
-__all__ = ["draw_energy", "draw_family", "explain_marks", "note", "panel_title", "plain_decades", "say", "star"]
-
-Scaled = Callable[[Any], Any]
+__all__ = [
+    "draw_energy",
+    "draw_panel",
+    "explain_marks",
+    "handles",
+    "name_curves",
+    "note",
+    "panel_title",
+    "plain_decades",
+    "say",
+    "source",
+]
 
 CREATED = "#fbe3d6"
+NOTHING = 1e-12
+"""Less than this, in the unit shown, is rounding of zero."""
 
-_MARKS: dict[str, dict[str, Any]] = {
-    "closed form": {"color": BLACK},
-    "energetic": {"marker": "o", "markersize": 3.6, "markerfacecolor": "white"},
-    "compliant": {"marker": "x", "markersize": 3.8},
-    "at hand": {"marker": "*", "markersize": 9.0, "markerfacecolor": ORANGE, "markeredgewidth": 0.6, "color": BLACK},
+MANY = 6
+"""Curves whose names need closer spacing to fit in the row above a panel."""
+
+MARKS: dict[str, dict[str, Any]] = {
+    "operating point": {
+        "marker": "o",
+        "color": "#1f4fff",
+        "markersize": 6.5,
+        "markeredgecolor": "white",
+        "markeredgewidth": 0.7,
+    },
+    "the impact at hand": {
+        "marker": "*",
+        "color": BLACK,
+        "markersize": 9.0,
+        "markerfacecolor": ORANGE,
+        "markeredgewidth": 0.6,
+    },
 }
-_MEANINGS = {
-    "closed form": "closed form",
-    "energetic": "scene, energetic law",
-    "compliant": "scene, contact resolved in time",
-    "at hand": "the impact at hand",
+"""What a mark without a label may be; the dissertation marks its operating point with a blue round dot."""
+
+_DASHES = ((4.0, 2.0), (1.0, 1.5))
+"""Of level lines, in their order."""
+
+_SIDES = {"right": (6, -9, "left"), "left": (-5, -11, "right"), "above": (0, 5, "center")}
+"""Where a mark's label goes: offsets in points, and alignment."""
+
+_LOOKS: dict[str, dict[str, Any]] = {
+    "energetic": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
+    "compliant": {"marker": "x", "markersize": 4.2},
+    "contact": {"marker": "x", "markersize": 3.4, "color": BLACK, "linestyle": "-", "linewidth": 0.7},
+    "printed": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
+    "motion": {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"},
+    "table": {"marker": "s", "markersize": 3.6, "markerfacecolor": "white"},
+    "sampled": {"marker": ".", "markersize": 4.0, "color": GREY},
 }
 
 
@@ -40,50 +75,13 @@ def panel_title(axes: Axes, letter: str, words: str, subtitle: str = "") -> None
     axes.annotate(subtitle, (0.0, 1.0), (0.0, 4.5), "axes fraction", "offset points", fontsize=7.0, color=GREY)
 
 
-def draw_family(
-    axes: Axes, curves: Sequence[Curve], parameter: str, *, across: Scaled = lambda x: x, up: Scaled = lambda y: y
-) -> None:
-    """Draw curves with their points, named in a row above the panel that begins with the ``parameter``.
-
-    ``across`` and ``up`` turn SI values into shown ones.
-    """
-    lines = [Line2D([], [], linestyle="none")]
-    for curve, color in zip(curves, SERIES, strict=False):
-        lines += axes.plot(across(curve.x), up(curve.theory), color=color, gid=f"theory {curve.name}")
-        for law, (x, y) in curve.points.items():
-            axes.plot(across(x), up(y), **_mark(law, color), gid=f"{law} {curve.name}", zorder=3)
-    _keep_apart(axes)
-    axes.legend(
-        lines,
-        [parameter, *(curve.name for curve in curves)],
-        loc="lower left",
-        bbox_to_anchor=(-0.08, 0.985),
-        ncols=len(lines),
-        handlelength=1.0,
-        handletextpad=0.4,
-        columnspacing=0.9,
-    )
-
-
-def _keep_apart(axes: Axes) -> None:
-    """Values that differ by rounding alone are shown as equal."""
-    bottom, top = axes.get_ylim()
-    size = max(abs(bottom), abs(top))
-    if top - bottom < max(1e-3 * size, 1e-12):
-        margin = max(0.1 * size, 1e-3)
-        axes.set_ylim(bottom - margin, top + margin)
-
-
-def star(axes: Axes, x: float, y: float) -> None:
-    """The case at hand."""
-    axes.plot([x], [y], **_mark("at hand", BLACK), zorder=4, gid="at hand")
-
-
-def explain_marks(figure: Figure, *marks: str) -> None:
-    """A row at the foot of a figure that says what lines and points are."""
-    handles = [Line2D([], [], **(_mark(each, BLACK) if each != "closed form" else _MARKS[each])) for each in marks]
-    names = [_MEANINGS[each] for each in marks]
-    figure.legend(handles, names, loc="lower center", ncols=len(marks), columnspacing=1.6, borderaxespad=0.2)
+def explain_marks(figure: Figure, *kinds: str) -> None:
+    """A row at the foot of a figure that says what lines and points are: sources of points, and marks."""
+    lines = [Line2D([], [], color=BLACK, label="closed form")]
+    for kind in kinds:
+        lines.append(_own(kind) if kind in MARKS else source(kind))
+    names = [str(line.get_label()).replace("\n", " ") for line in lines]
+    figure.legend(lines, names, loc="lower center", ncols=len(lines), columnspacing=1.6, borderaxespad=0.2)
 
 
 def draw_energy(axes: Axes, energy: EngineEnergy) -> None:
@@ -113,13 +111,120 @@ def plain_decades(axes: Axes) -> None:
 
 def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any) -> None:
     """Small words beside a place, ``offset`` in points."""
-    axes.annotate(words, place, offset, textcoords="offset points", **{"fontsize": 7.0, "color": GREY, **look})
+    axes.annotate(words, place, offset, **{"textcoords": "offset points", "fontsize": 7.0, "color": GREY, **look})
 
 
 def say(axes: Axes, words: str) -> None:
-    """Words in the middle of a panel that has nothing to show."""
+    """Write words in the middle of a panel that has nothing to show, without scales."""
+    axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 
-def _mark(kind: str, color: str) -> dict[str, Any]:
-    return {"linestyle": "none", "markeredgewidth": 0.8, "color": color} | _MARKS[kind]
+def draw_panel(axes: Axes, panel: Panel, own: str = "operating point") -> None:
+    """Draw one panel without its legend; ``own`` says what its marks without a label are, see MARKS."""
+    for curve, color in zip(panel.curves, SERIES, strict=False):
+        _draw_curve(axes, panel, curve, color)
+    _draw_levels(axes, panel)
+    for mark in panel.marks:
+        _draw_mark(axes, panel, mark, own)
+    axes.set_xlabel(panel.x.label)
+    axes.set_ylabel(panel.y.label)
+    if panel.x.log:
+        axes.set_xscale("log")
+    if panel.y.log:
+        axes.set_yscale("log")
+    _limit(axes, panel)
+
+
+def _limit(axes: Axes, panel: Panel) -> None:
+    """Draw values that differ by rounding alone as equal, down to zero; leave room for labels above."""
+    values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
+    low, high = float(values.min()), float(values.max())
+    if high - low < max(1e-3 * max(abs(low), abs(high)), NOTHING):
+        bottom, top = min(1.3 * low, 0.0), max(1.3 * high, 0.0)
+        axes.set_ylim(bottom, top if top - bottom > NOTHING else 1.0)
+    if panel.top is not None:
+        axes.set_ylim(0.0, panel.y.factor * panel.top or 1.0)
+    if any(mark.side == "above" for mark in panel.marks):
+        axes.set_ylim(top=high + 0.1 * (high - low))
+
+
+def _draw_curve(axes: Axes, panel: Panel, curve: Curve, color: str) -> None:
+    axes.plot(panel.x.factor * curve.x, panel.y.factor * curve.theory, color=color, gid=f"curve {curve.name}")
+    for law, (at, y) in curve.points.items():
+        look = {"color": color, "linestyle": "none", "markeredgewidth": 0.9, **_LOOKS[law]}
+        axes.plot(panel.x.factor * at, panel.y.factor * y, **look, zorder=3, gid=f"{law} {curve.name}")
+
+
+def _draw_levels(axes: Axes, panel: Panel) -> None:
+    for level in (level for level in panel.levels if level.upright):
+        axes.axvline(panel.x.factor * level.value, color=GREY, linewidth=0.8, dashes=(3, 2), zorder=1, gid=level.label)
+    for level, dashes in zip(_flat(panel), _DASHES, strict=False):
+        axes.axhline(panel.y.factor * level.value, color=GREY, linewidth=1.0, dashes=dashes, zorder=1, gid=level.label)
+
+
+def _flat(panel: Panel) -> list[Level]:
+    return [level for level in panel.levels if not level.upright]
+
+
+def _draw_mark(axes: Axes, panel: Panel, mark: Mark, own: str) -> None:
+    place = (panel.x.factor * mark.x, panel.y.factor * mark.y)
+    if not mark.label:
+        axes.plot(*place, linestyle="none", zorder=5, gid=own, **MARKS[own])
+        return
+    axes.plot(*place, "o", color=BLACK, markersize=4.5, zorder=5)
+    right, up, aligned = _SIDES[mark.side]
+    axes.annotate(mark.label, place, (right, up), textcoords="offset points", ha=aligned, fontsize=7.0, zorder=5)
+
+
+def name_curves(axes: Axes, panel: Panel) -> None:
+    """Name a panel's curves in a row above it that begins with the family's symbol."""
+    names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
+    lines = [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
+    axes.legend(
+        handles=[*names, *lines],
+        loc="lower left",
+        bbox_to_anchor=(-0.08, 0.985),
+        ncols=len(names) + len(lines),
+        handlelength=1.0 if len(lines) < MANY else 0.7,
+        handletextpad=0.4,
+        columnspacing=0.9 if len(lines) < MANY else 0.5,
+    )
+
+
+def handles(panel: Panel, *, key: bool | None = None) -> list[Line2D]:
+    """Entries of a legend: curves, led by the family's symbol, and levels; then what the points and the dot are.
+
+    ``key``: False for the curves and levels alone, True for points and dot alone, None for all.
+    """
+    own = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
+    own += [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
+    levels = [
+        Line2D([], [], color=GREY, linewidth=1.0, dashes=dashes, label=level.label)
+        for level, dashes in zip(_flat(panel), _DASHES, strict=False)
+    ]
+    upright = dict.fromkeys(level.label for level in panel.levels if level.upright)
+    levels += [Line2D([], [], color=GREY, linewidth=0.8, dashes=(3, 2), label=label) for label in upright]
+    laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
+    points = [source(law) for law in laws]
+    dot = [_own("operating point")]
+    dot = dot if any(not mark.label for mark in panel.marks) else []
+    if key is not None:
+        return [*points, *dot] if key else [*own, *levels]
+    gap = [Line2D([], [], linestyle="none", label=" ")] if len(panel.curves) > 1 and laws else []
+    return [*own, *gap, *points, *levels, *dot]
+
+
+def source(law: str) -> Line2D:
+    """What a source's points look like, and what they are."""
+    look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[law]}
+    return Line2D([], [], label=_folded(SOURCES[law].words), **look)
+
+
+def _folded(words: str) -> str:
+    """On two lines at its comma, where it has one."""
+    return words.replace(", ", ",\n", 1)
+
+
+def _own(kind: str) -> Line2D:
+    return Line2D([], [], linestyle="none", label=kind, **MARKS[kind])

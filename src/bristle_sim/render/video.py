@@ -17,8 +17,9 @@ from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from bristle_sim.files import complete_or_absent
 from bristle_sim.render.readout import Readout
-from bristle_sim.render.style import checked_target, complete_or_absent, styled
+from bristle_sim.render.style import checked_target, styled
 
 __all__ = ["VIDEO_SUFFIXES", "Stage", "check_film", "checked_video_target", "write_video"]
 

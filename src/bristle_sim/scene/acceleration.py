@@ -13,8 +13,8 @@ from operator import mul
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.pace import damping_rate
 from bristle_sim.scene.repetitions import lagrange_weights
+from bristle_sim.scene.time_scales import damping_rate
 
 __all__ = ["acceleration"]
 

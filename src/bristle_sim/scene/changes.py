@@ -1,4 +1,4 @@
-"""Changes of sign of what a run looks out for, and where within a stretch they are."""
+"""Changes of sign of what a run looks out for, and where within an interval they are."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ import math
 from collections.abc import Sequence
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.event_functions import EventFunction
 from bristle_sim.scene.events import locate
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.stepping import Advance, Stepper
-from bristle_sim.scene.touch_search import Stretch
-from bristle_sim.scene.watches import Watch
+from bristle_sim.scene.touch_search import Interval
 
 __all__ = ["Changes"]
 
@@ -22,7 +22,7 @@ DIFFERENCE = 1e-13
 
 
 class Changes:
-    """Remembers the sign that each watch's value had last.
+    """Remembers the sign that each function's value had last.
 
     Args:
         scene, stepper: of the run.
@@ -38,63 +38,63 @@ class Changes:
         self.noise = max(NOISE, stepper.noise * (1.0 + damping))
         self.signs: dict[str, float] = {}
 
-    def begin(self, state: State, watches: Sequence[Watch]) -> None:
-        """A new smooth motion begins: signs that the state alone tells; what changes in its first stretch is an event, too."""
-        here = _no_stretch(state)
-        values = [(watch, watch.value(here)) for watch in watches]
-        known = {watch.name: math.copysign(1.0, value) for watch, value in values if abs(value) > self.noise}
-        self.signs = {watch.name: 1.0 for watch, _ in values if watch.final} | known
+    def begin(self, state: State, functions: Sequence[EventFunction]) -> None:
+        """A new smooth motion begins: signs that the state alone tells; what changes in its first interval is an event, too."""
+        here = _no_interval(state)
+        values = [(function, function.value(here)) for function in functions]
+        known = {function.name: math.copysign(1.0, value) for function, value in values if abs(value) > self.noise}
+        self.signs = {function.name: 1.0 for function, _ in values if function.final is not None} | known
 
-    def look_back(self, stretch: Stretch, watches: Sequence[Watch]) -> bool:
+    def look_back(self, interval: Interval, functions: Sequence[EventFunction]) -> bool:
         """Find signs at the very start exactly, if the first link's acceleration may have changed its sign since.
 
         By the cubic through the ends. Whether it did so, which moves the bodies.
         """
-        (start, *_), (rate_0, *_) = stretch.start.angles, stretch.start.rates
-        (end, *_), (rate_1, *_) = stretch.end.state.angles, stretch.end.state.rates
-        length, after = stretch.length, stretch.end.accelerations[0]
+        (start, *_), (rate_0, *_) = interval.start.angles, interval.start.rates
+        (end, *_), (rate_1, *_) = interval.end.state.angles, interval.end.state.rates
+        length, after = interval.length, interval.end.accelerations[0]
         before = 6.0 * (end - start) / length - 4.0 * rate_0 - 2.0 * rate_1
         if after * before >= 0.2 * length * after**2:
             return False
-        exact = {watch.name: watch.exact(stretch.start) for watch in watches if watch.exact is not None}
+        exact = {function.name: function.exact(interval.start) for function in functions if function.exact is not None}
         self.signs |= {name: math.copysign(1.0, value) for name, value in exact.items() if abs(value) > NOISE}
         return True
 
-    def find(self, watch: Watch, stretch: Stretch, before: Advance | None) -> Advance | None:
-        """The stretch up to where the watch's value changes its sign, or None; ``before`` is the one before it."""
-        length, instant = stretch.length, 1e-15 * (1.0 + stretch.end.state.time)
+    def find(self, function: EventFunction, interval: Interval, before: Advance | None) -> Advance | None:
+        """The interval up to where the function's value changes its sign, or None; ``before`` is the one before it."""
+        length, instant = interval.length, 1e-15 * (1.0 + interval.end.state.time)
         if length <= instant:
             return None
-        right, sign = watch.value(stretch.end), self.signs.get(watch.name)
+        right, sign = function.value(interval.end), self.signs.get(function.name)
         noise = max(self.noise, DIFFERENCE / length)
         if abs(right) > noise:
-            self.signs[watch.name] = math.copysign(1.0, right)
+            self.signs[function.name] = math.copysign(1.0, right)
         if sign is None or sign * right >= 0.0 or abs(right) <= noise:
             return None
-        if watch.falling is not None and watch.falling != (sign > 0.0):
+        if function.falling is not None and function.falling != (sign > 0.0):
             return None
-        left = watch.value(before or _no_stretch(stretch.start))
-        if watch.exact is not None:
-            left, right = watch.exact(stretch.start), watch.exact(stretch.end.state)
+        left = function.value(before or _no_interval(interval.start))
+        if function.exact is not None:
+            left, right = function.exact(interval.start), function.exact(interval.end.state)
             if sign * right > 0.0 or sign * left < -noise:
-                # It does not change within this stretch, looked at exactly: the differences have misled.
-                self.signs[watch.name] = math.copysign(1.0, right)
+                # It does not change within this interval, looked at exactly: the differences have misled.
+                self.signs[function.name] = math.copysign(1.0, right)
                 return None
-        duration = self._locate(watch, stretch, sign * max(sign * left, NOISE), right)
-        return stretch.again(max(duration, instant))
+        duration = self._locate(function, interval, sign * max(sign * left, NOISE), right)
+        return interval.again(max(duration, instant))
 
-    def _locate(self, watch: Watch, stretch: Stretch, left: float, right: float) -> float:
-        """When a value that differs in sign at the two ends of a stretch is zero."""
+    def _locate(self, function: EventFunction, interval: Interval, left: float, right: float) -> float:
+        """When a value that differs in sign at the two ends of an interval is zero."""
 
         def value(span: float) -> float:
-            at = stretch.again(span)
-            return watch.value(at) if watch.exact is None else watch.exact(at.state)
+            at = interval.again(span)
+            return function.value(at) if function.exact is None else function.exact(at.state)
 
         tolerance = max(1e-3 * self.accuracy * max(abs(left), abs(right)), 0.01 * NOISE)
         self.stepper.begin_afresh()
-        return locate(value, 0.0, stretch.length, left, right, tolerance)
+        return locate(value, 0.0, interval.length, left, right, tolerance)
 
 
-def _no_stretch(state: State) -> Advance:
-    """A state as the end of a stretch of no length."""
+def _no_interval(state: State) -> Advance:
+    """A state as the end of an interval of no length."""
     return Advance(state, (math.nan,) * len(state.angles), (), 0.0)

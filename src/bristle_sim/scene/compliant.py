@@ -15,11 +15,11 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.pace import damped_stretch
 from bristle_sim.scene.passage import SAMPLES, Passage
 from bristle_sim.scene.repetitions import WIDE
 from bristle_sim.scene.spring import Spring, time_at_unit_stiffness
 from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.time_scales import damped_interval
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
@@ -94,7 +94,7 @@ class CompliantLaw:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
         stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
         spring = Spring(scene, touch, space.inverse_mass, stiffness, coefficients)
-        longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_stretch(scene))
+        longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_interval(scene))
         # Rounding of the normal velocity turns the lightest link, of inertia 1/3, by as much over the root of K_nn/3.
         turning = max(1.0, math.sqrt(3.0 / space.inverse_mass[0, 0]))
         tolerance = max(0.1 * self.accuracy, turning * ROUNDING / (duration * way_out))

@@ -1,4 +1,4 @@
-"""Contact-space inverse mass of any pymunk bodies joined by pivots, and the impulse that acts on all of them at once.
+"""Contact-space inverse mass of any pymunk bodies with any joints, and the impulse that acts on all of them at once.
 
 With body velocities V, mass matrix M, joints J V = b and the contact's Jacobian C (rows: normal and tangential velocity
 of the first body's point relative to the other's), an impulse p at the contact changes the velocities by
@@ -23,22 +23,18 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
+from bristle_sim.scene.joints import Entry, JointRow, joined, joint_rows, point_entry, scaled_jacobian
+
 __all__ = ["ContactSpace", "contact_space"]
 
 Array = NDArray[np.float64]
-Vector = tuple[float, float]
-Rigid = pymunk.PivotJoint | pymunk.PinJoint
-
-_SOFT = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
-"""Constraints of finite force: they pass no impulse."""
 
 CANCELS = 100.0
 """An impulse whose parts change the tangential velocity so many times as much as it changes after all is applied by what it
@@ -51,7 +47,10 @@ WEAK = 1e-2
 """A way out of stick below this share of the normal column has lost digits worth getting back."""
 
 DEPENDENT = 1e-12
-"""A joint whose scaled rows are shorter than this after orthogonalization repeats what other joints already say."""
+"""A joint whose scaled rows are shortened to this fraction by orthogonalization repeats what other joints already say."""
+
+OPENS = 1e-9
+"""A joint at its limit opens if its rate is above this fraction of the bodies' own speeds; the rest is rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +64,8 @@ class ContactSpace:
         response: change of (v_x, v_y, angular velocity) of each body per unit impulse, shape (3 bodies, 2).
         stick_compliance: gain of v_n per unit normal impulse while the point does not slip, 1/kg; 0 where it cannot move.
         basis, factor: response, its columns in the other order, is basis times factor, which is upper triangular.
+        limits: rows of the joints that are at a limit, taken as rigid here.
+        limit_response: impulse of each of them, which must be >= 0, per unit impulse, shape (limits, 2); scaled rows.
     """
 
     inverse_mass: Array
@@ -74,6 +75,28 @@ class ContactSpace:
     stick_compliance: float
     basis: Array
     factor: Array
+    limits: tuple[JointRow, ...] = ()
+    limit_response: Array = field(default_factory=lambda: np.zeros((0, 2)))
+
+    def limits_push(self, impulse: Sequence[float]) -> bool:
+        """Whether all limits push, or carry nothing, in an impact with this contact impulse."""
+        if not self.limits:
+            return True
+        impulses = self.limit_response @ np.asarray(impulse, dtype=float)
+        sizes = np.abs(self.limit_response) @ np.abs(np.asarray(impulse, dtype=float))
+        return bool((impulses >= -OPENS * sizes).all())
+
+    def passes(self, limit: JointRow, impulse: Sequence[float]) -> bool:
+        """Whether a limit that takes no part is passed after an impact with this contact impulse."""
+        value, size = limit.excess()
+        change = (self.response @ np.asarray(impulse, dtype=float)).tolist()
+        for body, *factors in limit.entries:
+            if body in self.bodies:
+                at = 3 * self.bodies.index(body)
+                for factor, gain in zip(factors, change[at : at + 3], strict=True):
+                    value += factor * gain
+                    size += abs(factor * gain)
+        return value < -OPENS * size
 
     def apply(self, impulse: Sequence[float], velocity_after: Sequence[float] | None = None) -> None:
         """Change the velocities of all bodies by the contact impulse (normal, tangential) on the first body.
@@ -105,43 +128,46 @@ def contact_space(
     point: tuple[float, float],
     normal: tuple[float, float],
     other: pymunk.Body | None = None,
+    *,
+    surface_velocity: tuple[float, float] = (0.0, 0.0),
+    released: Collection[pymunk.Constraint] = (),
 ) -> ContactSpace:
     """Contact of ``body`` at a world point with ``other``, or with something fixed.
 
     Args:
-        body: the body that the impulse acts on; it may be joined to others by pivot and pin joints.
+        body: the body that the impulse acts on; it may be joined to others by any joints.
         point: world coordinates of the contact.
         normal: unit vector from the other body towards ``body``; the tangent is the normal turned clockwise, so on a
             floor (normal +y) it is +x.
         other: the body that is touched; it takes the opposite impulse.
+        surface_velocity: of the other body's surface (a conveyor's) less that of ``body``, added to their motion.
+        released: joints whose limits take no part.
 
     Returns:
         The contact space.
 
     Raises:
-        ValueError: if the normal is not a unit vector, or a rigid constraint is neither pivot nor pin joint.
+        ValueError: if the normal is not a unit vector.
     """
     if not abs(normal[0] ** 2 + normal[1] ** 2 - 1.0) < 1e-9:
         raise ValueError(f"normal = {tuple(normal)}: a vector of length 1 is allowed")
     ends = [each for each in (body, other) if each is not None]
-    bodies, joints = _joined(ends)
-    frames = {each: _Frame.of(each, 3 * index) for index, each in enumerate(bodies)}
-    size = 3 * len(bodies)
-    columns = [column for joint in joints for column in _joint_columns(joint, frames, size)]
-    constraints = len(columns)
+    bodies, joints = joined(ends)
+    rows = [row for joint in joints for row in joint_rows(joint) if not (row.limit and joint in released)]
+    rows = [row for row in rows if not (row.limit and _opens(row, bodies))]
+    contact: list[list[Entry]] = []
     velocity = []
     for direction in ((normal[1], -normal[0]), normal):
-        column = [0.0] * size
+        entries = []
         speed = 0.0
         for each, sign in zip(ends, (1.0, -1.0), strict=False):
-            if each in frames:
-                frames[each].fill(column, point, direction, sign)
+            entries.append(point_entry(each, point, direction, sign))
             moving = each.velocity_at_world_point(point)
             speed += sign * (moving.x * direction[0] + moving.y * direction[1])
-        columns.append(column)
-        velocity.append(speed)
-    scale = np.array([share for frame in frames.values() for share in (frame.linear, frame.linear, frame.angular)])
-    free, basis, factor = _free_part(np.array(columns).T, constraints)
+        contact.append(entries)
+        velocity.append(speed - (surface_velocity[0] * direction[0] + surface_velocity[1] * direction[1]))
+    columns, scale = scaled_jacobian([*(row.entries for row in rows), *contact], bodies)
+    free, basis, factor = _free_part(columns, len(rows))
     stick = abs(float(factor[1, 1])) if len(factor) > 1 else 0.0
     response = free[:, ::-1]
     return ContactSpace(
@@ -149,72 +175,12 @@ def contact_space(
         velocity=(velocity[1], velocity[0]),
         bodies=tuple(bodies),
         response=scale[:, None] * response,
-        stick_compliance=stick**2 if stick > SINGULAR * math.hypot(*columns[-1]) else 0.0,
+        stick_compliance=stick**2 if stick > SINGULAR * math.hypot(*columns[:, -1].tolist()) else 0.0,
         basis=scale[:, None] * basis,
         factor=factor,
+        limits=tuple(row for row in rows if row.limit),
+        limit_response=_limit_response(columns, [row.limit for row in rows]),
     )
-
-
-class _Frame(NamedTuple):
-    """Where a body is and the inverse roots of its mass and moment; ``at`` is its first row."""
-
-    x: float
-    y: float
-    linear: float
-    angular: float
-    at: int
-
-    @classmethod
-    def of(cls, body: pymunk.Body, at: int) -> _Frame:
-        x, y = body.position
-        return cls(x, y, 1.0 / math.sqrt(body.mass), 1.0 / math.sqrt(body.moment), at)
-
-    def fill(self, column: list[float], point: Vector, direction: Vector, sign: float) -> None:
-        """Add the scaled Jacobian of the velocity of a world point of the body along a direction."""
-        lever = (point[0] - self.x) * direction[1] - (point[1] - self.y) * direction[0]
-        column[self.at] += sign * self.linear * direction[0]
-        column[self.at + 1] += sign * self.linear * direction[1]
-        column[self.at + 2] += sign * self.angular * lever
-
-
-def _joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[Rigid]]:
-    """Dynamic bodies reachable from the contact over rigid joints, the lightest first, and those joints."""
-    bodies: list[pymunk.Body] = []
-    joints: list[Rigid] = []
-    waiting = [each for each in ends if each.body_type == pymunk.Body.DYNAMIC]
-    while waiting:
-        body = waiting.pop()
-        if body in bodies:
-            continue
-        bodies.append(body)
-        for constraint in body.constraints:
-            if isinstance(constraint, _SOFT) or constraint in joints:
-                continue
-            if not isinstance(constraint, Rigid):
-                raise ValueError(
-                    f"{type(constraint).__name__}: only pivot and pin joints (and springs) are allowed on bodies that"
-                    " take an impact"
-                )
-            joints.append(constraint)
-            waiting += [each for each in (constraint.a, constraint.b) if each.body_type == pymunk.Body.DYNAMIC]
-    return sorted(bodies, key=lambda each: each.mass), joints
-
-
-def _joint_columns(joint: Rigid, frames: dict[pymunk.Body, _Frame], size: int) -> list[list[float]]:
-    """Scaled Jacobian of a pivot (two columns) or of a pin (one, along itself)."""
-    first, second = joint.a.local_to_world(joint.anchor_a), joint.b.local_to_world(joint.anchor_b)
-    directions: tuple[Vector, ...] = ((1.0, 0.0), (0.0, 1.0))
-    if isinstance(joint, pymunk.PinJoint):
-        along = (second - first).normalized()
-        directions = ((along.x, along.y),)
-    columns = []
-    for direction in directions:
-        column = [0.0] * size
-        for body, anchor, sign in ((joint.a, first, 1.0), (joint.b, second, -1.0)):
-            if body in frames:
-                frames[body].fill(column, anchor, direction, sign)
-        columns.append(column)
-    return columns
 
 
 def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
@@ -223,8 +189,9 @@ def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
     if not constraints:
         return columns, basis, triangle
     pivots = np.abs(np.diagonal(triangle))[:constraints]
-    if len(pivots) == constraints and pivots.min() > DEPENDENT * pivots.max():
-        if len(triangle) == constraints + 2 and abs(triangle[-1, -1]) < WEAK * abs(triangle[-2:, -1]).max():
+    if len(pivots) == constraints and (pivots > DEPENDENT * _lengths(columns[:, :constraints])).all():
+        moves = abs(triangle[-2, -2]) > SINGULAR * _lengths(columns[:, -2:-1])[0]
+        if len(triangle) == constraints + 2 and moves and abs(triangle[-1, -1]) < WEAK * abs(triangle[-2:, -1]).max():
             _refine(basis, triangle, columns)
         basis, triangle = basis[:, constraints:], triangle[constraints:, constraints:]
         return basis @ triangle, basis, triangle
@@ -246,9 +213,42 @@ def _refine(basis: Array, triangle: Array, columns: Array) -> None:
 
 def _orthogonal(vectors: Array, span: Array) -> Array:
     """The part of vectors that is orthogonal to columns some of which repeat the others."""
-    directions, sizes, _ = np.linalg.svd(span, full_matrices=False)
+    directions, sizes, _ = np.linalg.svd(_of_length_one(span), full_matrices=False)
     kept = directions[:, sizes > DEPENDENT * sizes[0]]
     # Twice is enough: the second pass removes what rounding left of the first (Kahan and Parlett).
     for _ in range(2):
         vectors = vectors - kept @ (kept.T @ vectors)
     return vectors
+
+
+def _limit_response(columns: Array, limits: list[bool]) -> Array:
+    """Impulses of the limits per unit contact impulse (normal, tangential): the lambda that keeps J dV = 0, but for units."""
+    if not any(limits):
+        return np.zeros((0, 2))
+    held = _of_length_one(columns[:, : len(limits)])
+    impulses = np.asarray(np.linalg.lstsq(held, columns[:, :-3:-1], rcond=DEPENDENT)[0], dtype=float)
+    return -impulses[limits]
+
+
+def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
+    """Whether a limit that is reached opens already, and cannot push: its rate is more than rounding.
+
+    It is compared in the norm of the kinetic energy, where rates of turning and shifting have the same units.
+    """
+    excess, size = limit.excess()
+    shares = (
+        (x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in limit.entries if body in bodies
+    )
+    energies = (each.mass * each.velocity.dot(each.velocity) for each in bodies)
+    turning = (each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf)
+    return excess > OPENS * max(size, math.sqrt(sum(shares) * (sum(energies) + sum(turning))))
+
+
+def _lengths(columns: Array) -> Array:
+    return np.asarray(np.sqrt(np.einsum("ij,ij->j", columns, columns)))
+
+
+def _of_length_one(columns: Array) -> Array:
+    """Columns scaled to length 1: joints that turn and joints that shift have different units."""
+    lengths = _lengths(columns)
+    return columns / np.where(lengths > 0.0, lengths, 1.0)

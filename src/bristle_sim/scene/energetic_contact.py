@@ -1,62 +1,72 @@
-"""The energetic impact law in anybody's pymunk space: contacts are found by the engine and resolved by the law.
+"""Impact laws in anybody's pymunk space: the engine finds the contacts, impacts are resolved by a law, rest by the engine.
 
-Chipmunk restores a share of the approach velocity (Newton's restitution) and iterates Coulomb friction; where bodies are
-joined, that can create energy. Here the engine still finds the contacts and solves the joints, but an approaching contact
-takes the impulse of Stronge's law, on all bodies that joints connect to it, at once.
+Chipmunk restores a fraction of the approach velocity (Newton's restitution) and iterates Coulomb friction; where bodies are
+joined, that can create energy. Here the engine still finds the contacts and solves the joints, but a contact that
+approaches takes the impulse of an impact law, Stronge's by default, on all bodies that joints connect to it, at once.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import pymunk
 
 from bristle_sim.quantity import Range, shown
-from bristle_sim.scene.contact_space import contact_space
+from bristle_sim.scene.contact_pair import ContactPair, LocatedImpact, TouchingPoint, read_points
+from bristle_sim.scene.impact_sequence import ROUNDING, ImpactSequence
+from bristle_sim.scene.joints import Vector
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 __all__ = ["EnergeticContact"]
 
-ROUNDS = 10
-"""Rounds over the contacts of a step: an impact at one can drive another into its surface again."""
+LONGEST = 1e9
+"""Step, in the scene's unit of time; the engine lets NaN and infinity pass."""
 
-MOST_TYPES = 1 << 63
-"""Collision types are machine words."""
-
-DURATION = Range("duration", "time", 0.0, 1e9, True, "the engine lets NaN pass")
+DURATION = Range("duration", "time", 0.0, LONGEST, True, "chosen")
 """Of a step."""
 
-ROUNDING = 1e-9
-"""Share of a step's fastest approach below which a contact is at rest."""
+UNKNOWN = -1.0
+"""Resting approach before the first contact of a step; there is none between steps."""
 
+STEPS_OF_GRAVITY = 2.0
+"""An approach that gravity makes up in so many steps is rest: one step passes before the engine finds a contact that forms,
+and a bounce that is over in less than two cannot be resolved."""
 
-@dataclass(frozen=True, slots=True)
-class _Touching:
-    body: pymunk.Body
-    other: pymunk.Body
-    point: tuple[float, float]
-    normal: tuple[float, float]
+OUT_OF_REACH = 1e100
+"""A surface velocity apart, at which the engine's contact has no impulse to give."""
 
 
 class EnergeticContact:
-    """Energetic restitution and Coulomb friction between two collision types of a space.
+    """Energetic restitution and Coulomb friction between collision types of a space.
 
     Args:
-        space: the space; its own units.
-        collision_type_a, collision_type_b: of the shapes concerned; the engine no longer responds to their contacts.
+        space: the space; its own units. It takes one EnergeticContact, with any number of pairs.
+        collision_type_a, collision_type_b: of the shapes of the first pair.
         friction: Coulomb's mu, >= 0.
         restitution: energetic coefficient e*, in [0, 1].
         restitution_friction: mu in restitution; equal to ``friction`` by default.
-        resting_speed: approach slower than this takes no restitution, so that bodies come to rest.
-        report: called with each Impact.
+        resting_speed: slower approach is left to the engine's contact with ``friction`` and no restitution, so that
+            bodies rest; so is approach slower than gravity makes up in two steps.
+        report: called with a :class:`~bristle_sim.scene.contact_pair.LocatedImpact` for each faster impact.
 
     Raises:
-        ValueError: for coefficients out of range, and for anything but a space and collision types.
+        ValueError: for coefficients out of range, for anything but a space and collision types, and if the space has an
+            EnergeticContact already.
 
-    Step the space with :meth:`step` instead of ``space.step``. Several contacts at one instant are resolved one after
-    the other, the fastest approach first. Penetration is not corrected.
+    Step the space with :meth:`step`; ``space.step`` leaves contacts to the engine. Several impacts at one instant are
+    resolved one after the other, the fastest approach first.
+
+    Energy: just before an impact all bodies that take part get the nearest velocities at which the joints do not open,
+    which costs energy, if any; the impact itself changes the energy by the works of its record, a sum that is never positive
+    for ``energetic_impact`` (moving kinematic bodies, motors and surface velocities do work of their own). What the engine
+    does between impacts is not held to this: joints are solved in iterations and given extra velocity to correct their
+    positions (``error_bias``; none at 1), overlap is reduced by moving bodies apart (``collision_bias``), which can lift them.
+
+    Joints of any kind take part by their Jacobian, at limits if they push throughout the impact; springs, joints with a
+    finite ``max_force`` and joints outside the space do not. Sensors, filters and ``process_collision`` are respected. Users'
+    callbacks on the same types are kept: a ``pre_solve`` of theirs is called first, whether registered before or after.
     """
 
     def __init__(
@@ -69,72 +79,191 @@ class EnergeticContact:
         restitution: float,
         restitution_friction: float | None = None,
         resting_speed: float = 0.0,
-        report: Callable[[Impact], None] | None = None,
+        report: Callable[[LocatedImpact], None] | None = None,
     ) -> None:
         """See the class."""
         if not isinstance(space, pymunk.Space):
-            raise ValueError(f"space = {shown(space)}: a pymunk.Space is allowed")
-        types: dict[str, Any] = {"collision_type_a": collision_type_a, "collision_type_b": collision_type_b}
-        for name, kind in types.items():
-            if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind < MOST_TYPES:
-                raise ValueError(f"{name} = {shown(kind)}: a whole number from 0 to {MOST_TYPES - 1} is allowed")
+            raise ValueError(f"space = {shown(space)}: must be a pymunk.Space")
         if not (report is None or callable(report)):
-            raise ValueError(f"report = {shown(report)}: None or a function of one Impact is allowed")
+            raise ValueError(f"report = {shown(report)}: must be None or a function of one LocatedImpact")
+        if any(isinstance(_owner(each.pre_solve), EnergeticContact) for each in _handlers(space).values()):
+            raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
         self.space = space
-        self.friction = Range("friction", "1", 0.0, 1e9, True, "Coulomb").check(friction)
-        self.restitution = Range("restitution", "1", 0.0, 1.0, True, "Stronge 1990").check(restitution)
-        later = friction if restitution_friction is None else restitution_friction
-        self.restitution_friction = Range("restitution_friction", "1", 0.0, 1e9, True, "Coulomb").check(later)
         self.resting_speed = Range("resting_speed", "length/time", 0.0, 1e300, True, "chosen").check(resting_speed)
         self.report = report
-        self._touching: list[_Touching] = []
-        space.on_collision(collision_type_a, collision_type_b, pre_solve=self._notice)
+        self.time = 0.0
+        self.pairs: dict[frozenset[int], ContactPair] = {}
+        self._callbacks: list[tuple[Any, Any, ContactPair]] = []
+        self._skipped: dict[frozenset[pymunk.Shape], tuple[tuple[pymunk.Shape, pymunk.Shape], Vector]] = {}
+        self._jammed: set[frozenset[pymunk.Shape]] = set()
+        self._still_jammed: set[frozenset[pymunk.Shape]] = set()
+        self._resting: float | None = None
+        self._static = space.static_body  # made at its first use, which must not be within a step
+        self.add_pair(
+            collision_type_a,
+            collision_type_b,
+            friction=friction,
+            restitution=restitution,
+            restitution_friction=restitution_friction,
+        )
 
-    def step(self, duration: float) -> None:
-        """One engine step, then the impacts of the contacts it found.
+    def add_pair(
+        self,
+        collision_type_a: int,
+        collision_type_b: int,
+        *,
+        friction: float,
+        restitution: float,
+        restitution_friction: float | None = None,
+        law: Callable[..., Impact] = energetic_impact,
+    ) -> None:
+        """Take contacts between two more collision types, with coefficients and a law of their own.
+
+        Args:
+            collision_type_a, collision_type_b: of the shapes; they may be equal.
+            friction, restitution, restitution_friction: as for the class, as ``law`` understands them.
+            law: called like :func:`~bristle_sim.theory.impact.energetic_impact`, with ``stick_compliance`` if it takes it.
 
         Raises:
-            ValueError: for a duration that is negative or not finite, or if a body that is hit hangs on a joint that is
-                neither pivot nor pin.
+            ValueError: as the class, and for a pair that is there already.
         """
-        self._touching.clear()
-        self.space.step(DURATION.check(duration))
-        fastest = 0.0
-        for _ in range(ROUNDS):
-            approach = self._resolve_fastest(ROUNDING * fastest)
-            if approach == 0.0:
+        pair = ContactPair(collision_type_a, collision_type_b, friction, restitution, restitution_friction, law)
+        if pair.types in self.pairs:
+            types = (collision_type_a, collision_type_b)
+            raise ValueError(f"collision_type_a, collision_type_b = {types}: must be a pair that is not added yet")
+        self.pairs[pair.types] = pair
+        self.space.on_collision(collision_type_a, collision_type_b)
+        handler = _handlers(self.space)[collision_type_a, collision_type_b]
+        handler.data.setdefault("pre_solve", None)
+        callback = functools.partial(self._notice, pair)
+        pair.chained, handler.pre_solve = handler.pre_solve, callback
+        self._callbacks.append((handler, callback, pair))
+
+    @property
+    def _first(self) -> ContactPair:
+        return next(iter(self.pairs.values()))
+
+    @property
+    def friction(self) -> float:
+        """Friction of the first pair."""
+        return self._first.friction
+
+    @property
+    def restitution(self) -> float:
+        """Restitution of the first pair."""
+        return self._first.restitution
+
+    @property
+    def restitution_friction(self) -> float | None:
+        """Friction in restitution of the first pair."""
+        return self._first.restitution_friction
+
+    def step(self, duration: float) -> None:
+        """Advance the space by one step and resolve the impacts in it.
+
+        Raises:
+            ValueError: for a duration that is negative or not finite.
+            RuntimeError: if impacts at one point come to no end.
+        """
+        if type(duration) is not float or not 0.0 <= duration <= LONGEST:
+            duration = DURATION.check(duration)
+        for handler, callback, pair in self._callbacks:
+            if handler.pre_solve is not callback:
+                pair.chained, handler.pre_solve = handler.pre_solve, callback
+        self._resting = UNKNOWN
+        try:
+            self.space.step(duration)
+        finally:
+            self._resting = None
+        self.time += duration
+        if self._jammed:
+            self._jammed, self._still_jammed = self._still_jammed, set()
+        if self._skipped:
+            try:
+                self._resolve()
+            finally:
+                self._skipped.clear()
+
+    def _resting_approach(self, duration: float) -> float:
+        return max(self.resting_speed, STEPS_OF_GRAVITY * self.space.gravity.length * duration)
+
+    def _notice(self, pair: ContactPair, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+        """Leave a contact at rest to the engine; keep the engine from responding to one that approaches."""
+        try:
+            if pair.chained is not None:
+                pair.chained(arbiter, space, data)
+        finally:
+            if self._resting is not None:
+                self._divide(pair, arbiter)
+
+    def _divide(self, pair: ContactPair, arbiter: pymunk.Arbiter) -> None:
+        """Tell rest from impact."""
+        if self._resting is UNKNOWN:
+            self._resting = self._resting_approach(self.space.current_time_step)
+        shapes = arbiter.shapes
+        jams = bool(self._jammed) and frozenset(shapes) in self._jammed
+        if jams:
+            self._still_jammed.add(frozenset(shapes))
+        if jams or not self._approaches(arbiter, shapes, self._resting or 0.0):
+            arbiter.friction, arbiter.restitution = pair.friction, 0.0
+            return
+        # The engine keeps the contact, wakes its bodies and reduces overlap, but takes it to fly apart.
+        normal, slide = arbiter.normal, arbiter.surface_velocity
+        self._skipped[frozenset(shapes)] = (shapes, (slide.x, slide.y))
+        arbiter.friction, arbiter.restitution = 0.0, 0.0
+        arbiter.surface_velocity = (OUT_OF_REACH * normal.x, OUT_OF_REACH * normal.y)
+
+    def _approaches(self, arbiter: pymunk.Arbiter, shapes: tuple[pymunk.Shape, pymunk.Shape], resting: float) -> bool:
+        """Whether any point approaches faster than at rest; read with as few calls as possible."""
+        first, second = shapes[0].body, shapes[1].body
+        assert first is not None
+        assert second is not None
+        found = arbiter.contact_point_set
+        (x, y), still = found.normal, self._static
+        for each in found.points:
+            u, v = (0.0, 0.0) if first is still else first.velocity_at_world_point(each.point_a)
+            p, q = (0.0, 0.0) if second is still else second.velocity_at_world_point(each.point_a)
+            approach = (u - p) * x + (v - q) * y
+            if approach > resting and approach > ROUNDING * (abs(u) + abs(v) + abs(p) + abs(q)):
+                return True
+        return False
+
+    def _resolve(self) -> None:
+        touching = (each.body for shapes, _ in self._skipped.values() for each in shapes)
+        moved = {each: None for each in touching if each is not None and each.body_type == pymunk.Body.DYNAMIC}
+
+        def record(point: TouchingPoint, impact: Impact) -> None:
+            if self.report is not None:
+                self.report(LocatedImpact.of(impact, point, self.time))
+
+        sequence = ImpactSequence(self._points_of, self._resting_approach(self.space.current_time_step), record)
+        sequence.resolve(moved, set(self._skipped))
+        self._jammed |= sequence.jammed
+
+    def _points_of(self, body: pymunk.Body) -> list[TouchingPoint]:
+        """Touching points of a body in all pairs, without those that the engine was told to ignore."""
+        found: list[TouchingPoint] = []
+
+        def read(arbiter: pymunk.Arbiter) -> None:
+            shapes = arbiter.shapes
+            pair = self.pairs.get(frozenset(each.collision_type for each in shapes))
+            if pair is None:
                 return
-            fastest = max(fastest, approach)
+            slide = None
+            if frozenset(shapes) in self._skipped:
+                (first, _), (x, y) = self._skipped[frozenset(shapes)]
+                slide = (x, y) if first is shapes[0] else (-x, -y)
+            found.extend(read_points(arbiter, pair, slide))
 
-    def _notice(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: Any) -> None:
-        """Remember the points of a contact, and keep the engine from responding to it."""
-        arbiter.process_collision = False
-        body, other = arbiter.bodies
-        normal = -arbiter.contact_point_set.normal
-        if body.body_type != pymunk.Body.DYNAMIC:
-            body, other, normal = other, body, -normal
-        for point in arbiter.contact_point_set.points:
-            middle = (point.point_a + point.point_b) / 2.0
-            self._touching.append(_Touching(body, other, (middle.x, middle.y), (normal.x, normal.y)))
+        body.each_arbiter(read)
+        return found
 
-    def _resolve_fastest(self, least: float) -> float:
-        """Resolve the contact that approaches fastest, if faster than ``least``; its approach, or 0."""
-        spaces = [contact_space(each.body, each.point, each.normal, each.other) for each in self._touching]
-        approaching = [space for space in spaces if -space.velocity[0] > least]
-        if not approaching:
-            return 0.0
-        fastest = min(approaching, key=lambda space: space.velocity[0])
-        rests = -fastest.velocity[0] <= self.resting_speed
-        impact = energetic_impact(
-            fastest.inverse_mass,
-            fastest.velocity,
-            self.friction,
-            0.0 if rests else self.restitution,
-            self.restitution_friction,
-            fastest.stick_compliance,
-        )
-        impulse = (impact.impulse_normal, impact.impulse_tangential)
-        fastest.apply(impulse, (impact.velocity_normal, impact.velocity_tangential))
-        if self.report is not None:
-            self.report(impact)
-        return -fastest.velocity[0]
+
+def _handlers(space: pymunk.Space) -> dict[Any, Any]:
+    """The space's collision handlers by types: pymunk 7 has no public way to ask who listens already."""
+    return space._handlers
+
+
+def _owner(callback: Any) -> object:
+    function = getattr(callback, "func", None)
+    return getattr(function, "__self__", None)

@@ -1,7 +1,7 @@
-"""Finding the instant at which something happens within a stretch of motion, without missing it.
+"""Finding the instant at which something happens within an interval of motion, without missing it.
 
-A stretch is first searched on the cubic through the states at its two ends, then the engine is run again with the
-stretch shortened, from the restored state, until the event is at its end. Gaps are searched by conservative
+An interval is first searched on the cubic through the states at its two ends, then the engine is run again with the
+interval shortened, from the restored state, until the event is at its end. Gaps are searched by conservative
 advancement (Mirtich 1996): from a gap g no contact can happen before g / (largest speed), so nothing is jumped over.
 """
 
@@ -15,23 +15,23 @@ from bristle_sim.scene.mechanism import Mechanism, State
 __all__ = ["first_touch", "interpolate", "locate", "turns"]
 
 CUBIC_ERROR = 0.01
-"""Gap by which the cubic may be off, per fourth power of the stretch, in a scene's units: h^4/384 times some safety."""
+"""Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety."""
 
 SHORTEST = 1e-15
-"""Stretches of a scene's time unit shorter than this are an instant."""
+"""Intervals of a scene's time unit shorter than this are an instant."""
 
 SHORTEST_SHARE = 1e-12
-"""So is this share of a stretch that is searched: a fast motion needs short ones."""
+"""So is this share of an interval that is searched: a fast motion needs short ones."""
 
 SHORTEST_ADVANCE = 1e-9
-"""A least gap sooner than this, in a scene's time units and lengths, is the one at which the stretch begins."""
+"""A least gap sooner than this, in a scene's time units and lengths, is the one at which the interval begins."""
 
 RESOLUTION = 1.0 / 8.0
-"""Least advance in a search, as a share of the stretch; least values of the gap in between show in its slopes."""
+"""Least advance in a search, as a share of the interval; least values of the gap in between show in its slopes."""
 
 
 def interpolate(start: State, end: State, share: float) -> State:
-    """The cubic through angles and rates at both ends, at a share of the stretch between them."""
+    """The cubic through angles and rates at both ends, at a share of the interval between them."""
     length = end.time - start.time
     rest = 1.0 - share
     h_00, h_01 = (1.0 + 2.0 * share) * rest * rest, share * share * (3.0 - 2.0 * share)
@@ -45,11 +45,11 @@ def interpolate(start: State, end: State, share: float) -> State:
 
 
 def turns(mechanism: Mechanism, start: State, end: State) -> list[State]:
-    """Where, on the cubic, the first link turns back relative to the hub within the stretch."""
+    """Where, on the cubic, the first link turns back relative to the hub within the interval."""
     length, speed = end.time - start.time, mechanism.hub_speed
     rate_0, rate_1 = ((state.rates[0] - speed) * length for state in (start, end))
     way = end.angles[0] - start.angles[0] - speed * length
-    # Of the derivative in the share s of the stretch: half the slope at s = 0, and the curvature.
+    # Of the derivative in the share s of the interval: half the slope at s = 0, and the curvature.
     half, curve = 3.0 * way - 2.0 * rate_0 - rate_1, 3.0 * (rate_0 + rate_1) - 6.0 * way
     square = half * half - curve * rate_0
     if square <= 0.0:
@@ -67,15 +67,17 @@ Gap = Callable[[State], tuple[float, float]]
 """The gap of a state, and its rate."""
 
 
-def first_touch(mechanism: Mechanism, gap: Gap, start: State, end: State, stray: float = 0.0) -> float | None:
-    """Share of the stretch at which the gap is closed, or nearly so at its least, on the cubic; None if it stays open.
+def first_touch(
+    mechanism: Mechanism, gap: Gap, start: State, end: State, interpolation_error: float = 0.0
+) -> float | None:
+    """Share of the interval at which the gap is closed, or nearly so at its least, on the cubic; None if it stays open.
 
-    The share may be later than the touch but never past a second one. ``stray`` is how far the motion may be off the
+    The share may be later than the touch but never past a second one. ``interpolation_error`` is how far the motion may be off the
     cubic besides its own error.
     """
     length = end.time - start.time
     bound = 1.5 * max(mechanism.speed_bound(start), mechanism.speed_bound(end)) * length
-    margin = CUBIC_ERROR * length**4 + stray
+    margin = CUBIC_ERROR * length**4 + interpolation_error
     share, (value, rate) = 0.0, gap(start)
     while share < 1.0 and value <= bound * (1.0 - share) + margin:
         ahead = min(1.0, share + max(value / bound if bound else 1.0, RESOLUTION))

@@ -13,7 +13,7 @@ GAP_ROUNDING = 1e-11
 
 
 class Gaps:
-    """Looks from one state after the other; both ends of a stretch are asked for again and again, so they are kept."""
+    """Looks from one state after the other; both ends of an interval are looked up again and again, so they are kept."""
 
     def __init__(self, mechanism: Mechanism, start: State) -> None:
         """From a state on."""

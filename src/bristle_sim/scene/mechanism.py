@@ -6,9 +6,13 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import NDArray
+
 __all__ = ["Link", "Mechanism", "Pose", "State"]
 
 Vector = tuple[float, float]
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +88,29 @@ class Mechanism:
             poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
             joint, joint_velocity = tip, tip_velocity
         return poses
+
+    def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
+        """Corners of the centre line from the root over knees and joints to the tip, and their velocities.
+
+        A point with the arm r from a joint at p moves with p' + rate e_z x r; with points as complex numbers x + iy that
+        is p' + i rate r.
+
+        Args:
+            time: shape (n,).
+            angles, rates: of every link, shape (n, links), rad and rad per time unit.
+
+        Returns:
+            Positions and velocities, each of shape (n, corners, 2).
+        """
+        place = -1j * self.hub_radius * np.exp(1j * (self.hub_start + self.hub_speed * time))
+        corners = [(place, 1j * self.hub_speed * place)]
+        for number, link in enumerate(self.links):
+            joint, joint_velocity = corners[-1]
+            turn, rate = np.exp(1j * angles[:, number]), rates[:, number]
+            arms = [complex(*corner) * turn for corner in (*link.knees, link.tip)]
+            corners += [(joint + arm, joint_velocity + 1j * rate * arm) for arm in arms]
+        places, velocities = (np.stack(each, axis=1) for each in zip(*corners, strict=True))
+        return np.stack([places.real, places.imag], axis=-1), np.stack([velocities.real, velocities.imag], axis=-1)
 
     def kinetic_energy(self, state: State) -> float:
         """Sum of m v^2/2 + I rate^2/2 over the links."""

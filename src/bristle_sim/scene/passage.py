@@ -7,9 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_samples import with_samples_between
+from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.scene.events import locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.obstacles import Obstacle
@@ -26,14 +28,21 @@ LOCATED = 0.1
 """Share of a stretch's error in velocity, or of what that makes of the penetration, to which a turn is located."""
 
 PROBE = 0.02
-"""Share of a contact in which the motion shows where slip goes on that has stopped."""
+"""Share of a contact over which the force that stick takes is extrapolated back to the instant at which slip stops."""
 
 SAME = 1e-5
-"""Share of the normal force's drive below which rounding tells slip from stick."""
+"""Slip and compression of one degree of freedom stop together: with less than this share of the approach left."""
+
+CONE = 1e-9
+"""Share of friction's limit by which rounding may lead the force in stick beyond it."""
+
+LEAST_PHASE = 1e-6
+"""A phase of less than this share of the normal impulse is not named. Close to separation nothing holds a point that its
+bodies' motion carries along, so that stick always ends in slip; as the contact gets shorter, that has no effect."""
 
 PATIENCE = 10.0
 """A contact that lasts this many times longer than an impact of its speed would is no impact: something presses the
-point on. It ends as ``no rebound``, to be held."""
+point on. It ends as ``no rebound``, to be held; or where the rigid-body law ends, in a jam or in stiction."""
 
 SHORTEST = 1e-9
 """Stretches shorter than this share of a contact mean that none is short enough: rounding exceeds the tolerance."""
@@ -44,12 +53,15 @@ MOST_STRETCHES = 1000
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """A function of the stretch whose change of sign ends it, and what the spring does then."""
+    """A function of the stretch whose change of sign ends it, and what the spring does then.
+
+    ``scale`` is what an error of velocity 1 makes of the function.
+    """
 
     value: Callable[[Advance], float]
     rising: bool
     act: Callable[[], None]
-    of_velocity: bool = True
+    scale: float = 1.0
 
 
 class Passage:
@@ -73,11 +85,15 @@ class Passage:
         self.expected = expected
         self.done = ""
         self.most_stretches = max(MOST_STRETCHES, int(4 * duration / stepper.propose(longest)))
-        self.phases: list[str] = []
+        self.turns_meanwhile = self.longest * SAMPLES <= 1.5 * self.duration
+        # A single rod comes to rest for good, or goes where its hub goes: no impact.
+        self.goes_on = self.turns_meanwhile and (expected == "jam" or len(scene.links) > 1)
+        self.phases: list[_Phase] = []
         self.totals = np.zeros(4)
         self.at_compression_end: np.ndarray | None = None
         self.rows: list[tuple[float, ...]] = []
-        self.first_slip = spring.slip
+        self.stick_force = 0.0
+        self._stop: _Stop | None = None
         if not spring.slip:
             self._settle()
         self._note_phase()
@@ -85,6 +101,15 @@ class Passage:
 
     def go(self, last: int) -> None:
         """Stretch after stretch until the contact is over, up to so many steps of the scene."""
+        try:
+            self._go(last)
+        except ValueError:
+            if self._stop is None:
+                raise
+        if self._stop is not None and self.done != "rebound":
+            self._end_at(self._stop)
+
+    def _go(self, last: int) -> None:
         for _ in range(self.most_stretches):
             if self.done:
                 return
@@ -101,6 +126,7 @@ class Passage:
 
     def _stretch(self) -> None:
         length = self.stepper.propose(self.longest)
+        self._follow_bodies()
         result = self._advance(length)
         if not self.stepper.accepts(result, length):
             if length < SHORTEST * self.duration:
@@ -109,18 +135,10 @@ class Passage:
                     " friction further from the jam, is allowed"
                 )
             return
-        act: Callable[[], None] | None = None
-        for turn in self._turns():
-            span = result.state.time - self.state.time
-            right = turn.value(result)
-            left = turn.value(Advance(self.state, (), (), 0.0))
-            if (right > 0.0) if turn.rising else (right < 0.0):
-                before = min(left, -TINY) if turn.rising else max(left, TINY)
-                result, act = self._locate(turn, span, before, right), turn.act
+        result, act = self._first_turn(result)
         self.state = result.state
-        self.totals += result.totals
-        if act is None and not self._holds(result):
-            act = self._settle
+        self.totals += result.totals[:4]
+        self.stick_force = result.totals[5]
         if act is not None:
             self._sample()
             act()
@@ -128,6 +146,19 @@ class Passage:
         self._sample()
         if not self.done and self.state.time - self.rows[0][0] > PATIENCE * self.duration:
             self.done = "no rebound"
+
+    def _first_turn(self, result: Advance) -> tuple[Advance, Callable[[], None] | None]:
+        """The stretch up to what first ends its smooth motion, and what the spring does then, if anything."""
+        act: Callable[[], None] | None = None
+        beginning = result.totals[4]
+        start = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, beginning, beginning), 0.0)
+        for turn in self._turns():
+            right = turn.value(result)
+            if (right > 0.0) if turn.rising else (right < 0.0):
+                left = turn.value(start)
+                before = min(left, -TINY) if turn.rising else max(left, TINY)
+                result, act = self._locate(turn, result.state.time - self.state.time, before, right), turn.act
+        return result, act
 
     def _locate(self, turn: Turn, span: float, left: float, right: float) -> Advance:
         """The state at a turn within a stretch."""
@@ -137,12 +168,19 @@ class Passage:
             tried[length] = self._advance(length)
             return turn.value(tried[length])
 
-        tolerance = LOCATED * self.stepper.noise * (1.0 if turn.of_velocity else self.duration)
+        tolerance = LOCATED * self.stepper.noise * turn.scale
         found = locate(value, 0.0, span, left, right, max(TINY, tolerance))
         return tried[found] if found in tried else self._advance(found)
 
     def _advance(self, length: float) -> Advance:
         return self.stepper.advance(self.scene, self.state, length, self.spring)
+
+    def _follow_bodies(self) -> None:
+        """Let stick use the K of the bodies as they stand; in a contact short enough for the rigid limit it is constant."""
+        if self.turns_meanwhile and not self.spring.slip:
+            self.scene.place(self.state)
+            tip = self.scene.mechanism.poses(self.state)[-1].tip
+            self.spring.follow(contact_space(self.scene.links[-1], tip, self.spring.normal).inverse_mass)
 
     def _turns(self) -> list[Turn]:
         """What can end the smooth motion that the contact is in."""
@@ -151,10 +189,13 @@ class Passage:
         if spring.loading:
             turns.append(Turn(lambda at: self._velocity(at)[0], True, self._end_compression))
         else:
-            turns.append(Turn(lambda at: self._penetration(at) - spring.residual, False, self._separate, False))
-            turns.append(Turn(lambda at: self._penetration(at) - spring.peak, True, self._reload, False))
+            depth = self.duration
+            turns.append(Turn(lambda at: self._penetration(at) - spring.residual, False, self._separate, depth))
+            turns.append(Turn(lambda at: self._penetration(at) - spring.peak, True, self._reload, depth))
         if spring.slip:
             turns.append(Turn(lambda at: spring.slip * self._velocity(at)[1], False, self._settle))
+        elif spring.tangential:
+            turns.append(Turn(self._spare, False, self._break, spring.stiffness * self.duration))
         return turns
 
     def _end_compression(self) -> None:
@@ -163,9 +204,10 @@ class Passage:
         spring.unload(self.scene.mechanism.poses(self.state)[-1].tip)
         if spring.coefficients.restitution == 0.0:
             self.done = "no rebound"
-        elif self.expected == "stiction":
-            self.done = "stiction"
-        elif not spring.slip:
+            return
+        if self.expected == "stiction":
+            self._stopped()
+        if not spring.slip and not self.done:
             self._settle()
 
     def _separate(self) -> None:
@@ -173,22 +215,31 @@ class Passage:
 
     def _reload(self) -> None:
         self.spring.loading = True
+        if not self.spring.slip:
+            self._settle()
+
+    def _break(self) -> None:
+        """Stick asks for more than friction gives: the point slips against the force that held it."""
+        self.spring.slip = -math.copysign(1.0, self.stick_force)
 
     def _settle(self) -> None:
-        """Slip has stopped: it goes on in a direction in which friction cannot hold the point, else the point sticks."""
+        """Slip has stopped: the point sticks if friction can hold it, else slips the way it is driven."""
         spring = self.spring
-        first = math.copysign(1.0, spring.coupling)
-        for direction in (first, -first):
-            spring.slip = direction
-            after = self._advance(PROBE * min(self.duration, self._quickest()))
-            if direction * self._velocity(after)[1] > SAME * abs(spring.coupling) * after.totals[0]:
-                break
-        else:
-            spring.slip = 0.0
+        spring.slip = 0.0
+        self._follow_bodies()
+        probe = self._advance(PROBE * min(self.duration, self._quickest())).totals
+        self.stick_force = probe[4]
+        here = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, probe[4], probe[4]), 0.0)
+        if spring.tangential and self._spare(here) < 0.0:
+            self._break()
+        if not (spring.loading and self.rows):
+            return
         stopped = self.expected == "stiction" and not spring.slip
-        if spring.loading and self.rows and (stopped or -self._now()[0] <= SAME * abs(self.rows[0][4])):
-            # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
+        # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
+        if (stopped and not self.goes_on) or -self._now()[0] <= SAME * abs(self.rows[0][4]):
             self._end_compression()
+        elif stopped:
+            self._stopped()
 
     def _quickest(self) -> float:
         """Time scale of slip, much shorter than the contact where a heavy link lets the tip hardly out of stick."""
@@ -199,10 +250,10 @@ class Passage:
     def _now(self) -> Vector:
         return self.spring.components(self.scene.mechanism.poses(self.state)[-1].tip_velocity)
 
-    def _holds(self, result: Advance) -> bool:
-        """Whether what stick takes of a stretch is what friction can give."""
-        normal, tangential = result.totals[:2]
-        return bool(self.spring.slip) or abs(tangential) <= (1.0 + 1e-6) * self.spring.friction * normal
+    def _spare(self, at: Advance) -> float:
+        """Force by which friction's limit exceeds what stick takes."""
+        normal, _ = self.spring.forces(self._penetration(at))
+        return (1.0 + CONE) * self.spring.friction * normal - abs(at.totals[5])
 
     def _penetration(self, at: Advance) -> float:
         return self.spring.penetration(self.scene.mechanism.poses(at.state)[-1].tip)
@@ -213,19 +264,50 @@ class Passage:
     def _note_phase(self) -> None:
         if self.done:
             return
-        slip = self.spring.slip
-        self.first_slip = self.first_slip or slip
-        motion = "stick" if not slip else "slip" if slip == self.first_slip else "reverse slip"
-        name = f"{'compression' if self.spring.loading else 'restitution'} {motion}"
-        if not self.phases or self.phases[-1] != name:
-            self.phases.append(name)
-        if self.expected == "jam" and not slip and self.spring.loading:
-            self.done = "jam"
+        spring = self.spring
+        self.phases.append(_Phase(spring.loading, spring.slip, float(self.totals[0])))
+        if self.expected == "jam" and not spring.slip and spring.loading:
+            self._stopped()
+
+    def _stopped(self) -> None:
+        """The rigid-body law ends here without rebound; a contact of a given duration may still find its way out."""
+        if not self.goes_on:
+            self.done = self.expected
+        elif self._stop is None:
+            spring = self.spring
+            forces = spring.loading, spring.slip, self.stick_force
+            self._stop = _Stop(self.state, self.totals.copy(), forces, len(self.rows), len(self.phases))
+
+    def _end_at(self, stop: _Stop) -> None:
+        """The contact comes to no end of its own either: it ends where the rigid-body law does."""
+        self.done = self.expected
+        self.state, self.totals, self.at_compression_end = stop.state, stop.totals, None
+        self.spring.loading, self.spring.slip, self.stick_force = stop.forces
+        del self.rows[stop.rows :], self.phases[stop.phases :]
+        self._sample()
+
+    def _names(self) -> tuple[str, ...]:
+        """The phases in order, but for those too short to matter."""
+        ends = [*(phase.impulse for phase in self.phases[1:]), float(self.totals[0])]
+        least = LEAST_PHASE * float(self.totals[0])
+        names: list[str] = []
+        first = 0.0
+        for phase, end in zip(self.phases, ends, strict=True):
+            if end - phase.impulse < least and not (self.done == "jam" and phase is self.phases[-1]):
+                continue
+            first = first or phase.slip
+            motion = "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
+            name = f"{'compression' if phase.loading else 'restitution'} {motion}"
+            if not names or names[-1] != name:
+                names.append(name)
+        return tuple(names)
 
     def _sample(self) -> None:
         pose = self.scene.mechanism.poses(self.state)[-1]
         depth = self.spring.penetration(pose.tip)
         normal, tangential = (0.0, 0.0) if self.done == "rebound" else self.spring.forces(depth)
+        if not self.spring.slip and self.done != "rebound":
+            tangential = self.stick_force
         self.rows.append((self.state.time, normal, tangential, depth, *self.spring.components(pose.tip_velocity)))
 
     def record(self, obstacle: Obstacle, before: State, law: str) -> ContactRecord:
@@ -233,7 +315,7 @@ class Passage:
         total = self.totals.tolist()
         middle = total if self.at_compression_end is None else self.at_compression_end.tolist()
         rows = np.array(self.rows)
-        if self.longest * SAMPLES > 1.5 * self.duration:
+        if not self.turns_meanwhile:
             rows = with_samples_between(rows, self.spring.inverse_mass)
         history = ContactHistory(*np.ascontiguousarray(rows.T))
         first, last = self.rows[0], self.rows[-1]
@@ -252,9 +334,32 @@ class Passage:
             angles=before.angles,
             rates_before=before.rates,
             rates_after=self.state.rates,
-            phases=tuple(self.phases),
+            phases=self._names(),
             history=history,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class _Phase:
+    """A phase of the contact: whether the spring loads, direction of slip, and the normal impulse before it."""
+
+    loading: bool
+    slip: float
+    impulse: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Stop:
+    """Where the rigid-body law ends without rebound: state, what had been added up, numbers of samples and phases.
+
+    ``forces``: whether the spring loads, direction of slip, and the force of stick.
+    """
+
+    state: State
+    totals: NDArray[np.float64]
+    forces: tuple[bool, float, float]
+    rows: int
+    phases: int
 
 
 TINY = math.ulp(1.0)

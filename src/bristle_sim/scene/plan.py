@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass, field
 
 from bristle_sim.scene.mechanism import State
-from bristle_sim.trajectory import ContactRecord, Event
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.trajectory import ContactAtEnd, ContactRecord, Event
 
 __all__ = ["Plan", "Recording"]
 
@@ -17,17 +18,17 @@ class Plan:
 
     Attributes:
         end: time at which the run stops.
-        accuracy: relative accuracy asked for; sets how finely events are located.
+        accuracy: relative requested accuracy; sets how finely events are located.
         stop_after: name of an event that ends the run.
-        longest_stretch: upper bound of the distance between samples.
-        maximum_steps: engine steps after which the run gives up.
+        longest_interval: upper bound of the distance between samples.
+        maximum_steps: work after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of the first link relative to the hub, rad.
     """
 
     end: float
     accuracy: float
     stop_after: str | None = None
-    longest_stretch: float = math.inf
+    longest_interval: float = math.inf
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
 
@@ -41,7 +42,8 @@ class Recording:
     events: list[Event] = field(default_factory=list)
     contacts: list[ContactRecord] = field(default_factory=list)
     error: float = 0.0
-    stop_reason: str = ""
+    stop_reason: StopReason | None = None
+    contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     wall_s: float = 0.0
     cpu_s: float = 0.0
     steps: int = 0

@@ -1,4 +1,4 @@
-"""In how many steps a stretch is repeated, and the weights that extrapolate the results to zero step."""
+"""In how many steps an interval is repeated, and the weights that extrapolate the results to zero step."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ ROUNDING = 4e-16
 
 
 class Repetitions:
-    """Numbers of steps in which a stretch is repeated, with what extrapolating their results takes.
+    """Numbers of steps in which an interval is repeated, with what extrapolating their results takes.
 
     Attributes:
         counts: steps in each repetition.
@@ -52,4 +52,4 @@ LEAST_ROWS = 4
 """Repetitions to begin with."""
 
 LEAST_NOISE = CLOSE.noise[LEAST_ROWS - 1]
-"""Rounding of a stretch, of angles in rad and rates per time unit; no stretch is known to be more accurate."""
+"""Rounding of an interval, of angles in rad and rates per time unit; no interval is known to be more accurate."""

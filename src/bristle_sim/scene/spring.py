@@ -24,6 +24,7 @@ class Spring:
         loading: whether the penetration is the largest so far; else the spring is on its steeper way out.
         peak: penetration at which unloading began; ``residual`` is the one at which its force ends.
         slip: direction of slip, or 0 in stick.
+        inverse_mass: K at the first touch; ``coupling`` and ``tangential`` are K_nt and K_tt where stick is computed.
     """
 
     def __init__(
@@ -42,13 +43,19 @@ class Spring:
         x, y, _, _ = self._tip()
         self.surface = x * self.normal[0] + y * self.normal[1]
         self.inverse_mass = inverse_mass
-        (_, self.coupling), (_, self.tangential) = inverse_mass.tolist()
+        self.follow(inverse_mass)
         self.stiffness = stiffness
         self.coefficients = coefficients
         self.loading = True
         self.peak = self.residual = 0.0
         self.slip = math.copysign(1.0, touch.velocity[1]) if touch.velocity[1] else 0.0
         self.begin()
+
+    def follow(self, inverse_mass: NDArray[np.float64]) -> None:
+        """Compute stick with the K of the bodies as they stand now: they turn while the contact lasts."""
+        (normal, self.coupling), (_, tangential) = inverse_mass.tolist()
+        # A tip that moves straight up alone has a K_tt of rounding, and no slip to stop.
+        self.tangential = tangential if tangential > 1e-14 * normal else 0.0
 
     @property
     def friction(self) -> float:
@@ -76,7 +83,7 @@ class Spring:
         """Stiffness of the spring as it is now, depth at which its force ends, and tangential over normal force.
 
         Past that depth the spring would pull, so that the end of the contact is a clean root. In stick the ratio leaves
-        out what stops leftover slip.
+        out inertia, and what stops leftover slip.
         """
         ratio = -self.friction * self.slip
         if not self.slip and self.tangential:
@@ -98,6 +105,7 @@ class Spring:
         stop = 0.0 if self.slip or not self.tangential else 1.0 / self.tangential
         self._law = (stiffness, self.surface - end, ratio, stop)
         self._totals = [0.0, 0.0, 0.0, 0.0]
+        self._stopping: list[float] = []
 
     def apply(self, step: float) -> None:
         """Push on the tip for the next engine step, and add up impulses and works."""
@@ -106,7 +114,10 @@ class Spring:
         x, y, u, v = self._tip()
         slip = u * t_x + v * t_y
         normal = stiffness * (height - x * n_x - y * n_y)
-        tangential = ratio * normal - stop * slip / step
+        tangential = ratio * normal
+        if stop:
+            tangential -= stop * slip / step
+            self._stopping.append(tangential)
         self._push((normal * n_x + tangential * t_x, normal * n_y + tangential * t_y), (x, y))
         totals = self._totals
         totals[0] += normal * step
@@ -115,9 +126,19 @@ class Spring:
         totals[3] += tangential * slip * step
 
     def totals(self, step: float) -> list[float]:
-        """Normal and tangential impulse, normal and tangential work."""
-        del step
-        return list(self._totals)
+        """Normal and tangential impulse, normal and tangential work; force that stick takes at the beginning and the end.
+
+        What stops the point in a step is what the step before has left of its motion, forces of the spring and of inertia
+        alike. So the second step applies what stick takes at the beginning, and one more step would apply what it takes
+        at the end, both up to powers of the step. In slip these two are 0.
+        """
+        if not self._stopping:
+            return [*self._totals, 0.0, 0.0]
+        stiffness, height, ratio, stop = self._law
+        x, y, u, v = self._tip()
+        normal = stiffness * (height - x * self.normal[0] - y * self.normal[1])
+        last = ratio * normal - stop * (u * self.tangent[0] + v * self.tangent[1]) / step
+        return [*self._totals, self._stopping[1] if len(self._stopping) > 1 else last, last]
 
     def fails(self, totals: list[float]) -> bool:
         """A spring always acts."""

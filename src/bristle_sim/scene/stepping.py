@@ -1,7 +1,7 @@
-"""How a scene is carried over a smooth stretch of motion: plain engine steps, or engine steps extrapolated to zero.
+"""How a scene is carried over a smooth interval of motion: plain engine steps, or engine steps extrapolated to zero.
 
-The engine moves positions by the old velocities and then changes the velocities, so its error over a stretch without
-events is smooth in the step h, of first order. Repeating the stretch with n = 4, 5, 6, 7 ... steps and extrapolating the
+The engine moves positions by the old velocities and then changes the velocities, so its error over an interval without
+events is smooth in the step h, of first order. Repeating the interval with n = 4, 5, 6, 7 ... steps and extrapolating the
 results to h = 0 (Richardson; Bulirsch and Stoer 1966) removes one power of h per repetition. The difference between
 the last two extrapolates estimates the error; step and number of repetitions follow from it as in Hairer, Norsett and
 Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
@@ -24,10 +24,10 @@ INSTANT = 1e-6
 
 
 class Load(Protocol):
-    """What acts on the links besides springs and joints, and what it adds up over a stretch."""
+    """What acts on the links besides springs and joints, and what it adds up over an interval."""
 
     def begin(self) -> None:
-        """A run over a stretch begins: forget what was added up."""
+        """A run over an interval begins: forget what was added up."""
 
     def apply(self, step: float) -> None:
         """Act on the bodies for the next engine step."""
@@ -36,11 +36,11 @@ class Load(Protocol):
         """What was added up, as numbers that are smooth in the step."""
 
     def fails(self, totals: list[float]) -> bool:
-        """Whether the load could not act as it should, so that the stretch is of no use."""
+        """Whether the load could not act as it should, so that the interval is of no use."""
 
 
 class Advance(NamedTuple):
-    """Result of carrying a scene over a stretch.
+    """Result of carrying a scene over an interval.
 
     Attributes:
         state: at the end.
@@ -58,26 +58,26 @@ class Advance(NamedTuple):
 
 
 class Stepper(Protocol):
-    """A way to carry a scene over a stretch."""
+    """A way to carry a scene over an interval."""
 
     @property
     def noise(self) -> float:
         """Rates of the scene below this are not told from none."""
 
     def propose(self, remaining: float) -> float:
-        """Length of the next stretch, at most ``remaining``."""
+        """Length of the next interval, at most ``remaining``."""
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Carry the scene over exactly ``duration``; says nothing about events."""
 
     def accepts(self, result: Advance, duration: float) -> bool:
-        """Whether the stretch is accurate enough; adapts the next proposal either way."""
+        """Whether the interval is accurate enough; adapts the next proposal either way."""
 
     def begin_afresh(self) -> None:
-        """Forget what earlier stretches have taught: the next ones are of another length."""
+        """Forget what earlier intervals have taught: the next ones are of another length."""
 
-    def stray(self, start: State, end: State) -> float:
-        """How far a link's tip may be, within the stretch, off the cubic through the states at its ends."""
+    def interpolation_error(self, start: State, end: State) -> float:
+        """How far a link's tip may be, within the interval, off the cubic through the states at its ends."""
 
 
 class PlainSteps:
@@ -126,7 +126,7 @@ class PlainSteps:
     def begin_afresh(self) -> None:
         """Nothing was learnt."""
 
-    def stray(self, start: State, end: State) -> float:
+    def interpolation_error(self, start: State, end: State) -> float:
         """The engine goes straight on at the old rates, which a cubic between old and new rates does not."""
         return _straight(start, end)
 
@@ -139,7 +139,7 @@ class SymmetricSteps:
     """
 
     COUNT = 8
-    """Steps in a stretch."""
+    """Steps in an interval."""
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
@@ -182,7 +182,7 @@ class SymmetricSteps:
     def begin_afresh(self) -> None:
         """Nothing was learnt."""
 
-    def stray(self, start: State, end: State) -> float:
+    def interpolation_error(self, start: State, end: State) -> float:
         """As for plain steps."""
         return _straight(start, end)
 
@@ -193,19 +193,19 @@ def _as_left(left: tuple[State, int] | None, scene: Scene, state: State) -> bool
 
 
 class Extrapolation:
-    """Engine steps extrapolated to zero step, to a tolerance for each stretch.
+    """Engine steps extrapolated to zero step, to a tolerance for each interval.
 
     Args:
-        tolerance: of the error of a stretch, relative to ``scale``.
+        tolerance: of the error of an interval, relative to ``scale``.
         scale: size of the motion: angles in rad and rates per time unit.
-        repetitions: in how many steps a stretch is repeated.
-        longest: no stretch will be longer, whatever is proposed; more accuracy than that needs is then not paid for.
+        repetitions: in how many steps an interval is repeated.
+        longest: no interval will be longer, whatever is proposed; more accuracy than that needs is then not paid for.
     """
 
     def __init__(
         self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
     ) -> None:
-        """Start with a stretch of about a radian of the scene's motion."""
+        """Start with an interval of about a radian of the scene's motion."""
         self.repetitions = repetitions
         self.longest = longest
         self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
@@ -217,15 +217,15 @@ class Extrapolation:
 
     @property
     def noise(self) -> float:
-        """The error that a stretch may have."""
+        """The error that an interval may have."""
         return self.limit
 
     def propose(self, remaining: float) -> float:
-        """The stretch that costs least per time; what is left is cut evenly rather than into a stub."""
+        """The interval that costs least per time; what is left is cut evenly rather than into a stub."""
         return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """Repeat the stretch with finer steps until the estimate is within the tolerance."""
+        """Repeat the interval with finer steps until the estimate is within the tolerance."""
         runs: list[list[float]] = []
         self._errors = {}
         size, table = len(scene.links), self.repetitions
@@ -246,7 +246,7 @@ class Extrapolation:
         return _unpack(scene, state, duration, best, error)
 
     def accepts(self, result: Advance, duration: float) -> bool:
-        """Whether the estimate is within the tolerance; chooses next stretch and repetitions by cost per time."""
+        """Whether the estimate is within the tolerance; chooses next interval and repetitions by cost per time."""
         costs = self.repetitions.costs
         lengths, prices = {}, {}
         for row, error in self._errors.items():
@@ -257,7 +257,7 @@ class Extrapolation:
         best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
         self.length, self.rows = lengths[best], best + 1
         if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
-            # Still getting cheaper: one more repetition, with the stretch that would keep the price.
+            # Still getting cheaper: one more repetition, with the interval that would keep the price.
             self.length *= costs[best + 1] / costs[best]
             self.rows += 1
         if not result.error <= self.limit:
@@ -269,7 +269,7 @@ class Extrapolation:
         """Begin with few repetitions again, whose weights amplify rounding least."""
         self.rows = LEAST_ROWS
 
-    def stray(self, start: State, end: State) -> float:
+    def interpolation_error(self, start: State, end: State) -> float:
         """Nothing to speak of beside the cubic's own error."""
         del start, end
         return 0.0

@@ -6,6 +6,9 @@ import itertools
 import time as clock
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.quantity import Range, shown
 from bristle_sim.scene.build import Effects, Scene
@@ -18,6 +21,8 @@ from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
 __all__ = ["Chain", "ChainStrike", "build_strike", "strike"]
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,9 +82,13 @@ _RATIO = Range(
 
 @dataclass(frozen=True, slots=True)
 class ChainStrike:
-    """An impact and what it did to the kinetic energy, J."""
+    """An impact and what it did to the kinetic energy, J.
+
+    ``centre_line`` holds root, hinges and tip at the first touch, (x, y) from the hub's centre, shape (corners, 2), m.
+    """
 
     contact: ContactRecord
+    centre_line: Array
     kinetic_energy_before: float
     kinetic_energy_after: float
     steps: int
@@ -113,8 +122,10 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
     approach = obstacle.touch(scene.mechanism.poses(start)[-1], start.rates[-1]).velocity[0]
     law: ContactLaw = contact_law(contact, settings, units) if approach < 0.0 else EnergeticLaw()
     after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
+    sample = (np.array([start.time]), np.array([start.angles]), np.array([start.rates]))
     return ChainStrike(
         contact=contact_in_si(record, units),
+        centre_line=scene.mechanism.centre_line(*sample)[0][0] * units.length,
         kinetic_energy_before=scene.mechanism.kinetic_energy(start) * units.energy,
         kinetic_energy_after=scene.mechanism.kinetic_energy(after) * units.energy,
         steps=scene.steps,

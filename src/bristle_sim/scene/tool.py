@@ -16,33 +16,24 @@ from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
-from bristle_sim.scene.pace import longest_stretch, motion_scale, stepper_for
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.run import run
+from bristle_sim.scene.time_scales import longest_interval, motion_scale, stepper_for
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["build_tool", "contact_in_si", "contact_law", "simulate"]
+__all__ = ["build_tool", "contact_in_si", "contact_law", "refuse_endless", "simulate"]
+
+METHOD = "pymunk"
+"""Says in a trajectory's parameters that the scene was simulated."""
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
 
 RETRACTION_LIMIT = math.pi / 2.0
 """Angle of the bristle from the radial direction at which it lies on the hub, rad."""
-
-EVENTS = (
-    "bar touch",
-    "bar release",
-    "strike",
-    "workpart touch",
-    "workpart release",
-    "largest retraction",
-    "highest relative speed",
-    "retraction limit",
-    "jam",
-)
-"""What can happen in a run."""
 
 
 def tool_units(tool: Tool) -> Units:
@@ -131,8 +122,8 @@ def simulate(
         raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
     settings = settings or Settings()
     begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
-    if stop_after is not None and str(stop_after) not in EVENTS:
-        raise ValueError(f"stop_after = {shown(stop_after)}: None or one of {', '.join(EVENTS)} is allowed")
+    if stop_after is not None:
+        stop_after = checked_event("stop_after", stop_after, EVENTS)
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
     _check_start(scene, tool, begin.hub_angle + begin.relative_angle)
     start = State(
@@ -142,28 +133,35 @@ def simulate(
     )
     speed = scene.mechanism.hub_speed
     plan = Plan(
-        end=settings.hub_turn / speed if speed else REST_PERIODS * 2.0 * math.pi,
+        end=_end(settings, speed),
         accuracy=settings.accuracy,
         stop_after=stop_after,
-        longest_stretch=longest_stretch(scene, settings.samples_per_period),
+        longest_interval=longest_interval(scene, settings.samples_per_period),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
     )
     stepper = stepper_for(scene, settings, units, start, plan.end)
     recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
     _note_absences(recording, tool)
-    return _trajectory(tool, settings, scene, units, recording)
+    parameters = {
+        "method": METHOD,
+        "tool": dataclasses.asdict(tool),
+        "settings": dataclasses.asdict(settings),
+        "start": dataclasses.asdict(begin),
+        "stop_after": stop_after,
+    }
+    return _trajectory(parameters, settings, scene, units, recording)
 
 
 @dataclass(frozen=True, slots=True)
 class _Start:
     """Where a run starts, checked."""
 
-    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="asked for")
+    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
     relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="asked for"
+        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="requested"
     )
-    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="asked for")
+    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested")
 
     def __post_init__(self) -> None:
         validate(self)
@@ -194,8 +192,34 @@ REST_PERIODS = 3.0
 """Length of a run on a hub at rest, in the scene's periods."""
 
 
+def _end(settings: Settings, speed: float) -> float:
+    """Return the length of a run for a hub's speed, both in the scene's unit of time."""
+    return settings.hub_turn / speed if speed else REST_PERIODS * 2.0 * math.pi
+
+
+MOST_FIXED_STEPS = 100_000
+"""Fixed steps of a whole run; each is an interval of its own: measured, 55 us each, 5 s in all."""
+
+
+def refuse_endless(tool: Tool, settings: Settings) -> None:
+    """Refuse a fixed step so short that a whole run of the tool would take minutes.
+
+    Raises:
+        ValueError: if length of run and step, known before anything is computed, give more than ``MOST_FIXED_STEPS``.
+    """
+    if settings.step is None:
+        return
+    unit = tool_units(tool).time
+    end = _end(settings, tool.hub.speed * unit) * unit
+    if end > settings.step * MOST_FIXED_STEPS:
+        raise ValueError(
+            f"step = {settings.step:g}: must be at least {end / MOST_FIXED_STEPS:.3g} for a run of {end:.3g} s, which else"
+            f" takes more than {MOST_FIXED_STEPS} steps (in s)"
+        )
+
+
 ONE_CONTACT = 20_000
-"""Engine steps that a contact resolved in time may take, whatever the budget: it counts as one stretch."""
+"""Engine steps that a contact resolved in time may take, whatever the budget: it counts as one interval."""
 
 
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
@@ -216,7 +240,9 @@ def _note_absences(recording: Recording, tool: Tool) -> None:
         recording.events.append(Event("workpart not reached", end))
 
 
-def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, recording: Recording) -> Trajectory:
+def _trajectory(
+    parameters: dict[str, Any], settings: Settings, scene: Scene, units: Units, recording: Recording
+) -> Trajectory:
     states = recording.states
     time = np.array([state.time for state in states])
     angles = np.array([state.angles for state in states])
@@ -225,6 +251,7 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
     poses = [scene.mechanism.poses(state)[-1] for state in states]
     velocity = np.array([pose.centre_velocity for pose in poses])
     height = np.array([pose.centre[1] for pose in poses])
+    centre_line, centre_line_velocity = scene.mechanism.centre_line(time, angles, rates)
     kinetic = 0.5 * (velocity**2).sum(axis=1) + 0.5 * scene.mechanism.links[-1].inertia * rates[:, 0] ** 2
     potential = 0.5 * (scene.effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2 + scene.effects.gravity * height
     return Trajectory(
@@ -232,26 +259,28 @@ def _trajectory(tool: Tool, settings: Settings, scene: Scene, units: Units, reco
         hub_angle=hub,
         angles=angles,
         rates=rates / units.time,
-        tip=np.array([pose.tip for pose in poses]) * units.length,
+        centre_line=centre_line * units.length,
+        centre_line_velocity=centre_line_velocity * units.velocity,
         kinetic_energy=kinetic * units.energy,
         potential_energy=potential * units.energy,
         normal_force=np.array(recording.forces) * units.force,
-        hub_speed=tool.hub.speed,
+        hub_speed=parameters["tool"]["hub"]["speed"],
         events=tuple(Event(event.name, event.time * units.time) for event in recording.events),
         contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
-        stop_reason=recording.stop_reason,
+        stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
             recording.wall_s,
             recording.cpu_s,
             recording.steps,
             recording.error / motion_scale(scene, states[0]) if settings.step is None else None,
         ),
-        parameters={"tool": dataclasses.asdict(tool), "settings": dataclasses.asdict(settings)},
+        parameters=parameters,
+        contact_at_end=recording.contact_at_end,
     )
 
 
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
-    """A ledger entry turned from engine units to SI."""
+    """A contact record turned from engine units to SI."""
 
     def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
         return None if pair is None else (pair[0] * unit, pair[1] * unit)

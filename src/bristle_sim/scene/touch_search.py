@@ -1,4 +1,4 @@
-"""Where within a stretch the link touches an obstacle."""
+"""Where within an interval the link touches an obstacle."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
 
-__all__ = ["SHORTEST", "Stretch", "find_touch"]
+__all__ = ["SHORTEST", "Interval", "find_touch"]
 
 GAP_TOLERANCE = 1e-13
-"""To which a touch is located: rounding of an extrapolated stretch is of this size, and a closer search would not end."""
+"""To which a touch is located: rounding of an extrapolated interval is of this size, and a closer search would not end."""
 
 SHORTEST = 1e-13
-"""A stretch shorter than this share of the scene's time unit means that no stretch is short enough. A motion of that
+"""An interval shorter than this share of the scene's time unit means that no interval is short enough. A motion of that
 share of the scene's length, too, is an instant."""
 
 
-class Stretch(NamedTuple):
-    """A stretch that has been carried, and what carries the scene over less of it.
+class Interval(NamedTuple):
+    """An interval that has been carried, and what carries the scene over less of it.
 
     Attributes:
         start: state that it begins with.
@@ -40,36 +40,40 @@ class Stretch(NamedTuple):
         return self.end.state.time - self.start.time
 
 
-def find_touch(stretch: Stretch, gaps: Gaps, obstacle: Obstacle, stray: float) -> tuple[Advance, bool] | None:
-    """The stretch up to its first touch and True; up to where it nearly touched and False; None if the gap stays open.
+def find_touch(
+    interval: Interval, gaps: Gaps, obstacle: Obstacle, interpolation_error: float
+) -> tuple[Advance, bool] | None:
+    """The interval up to its first touch and True; up to where it nearly touched and False; None if the gap stays open.
 
-    ``stray`` is how far the motion may be off the cubic through the ends besides the cubic's own error.
+    ``interpolation_error`` is how far the motion may be off the cubic through the ends besides the cubic's own error.
     """
-    start, end = stretch.start, stretch.end
-    share = first_touch(gaps.mechanism, lambda state: gaps.gap_and_rate(obstacle, state), start, end.state, stray)
+    start, end = interval.start, interval.end
+    share = first_touch(
+        gaps.mechanism, lambda state: gaps.gap_and_rate(obstacle, state), start, end.state, interpolation_error
+    )
     if share is None:
         return None
-    reached, closed = end if share == 1.0 else stretch.again(share * stretch.length), share * stretch.length
+    reached, closed = end if share == 1.0 else interval.again(share * interval.length), share * interval.length
     at_end, rate = gaps.gap_and_rate(obstacle, reached.state)
     if at_end > 0.0 and rate > 0.0:
-        closed, at_end = least_gap(stretch, gaps, obstacle, closed, at_end)
+        closed, at_end = least_gap(interval, gaps, obstacle, closed, at_end)
     if at_end > 0.0:
         return reached, False
     if at_end < 0.0:
         at_start = max(gaps.gap(obstacle, start), 1e-300)
         closed = locate(
-            lambda span: gaps.gap(obstacle, stretch.again(span).state), 0.0, closed, at_start, at_end, GAP_TOLERANCE
+            lambda span: gaps.gap(obstacle, interval.again(span).state), 0.0, closed, at_start, at_end, GAP_TOLERANCE
         )
-    return stretch.again(closed), True
+    return interval.again(closed), True
 
 
-def least_gap(stretch: Stretch, gaps: Gaps, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:
+def least_gap(interval: Interval, gaps: Gaps, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:
     """Where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
-    fastest = 1.5 * gaps.mechanism.speed_bound(stretch.start)
+    fastest = 1.5 * gaps.mechanism.speed_bound(interval.start)
     left, right = 0.0, span
     while gap <= fastest * (right - left) and max(1.0, fastest) * (right - left) > SHORTEST:
         middle = 0.5 * (left + right)
-        gap, rate = gaps.gap_and_rate(obstacle, stretch.again(middle).state)
+        gap, rate = gaps.gap_and_rate(obstacle, interval.again(middle).state)
         if gap < 0.0:
             return middle, gap
         left, right = (middle, right) if rate < 0.0 else (left, middle)

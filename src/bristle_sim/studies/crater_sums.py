@@ -17,12 +17,16 @@ __all__ = ["energy_depth_course", "merchant_depth_course", "merchant_depth_extra
 Array = NDArray[np.float64]
 
 
-def merchant_depth_course(crater: Crater) -> Array:
-    """Depth after each of the plies, 0 first, m: (4.57) as printed, with arccot(mu) in degrees; shape (plies + 1,)."""
+def merchant_depth_course(crater: Crater, constant_deg: float = 90.0) -> Array:
+    """Depth after each of the plies, 0 first, m: (4.57) as printed, with arccot(mu) in degrees; shape (plies + 1,).
+
+    Its 45 degrees are half of the constant C of (4.45).
+    """
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
     steep, gamma = math.degrees(math.atan2(1.0, crater.friction)), crater.impact_angle_deg
-    shear = math.radians(45.0 - steep / 2.0 + gamma / 2.0)
-    resultant, leaning = math.radians(45.0 + steep / 2.0 - gamma / 2.0), math.radians(steep - gamma)
+    half = constant_deg / 2.0
+    shear = math.radians(half - steep / 2.0 + gamma / 2.0)
+    resultant, leaning = math.radians(half + steep / 2.0 - gamma / 2.0), math.radians(steep - gamma)
     growth = np.diff(_printed_force(time) * math.cos(leaning))
     share = math.sin(shear) * math.cos(resultant) * math.cos(math.radians(gamma)) / math.cos(leaning)
     width = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * time[1:])) ** 2)

@@ -1,10 +1,12 @@
-"""The released bristle by formula over time, and where each reading of the belt stiffness needs the bar.
+"""Where each reading of the belt stiffness needs the bar, and what a whole pass with a bar there gives.
 
-The quasi-static formulas let the bristle swing as a linear oscillator on its belt,
+The released bristle's cue time places the bar (Zhang 2020, eq. 2.1), be it simulated or from the quasi-static formulas,
+which let the bristle swing as a linear oscillator on its belt,
 
     alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta Omega/w sinh w t),    w = Omega sqrt(zeta^2 - 1),
 
-an undamped cosine in the dissertation (Zhang 2020, sec. 2.2), and place the bar by its cue time (eq. 2.1).
+an undamped cosine in the dissertation (sec. 2.2). Neither knows what the bar does: the tap of first touch, and the swing
+that goes on after the last touch. A whole pass does.
 """
 
 from __future__ import annotations
@@ -17,14 +19,33 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.parameters import Belt, Tool
+from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Tool
+from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_timing import cue_timing, stiffness_readings
-from bristle_sim.theory.cueing import natural_rate
+from bristle_sim.theory import cueing
+from bristle_sim.trajectory import Trajectory
 
-__all__ = ["BarPlace", "ReadingPlaces", "bar_places", "formula_motion"]
+__all__ = [
+    "BarPlace",
+    "FullPass",
+    "ReadingPlaces",
+    "Release",
+    "formula_motion",
+    "formula_place",
+    "formula_release",
+    "full_pass",
+    "place_of",
+    "seen_at_strike",
+    "stiffness_readings",
+]
 
 Array = NDArray[np.float64]
+
+BEFORE_BAR = math.radians(30.0)
+"""A whole pass starts with the radial bristle this far before the bar's direction, clear of the bar, rad."""
+
+POINTS = 400
+"""Instants of a formula's curve."""
 
 
 class BarPlace(NamedTuple):
@@ -34,55 +55,139 @@ class BarPlace(NamedTuple):
     vertical: float
     direction: float
 
+    @classmethod
+    def of(cls, bar: Bar) -> BarPlace:
+        """Where a bar stands."""
+        return cls(bar.horizontal, bar.vertical, math.atan2(bar.horizontal, bar.vertical))
+
+
+class FullPass(NamedTuple):
+    """The strike at the end of a whole pass: retraction in rad and relative speed in rad/s, None if there is none.
+
+    ``failure`` is what the pass does instead of striking.
+    """
+
+    retraction: float | None
+    relative_speed: float | None
+    failure: str = ""
+
+    def __str__(self) -> str:
+        """In words that end a sentence."""
+        if self.retraction is None:
+            return self.failure
+        short = math.degrees(self.retraction)
+        side = "short of" if short >= 0.0 else "beyond"
+        return f"strikes {abs(short):.2f} deg {side} radial at {self.relative_speed:.1f} rad/s relative to the hub"
+
+
+@dataclass(frozen=True, slots=True)
+class Release:
+    """A bristle let go at rest, up to its highest speed: arrays of one length, in s, rad and rad/s."""
+
+    time: Array
+    retraction: Array
+    relative_speed: Array
+
 
 @dataclass(frozen=True, slots=True)
 class ReadingPlaces:
-    """The bar that one reading of the belt stiffness (N m/rad) needs, by simulation and by formula, None where none."""
+    """The bar that one belt stiffness (N m/rad) needs, by simulation and by formula, None where none.
+
+    ``passed`` is a whole pass with the bar where the simulation places it, ``passed_as_given`` one with the bar as given.
+    """
 
     reading: str
     stiffness: float
     simulated: BarPlace | None
     formula: BarPlace | None
+    passed: FullPass | None
+    passed_as_given: FullPass
+
+
+def stiffness_readings(tool: Tool) -> dict[str, float]:
+    """The readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
+    filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
+    return {
+        "per_radian": PRINTED_BELT_STIFFNESS,
+        "per_degree": math.degrees(PRINTED_BELT_STIFFNESS),
+        "from_254_hz": filmed,
+    }
+
+
+def place_of(tool: Tool, retraction: float, run: Trajectory) -> BarPlace | None:
+    """The bar's place by a simulated release's cue time (Zhang 2020, eq. 2.1); None if no speed is the highest."""
+    time = run.event_time("highest relative speed")
+    if time is None or tool.workpart is None:
+        return None
+    geometry = (tool.hub.radius, tool.bristle.length)
+    lag, angle = cueing.tip_lag(*geometry, retraction), cueing.impact_angle(*geometry, tool.workpart.penetration)
+    direction = float(lag) + tool.hub.speed * time + float(angle)
+    distance = cueing.bar_distance(tool.bar_reach, cueing.tip_radius(*geometry, retraction))
+    horizontal, vertical = cueing.bar_position(distance, direction)
+    return BarPlace(float(horizontal), float(vertical), direction)
+
+
+def formula_place(tool: Tool, retraction: float) -> BarPlace | None:
+    """The bar's place by the quasi-static formulas; None without belt stiffness."""
+    if not tool.belt.stiffness:
+        return None
+    cue = cueing.cue(tool, retraction)
+    return BarPlace(cue.bar_horizontal, cue.bar_vertical, cue.bar_direction)
+
+
+def full_pass(tool: Tool, bar: Bar, place: BarPlace, settings: Settings) -> FullPass:
+    """Simulate a pass up to the strike with a bar at a place; what forbids it is the reason why there is no strike."""
+    turning = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
+    try:
+        placed = dataclasses.replace(bar, horizontal=place.horizontal, vertical=place.vertical)
+        start = -place.direction - BEFORE_BAR
+        run = simulate(dataclasses.replace(tool, bar=placed), turning, start_hub_angle=start, stop_after="strike")
+    except ValueError as error:
+        return FullPass(None, None, f"cannot be simulated ({error})")
+    contact = run.first_contact("workpart")
+    if contact is None:
+        return FullPass(None, None, f"ends without a strike ({run.stop_reason})")
+    retraction = start + tool.hub.speed * contact.time - contact.angles[0]
+    return FullPass(retraction, contact.rates_before[0] - tool.hub.speed)
 
 
 def formula_motion(tool: Tool, retraction: float, time: ArrayLike) -> tuple[Array, Array]:
-    """Relative angle and rate of the released bristle as a linear oscillator, rad and rad/s, at times in s.
+    """Retraction and relative speed of the released bristle as a linear oscillator, rad and rad/s, at times in s.
 
     Raises:
         ValueError: if the belt has no stiffness.
     """
     instants = np.asarray(time, dtype=float)
-    rate = float(natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root))
+    rate = float(cueing.natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root))
     decay = tool.belt.damping_ratio * rate
     turns = 1j * np.sqrt(complex(decay**2 - rate**2)) * instants
     # sinh(w t)/w = t sin(i w t)/(i w t), which has its limit t at critical damping.
     swing, drift = np.cos(turns), instants * np.sinc(turns / np.pi)
     fading = np.exp(-decay * instants)
-    angle = -retraction * fading * (swing + decay * drift).real
-    return angle, retraction * rate**2 * fading * drift.real
+    lag = retraction * fading * (swing + decay * drift).real
+    return lag, retraction * rate**2 * fading * drift.real
 
 
-def bar_places(tool: Tool, retraction: float, settings: Settings | None = None) -> tuple[ReadingPlaces, ...]:
-    """Where each reading of the printed belt stiffness needs the bar, for a retraction in rad.
-
-    Raises:
-        ValueError: if the tool has no bar or no workpart.
-    """
-    if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: a tool that has both is allowed")
-    places = []
-    for reading, stiffness in stiffness_readings(tool).items():
-        read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
-        report = cue_timing(read, retraction, settings or Settings(), with_reference=False)
-        rows = {row.name: row for row in report.quantities}
-        wanted = [rows[name] for name in ("bar_horizontal", "bar_vertical", "bar_direction_deg")]
-        simulated, formula = _place([row.simulated for row in wanted]), _place([row.theory for row in wanted])
-        places.append(ReadingPlaces(reading, stiffness, simulated, formula))
-    return tuple(places)
-
-
-def _place(values: list[float | None]) -> BarPlace | None:
-    horizontal, vertical, degrees = values
-    if horizontal is None or vertical is None or degrees is None:
+def formula_release(tool: Tool, retraction: float) -> Release | None:
+    """The formula's motion up to its highest speed; None without belt stiffness."""
+    if not tool.belt.stiffness:
         return None
-    return BarPlace(horizontal, vertical, math.radians(degrees))
+    time = np.linspace(0.0, cueing.cue(tool, retraction).cue_time, POINTS)
+    return Release(time, *formula_motion(tool, retraction, time))
+
+
+def seen_at_strike(tool: Tool, run: Trajectory) -> tuple[Array, Array]:
+    """The simulated wire as released and at its highest speed, if it was released where it then strikes radially.
+
+    Hub and belt have no preferred direction, so the run may be turned about the hub's centre: until the root stands at
+    the impact angle gamma before the workpart's normal when the speed is highest.
+
+    Returns:
+        The two centre lines, each of shape (corners, 2), m.
+    """
+    assert tool.workpart is not None
+    angle = float(cueing.impact_angle(tool.hub.radius, tool.bristle.length, tool.workpart.penetration))
+    turn = np.exp(1j * (-angle - run.hub_angle[-1]))
+    points = (run.centre_line[[0, -1]] @ np.array([1.0, 1j])) * turn
+    released, fastest = np.stack([points.real, points.imag], axis=-1)
+    return released, fastest

@@ -11,21 +11,37 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.cue_places import (
+    BarPlace,
+    ReadingPlaces,
+    Release,
+    formula_place,
+    formula_release,
+    full_pass,
+    place_of,
+    seen_at_strike,
+    stiffness_readings,
+)
 from bristle_sim.studies.whole_pass import require_result
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["CueTiming", "cue_timing", "stiffness_readings", "unplaced"]
+__all__ = ["OWN", "CueTiming", "cue_timing", "unplaced"]
+
+Array = NDArray[np.float64]
 
 PRINTED_DIRECTION = math.degrees(math.atan2(0.05037, 0.0225))
 """A + theta_1 + gamma of the printed bar position, deg (Zhang 2020, eq. 2.3)."""
 
-WITHIN = math.radians(2.0)
-"""A bar within this of where a reading needs it can be cued there: the tip's speed is then within 0.5 % of its highest."""
+OWN = "own"
+"""Name of the tool's belt stiffness where it is none of the readings."""
 
 UNITS = {
     "cue_time": "s",
@@ -45,21 +61,28 @@ PRINTED = {
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release with the tool and retraction it belongs to."""
+    """A simulated release beside the formula's, and the bars that they need.
+
+    Attributes:
+        tool, retraction: what was released, and from where, rad.
+        bar: where the bar keys put it.
+        trajectory: the release, up to the highest relative speed.
+        formula: the quasi-static formula's motion, None without belt stiffness.
+        own: name of the tool's belt stiffness among the places.
+        places: for the tool's belt stiffness and the readings of the printed one, by name.
+        released, fastest: centre lines of the simulated wire as released and at its highest speed, (corners, 2), m; None
+            if no speed is the highest.
+    """
 
     tool: Tool
     retraction: float
+    bar: Bar
     trajectory: Trajectory
-
-
-def stiffness_readings(tool: Tool) -> dict[str, float]:
-    """The readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
-    filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
-    return {
-        "per_radian": PRINTED_BELT_STIFFNESS,
-        "per_degree": math.degrees(PRINTED_BELT_STIFFNESS),
-        "from_254_hz": filmed,
-    }
+    formula: Release | None
+    own: str
+    places: dict[str, ReadingPlaces]
+    released: Array | None
+    fastest: Array | None
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
@@ -69,65 +92,71 @@ def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
 
 
 def cue_timing(
-    tool: Tool,
-    retraction: float,
-    settings: Settings,
-    *,
-    stands_at: float = PRINTED_DIRECTION,
-    with_reference: bool = True,
+    tool: Tool, retraction: float, settings: Settings, *, bar: Bar | None = None, with_reference: bool = True
 ) -> Report:
     """Simulate the release from rest at a retraction (rad) and place the bar by what came out.
 
-    ``stands_at`` is the direction (deg) of the bar that the readings of the belt stiffness are tried on.
+    ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's.
 
     Raises:
         ValueError: if nothing drives the bristle, the tip cannot reach the workpart radially, or the release is not
             computed within the settings' steps.
     """
-    trajectory = _release(tool, retraction, settings)
-    simulated = _placed(tool, retraction, trajectory)
-    theory = _formulas(tool, retraction)
-    reference: dict[str, float | None] = {}
-    if with_reference and simulated["cue_time"] is not None:
-        from bristle_sim.reference import simulate_reference
-
-        referred = simulate_reference(
-            _bare(tool),
-            start_relative_angle=-retraction,
-            accuracy=1e-10,
-            duration=2.0 * simulated["cue_time"],
-            stop_after="highest relative speed",
-        )
-        reference = _placed(tool, retraction, referred)
-    tolerance = _tolerance(settings) if reference else None
-    default = Tool()
-    parts = (tool.hub, tool.belt, tool.bristle, tool.workpart)
-    at_print = parts == (default.hub, default.belt, default.bristle, default.workpart) and retraction == math.radians(
-        44.5
-    )
-    rows = []
-    for name, unit in UNITS.items():
-        judged, printed = reference.get(name), PRINTED.get(name) if at_print else None
-        allowed = None if tolerance is None or judged is None else tolerance * _conditioning(name, reference, tool)
-        rows.append(Quantity(name, unit, simulated[name], theory[name], judged, printed, allowed))
-    readings, verdicts = _readings(tool, retraction, settings, stands_at)
+    given = bar or tool.bar or Bar()
+    run = _release(tool, retraction, settings)
+    rows = [
+        _row(name, name, sides, _at_print(tool, retraction))
+        for sides in [_sides(tool, retraction, run, settings, with_reference=with_reference)]
+        for name in UNITS
+    ]
+    places: dict[str, ReadingPlaces] = {}
+    for reading, stiffness in stiffness_readings(tool).items():
+        read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
+        own = read == tool
+        released = run if own else _release(read, retraction, settings)
+        sides = _sides(read, retraction, released, settings, with_reference=with_reference)
+        printed = _at_print(read, retraction, any_belt=True)
+        rows += [_row(f"{name}_{reading}", name, sides, printed) for name in ("cue_time", "bar_direction_deg")]
+        places[reading] = _places(reading, read, retraction, released, given, settings)
+    mine = next((name for name, each in places.items() if each.stiffness == tool.belt.stiffness), OWN)
+    if mine == OWN:
+        places = {OWN: _places(OWN, tool, retraction, run, given, settings), **places}
+    reached = places[mine].simulated is not None
+    released_line, fastest_line = seen_at_strike(tool, run) if reached else (None, None)
     return Report(
-        outcome="no contact",
-        quantities=(*rows, *readings),
-        events=tuple((event.name, event.time) for event in trajectory.events),
-        wall_s=trajectory.cost.wall_s,
-        steps=trajectory.cost.steps,
-        remarks=(*verdicts, *LEFT_OUT),
-        subject=CueTiming(tool, retraction, trajectory),
+        outcome=None,
+        quantities=tuple(rows),
+        events=tuple((event.name, event.time) for event in run.events),
+        wall_s=run.cost.wall_s,
+        steps=run.cost.steps,
+        extra={
+            "bar_stands_at_deg": math.degrees(BarPlace.of(given).direction),
+            "full_passes": [row for each in places.values() for row in _pass_rows(each, given)],
+        },
+        remarks=(*(line for each in places.values() for line in _verdict(each, given)), *LEFT_OUT),
+        subject=CueTiming(
+            tool,
+            retraction,
+            given,
+            run,
+            formula_release(tool, retraction),
+            mine,
+            places,
+            released_line,
+            fastest_line,
+        ),
     )
 
 
 FULL_TURNS = 1e3
 """Hub turns after which a bristle that is still accelerating is given up: only an extremely soft belt takes as long."""
 
+MOST_DAMPED = 10.0
+"""Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
+
 LEFT_OUT = (
     "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
-    "and the bar's dynamics (first tap, swing beyond the last touch), which scenarios/cue_and_impact.py simulates.",
+    "and the bar's dynamics (first tap, swing beyond the last touch), which a full pass simulates.",
 )
 
 
@@ -159,7 +188,9 @@ def _bare(tool: Tool) -> Tool:
 
 
 def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
-    turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi)
+    # An overdamped release is over in a small part of the period that samples are counted in.
+    samples = math.ceil(settings.samples_per_period * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
+    turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
     run = simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
     require_result(run, settings)
     estimate, allowed = run.cost.error_estimate, _tolerance(settings)
@@ -177,22 +208,57 @@ def _tolerance(settings: Settings) -> float:
     return max(1e-8, 10.0 * settings.accuracy)
 
 
-def _placed(tool: Tool, retraction: float, run: Trajectory) -> dict[str, float | None]:
-    """Cue time and speed of a run, and the bar position that follows from them (Zhang 2020, eq. 2.1)."""
-    time = run.event_time("highest relative speed")
-    if time is None or tool.workpart is None:
+@dataclass(frozen=True, slots=True)
+class _Sides:
+    """The release of one belt stiffness by simulation, formula and reference: quantities by name."""
+
+    simulated: dict[str, float | None]
+    theory: dict[str, float | None]
+    reference: dict[str, float | None]
+    tolerance: float
+    tool: Tool
+
+
+def _sides(tool: Tool, retraction: float, run: Trajectory, settings: Settings, *, with_reference: bool) -> _Sides:
+    simulated, reference = _measured(tool, retraction, run), dict[str, float | None]()
+    if with_reference and simulated["cue_time"] is not None:
+        from bristle_sim.reference import simulate_reference
+
+        referred = simulate_reference(
+            _bare(tool),
+            start_relative_angle=-retraction,
+            accuracy=1e-10,
+            duration=2.0 * simulated["cue_time"],
+            stop_after="highest relative speed",
+        )
+        reference = _measured(tool, retraction, referred)
+    return _Sides(simulated, _formulas(tool, retraction), reference, _tolerance(settings), tool)
+
+
+def _row(title: str, name: str, sides: _Sides, printed: dict[str, float]) -> Quantity:
+    """A quantity of one release: every row is judged by the reference where there is one, else by theory."""
+    judged = sides.reference.get(name)
+    allowed = None if judged is None else sides.tolerance * _conditioning(name, sides.reference, sides.tool)
+    return Quantity(title, UNITS[name], sides.simulated[name], sides.theory[name], judged, printed.get(name), allowed)
+
+
+def _at_print(tool: Tool, retraction: float, *, any_belt: bool = False) -> dict[str, float]:
+    """The printed numbers, for the tool that they were printed for, perhaps with another belt stiffness."""
+    default = Tool()
+    parts = ((tool.hub, default.hub), (tool.bristle, default.bristle), (tool.workpart, default.workpart))
+    same = all(one == other for one, other in parts) and retraction == math.radians(44.5)
+    belt = default.belt if not any_belt else Belt(tool.belt.stiffness, default.belt.damping_ratio)
+    return PRINTED if same and tool.belt == belt else {}
+
+
+def _measured(tool: Tool, retraction: float, run: Trajectory) -> dict[str, float | None]:
+    """Cue time and speed of a run, and the bar position that follows from them."""
+    time, place = run.event_time("highest relative speed"), place_of(tool, retraction, run)
+    if time is None or place is None:
         return dict.fromkeys(UNITS)
-    geometry = (tool.hub.radius, tool.bristle.length)
-    turn = tool.hub.speed * time
-    direction = (
-        float(cueing.tip_lag(*geometry, retraction))
-        + turn
-        + float(cueing.impact_angle(*geometry, tool.workpart.penetration))
-    )
-    distance = cueing.bar_distance(tool.bar_reach, cueing.tip_radius(*geometry, retraction))
-    horizontal, vertical = cueing.bar_position(distance, direction)
     speed = float(run.relative_rate[int(abs(run.time - time).argmin())])
-    values = (time, math.degrees(turn), speed, math.degrees(direction), float(horizontal), float(vertical))
+    turn = math.degrees(tool.hub.speed * time)
+    values = (time, turn, speed, math.degrees(place.direction), place.horizontal, place.vertical)
     return dict(zip(UNITS, values, strict=True))
 
 
@@ -211,28 +277,44 @@ def _formulas(tool: Tool, retraction: float) -> dict[str, float | None]:
     return dict(zip(UNITS, values, strict=True))
 
 
-def _readings(tool: Tool, retraction: float, settings: Settings, stands_at: float) -> tuple[list[Quantity], list[str]]:
-    """Cue time and bar direction for every reading of the printed stiffness, and which one the printed bar can cue."""
-    rows, verdicts = [], []
-    for reading, stiffness in stiffness_readings(tool).items():
-        belt = Belt(stiffness, tool.belt.damping_ratio)
-        read = dataclasses.replace(tool, belt=belt)
-        simulated, theory = _placed(tool, retraction, _release(read, retraction, settings)), _formulas(read, retraction)
-        for name in ("cue_time", "bar_direction_deg"):
-            rows.append(
-                Quantity(f"{name}_{reading}", UNITS[name], simulated[name], theory[name], printed=PRINTED.get(name))
-            )
-        verdicts.append(_verdict(reading, stiffness, simulated["bar_direction_deg"], stands_at))
-    return rows, verdicts
+def _places(name: str, tool: Tool, retraction: float, run: Trajectory, given: Bar, settings: Settings) -> ReadingPlaces:
+    """Bars of one belt stiffness, with whole passes over the needed one and the given one."""
+    needed = place_of(tool, retraction, run)
+    return ReadingPlaces(
+        name,
+        tool.belt.stiffness,
+        needed,
+        formula_place(tool, retraction),
+        None if needed is None else full_pass(tool, given, needed, settings),
+        full_pass(tool, given, BarPlace.of(given), settings),
+    )
 
 
-def _verdict(reading: str, stiffness: float, direction: float | None, stands_at: float) -> str:
-    words = f"belt stiffness {reading.replace('_', ' ')} ({stiffness:.5g} N m/rad): "
-    if direction is None:
-        return words + "never reaches a highest speed; cannot be cued by any bar"
-    off = direction - stands_at
-    can = "can" if abs(math.radians(off)) <= WITHIN else "cannot"
+def _pass_rows(places: ReadingPlaces, given: Bar) -> list[dict[str, str | float | None]]:
+    """The whole passes of one belt stiffness for the JSON, None for the strike of a pass that has none."""
+    pairs = ((places.simulated, places.passed), (BarPlace.of(given), places.passed_as_given))
+    return [
+        {
+            "belt_stiffness": places.stiffness,
+            "bar_direction_deg": math.degrees(place.direction),
+            "lag_deg_at_contact": None if passed.retraction is None else math.degrees(passed.retraction),
+            "relative_speed_at_contact": passed.relative_speed,
+        }
+        for place, passed in pairs
+        if place is not None and passed is not None
+    ]
+
+
+def _verdict(places: ReadingPlaces, given: Bar) -> tuple[str, ...]:
+    """Where a belt stiffness needs the bar, and what whole passes make of it."""
+    words = f"belt stiffness {places.reading.replace('_', ' ')} ({places.stiffness:.5g} N m/rad): "
+    stands = math.degrees(BarPlace.of(given).direction)
+    as_given = f"  a full pass with the bar as it stands {places.passed_as_given}"
+    if places.simulated is None:
+        return words + "never reaches a highest speed; cannot be cued by any bar", as_given
+    needed = math.degrees(places.simulated.direction)
     return (
-        f"{words}bar needed at {direction:.2f} deg, {off:+.2f} deg from where it stands ({stands_at:.2f} deg);"
-        f" {can} be cued there"
+        f"{words}bar needed at {needed:.2f} deg, {needed - stands:+.2f} deg from where it stands ({stands:.2f} deg)",
+        f"  a full pass with the bar at {needed:.2f} deg {places.passed}",
+        as_given,
     )

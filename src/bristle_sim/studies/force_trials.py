@@ -78,7 +78,7 @@ def fit_trials(curve: ForceCurve, points: int, noise: float) -> tuple[FitTrial, 
     for name, spread in (("exact", 0.0), ("noisy", noise)):
         time, force = noisy_points(curve, points, spread)
         try:
-            fit = fit_force_history(time, force, duration=curve.duration, peak_force=2.0 * curve.swing)
+            fit = fit_force_history(time, force, duration=curve.duration, peak_force=2.0 * curve.swing, start=0.0)
         except ValueError:
             fit = None
         found.append(FitTrial(name, time, force, spread, fit))
@@ -88,13 +88,14 @@ def fit_trials(curve: ForceCurve, points: int, noise: float) -> tuple[FitTrial, 
 def trial_row(trial: FitTrial, curve: ForceCurve) -> Quantity:
     """The peak of a fit beside the peak of what it was fitted to.
 
-    Errors of n points leave a fit with p unknowns, here at most three, a mean variance of noise^2 p/n; five of its roots
-    are allowed.
+    Errors of n points leave a fit with p unknowns, here at most three, a mean variance of noise^2 p/n; the tolerance is
+    five of its roots. Where that exceeds the peak itself the points say nothing, and there is nothing to check; elsewhere a
+    fit that finds no curve is wrong.
     """
     peak = curve.peak_force()
     tolerance = OFFSET_ROUNDING + 5.0 * trial.noise * math.sqrt(3.0 / len(trial.time)) / peak
     name = f"{trial.name}_fit_peak_force"
-    return Quantity(name, "N", trial.peak_force, peak, tolerance=None if trial.peak_force is None else tolerance)
+    return Quantity(name, "N", trial.peak_force, peak, tolerance=tolerance if tolerance < 1.0 else None)
 
 
 def trial_as_dict(trial: FitTrial) -> dict[str, Any]:
@@ -103,8 +104,10 @@ def trial_as_dict(trial: FitTrial) -> dict[str, Any]:
 
 
 def fit_as_dict(fit: ForceFit) -> dict[str, Any]:
-    """Values and standard errors by name, and the residuals' root mean square in N."""
+    """Values and standard errors by name, start in s, baseline and the residuals' root mean square in N."""
     return {
+        "start": fit.start,
+        "baseline": fit.baseline,
         "values": dict(zip(fit.names, fit.values.tolist(), strict=True)),
         "standard_errors": dict(zip(fit.names, fit.standard_errors.tolist(), strict=True)),
         "root_mean_square": fit.root_mean_square,

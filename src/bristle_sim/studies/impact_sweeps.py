@@ -1,212 +1,254 @@
-"""Families of impacts: closed forms over a parameter, and simulated impacts on them.
+"""Families of a radial rod's impacts: closed forms over a parameter, and simulated impacts on them.
 
 The curves are the dissertation's formulas; the points go through the pymunk scene, one strike each, with the contact law
-they are named after. Curve and points of a family are built from the same cases, each a chain and a surface. A rod stands
-for the bristle on its hub and, with a hub of no radius, for Stronge's single pendulum.
+they are named after. The rod stands for the bristle on its hub and, with a hub of no radius, for Stronge's single pendulum.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.parameters import Contact, Surface
+from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.impact_measures import IMPULSE, REBOUND, ROD_IMPULSE, Measure, final_rate
+from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of
+from bristle_sim.studies.whole_pass import contact_quantities
+from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
 
 __all__ = [
-    "HEAVY_ROD",
-    "HEAVY_ROD_SURFACE",
-    "Curve",
-    "final_rates_over_mass_ratio",
-    "heavy_rod_impulse_over_friction",
-    "impulse_over_friction",
-    "rebound_over_angle",
-    "rebound_over_friction",
-    "stiction_friction",
-    "weighted",
-    "with_own",
+    "AXES",
+    "OPERATING_POINT",
+    "TOTAL",
+    "Case",
+    "Sweep",
+    "struck",
+    "sweep_panel",
 ]
 
 Array = NDArray[np.float64]
-Case = Callable[[float], tuple[Chain, Surface]]
-"""The impact that belongs to an x."""
 
-POINTS = 81
-"""Places on a closed form: enough for a smooth curve half a page wide."""
+GRID = 401
+"""Places on a curve."""
 
-SIMULATED = 9
-NEAR_STICTION = 0.95
-"""Simulated impacts stay below this share of the stiction friction, curves below 0.9999 of it."""
+ENERGETIC, COMPLIANT = 6, 5
+"""Simulated impacts on a curve by law: at ends and steps, and between them."""
 
-HEAVY_ROD = Chain((700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(23.4),) * 2, (261.8, 845.6))
-"""The bristle as the second rod of a double pendulum whose first is 700 times as heavy (Zhang 2020, fig. 2.30)."""
+NEAREST = 0.9
+"""Share of the stiction friction up to which impacts are simulated where p_fy grows without bound; curves end at 0.9999 of it."""
 
-HEAVY_ROD_SURFACE = Surface(friction=0.31, restitution=0.42)
+TOTAL = "total_compressive_work"
 
 
 @dataclass(frozen=True, slots=True)
-class Curve:
-    """A closed form over x and simulated impacts beside it.
+class Case:
+    """One strike of a radial rod; SI and rad, the dissertation's operating point by default.
+
+    The rod stands for the bristle on its hub and, with a hub of no radius, for Stronge's single pendulum.
+    """
+
+    mass: float = Bristle().mass
+    friction: float = Surface().friction
+    restitution_friction: float | None = None
+    restitution: float = Surface().restitution
+    impact_angle: float = math.radians(Strike().impact_angle_deg)
+    length: float = Bristle().length
+    hub_radius: float = Hub().radius
+    hub_speed: float = Hub().speed
+    speed_ratio: float = Strike().speed_ratio
+
+    @classmethod
+    def of(cls, rod: Chain, surface: Surface) -> Case:
+        """Return the case of a chain of one rod; one without a hub gets a hub of no radius that turns at 1 rad/s."""
+        on_hub = rod.hub_radius > 0.0 and rod.hub_speed > 0.0
+        speed = rod.hub_speed if on_hub else 1.0
+        return cls(
+            rod.masses[0],
+            surface.friction,
+            surface.restitution_friction,
+            surface.restitution,
+            -rod.angles[0],
+            rod.lengths[0],
+            rod.hub_radius if on_hub else 0.0,
+            speed,
+            rod.rates[0] / speed,
+        )
+
+    @property
+    def chain(self) -> Chain:
+        """What strikes."""
+        rate = self.speed_ratio * self.hub_speed
+        angle = -self.impact_angle
+        return Chain((self.mass,), (self.length,), (angle,), (rate,), self.hub_radius, self.hub_speed, angle)
+
+    @property
+    def surface(self) -> Surface:
+        """What is struck."""
+        return Surface(self.friction, self.restitution_friction, self.restitution)
+
+
+OPERATING_POINT = Case()
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """A family of strikes: ``along`` varies on a curve from ``low`` to ``high``, ``family`` from curve to curve.
 
     Attributes:
-        name: what tells the curve from others of its family.
-        x, theory: the closed form.
-        points: by contact law, x and result of each simulated impact; one that comes to no end is left out.
+        along, family: fields of Case.
+        values: of the family.
+        until_stiction: the curve ends, instead of at ``high``, where the friction that varies reaches tan gamma.
     """
 
-    name: str
-    x: Array
-    theory: Array
-    points: dict[str, tuple[Array, Array]]
+    along: str
+    low: float
+    high: float
+    family: str
+    values: tuple[float, ...]
+    until_stiction: bool = False
+    base: Case = OPERATING_POINT
+
+    def cases(self) -> list[Case]:
+        """The curve's fixed part, one for each value of the family."""
+        return [dataclasses.replace(self.base, **{self.family: value}) for value in self.values]
+
+    def ends(self, case: Case) -> tuple[float, float, float]:
+        """Where curve and simulated impacts begin, where those impacts end, and where the curve ends."""
+        if not self.until_stiction:
+            return self.low, self.high, self.high
+        stiction = math.tan(case.impact_angle)
+        return self.low, min(self.high, NEAREST * stiction), min(self.high, 0.9999 * stiction)
 
 
-def with_own(values: Sequence[float], own: float) -> tuple[float, ...]:
-    """A family's values, ascending, with the one at hand in place of those within a tenth of it."""
-    return tuple(sorted([*(value for value in values if abs(value - own) > 0.1 * own), own]))
+AXES = {
+    "friction": Axis("friction coefficient $\\mu$"),
+    "restitution_friction": Axis("friction coefficient in restitution $\\mu_2$"),
+    "length": Axis("bristle length $L$", "mm", 1e3),
+    "hub_radius": Axis("hub radius", "mm", 1e3),
+    "hub_speed": Axis("hub speed", "rad/s"),
+    "speed_ratio": Axis("speed ratio $R$"),
+    "impact_angle": Axis("impact angle $\\gamma$", "°", math.degrees(1.0)),
+    "restitution": Axis("restitution $e^*$"),
+    "normal_compressive_impulse": Axis("normal compressive impulse", "mN·s", 1e3),
+    "tangential_compressive_impulse": Axis("tangential compressive impulse", "mN·s", 1e3),
+    "normal_final_impulse": Axis("normal final impulse", "mN·s", 1e3),
+    "normal_compressive_work": Axis("normal compressive work", "mJ", 1e3),
+    "tangential_compressive_work": Axis("tangential compressive work", "mJ", 1e3),
+    TOTAL: Axis("total compressive work", "mJ", 1e3),
+    "rebound_ratio": Axis("rate after / rate before"),
+}
+
+SYMBOLS = {
+    "friction": "$\\mu$",
+    "restitution_friction": "$\\mu_2$",
+    "hub_radius": "$r_h$",
+    "hub_speed": "$\\omega$",
+    "impact_angle": "$\\gamma$",
+    "restitution": "$e^*$",
+}
 
 
-def weighted(chain: Chain, mass_ratio: float) -> Chain:
-    """A double pendulum with its first rod so many times as heavy as its second."""
-    return dataclasses.replace(chain, masses=(mass_ratio * chain.masses[1], chain.masses[1]))
-
-
-def stiction_friction(surface: Surface, angle: float) -> float:
-    """Least friction with which a rod at the angle (rad) does not rebound; inf if restitution's own decides that."""
-    return math.tan(angle) if surface.restitution_friction is None else math.inf
-
-
-def rebound_over_angle(rod: Chain, surface: Surface, frictions: Sequence[float]) -> tuple[Curve, ...]:
-    """Rate after over rate before impact, over the impact angle (rad), for each friction (Zhang 2020, figs. 2.24, 2.26).
-
-    Raises:
-        ValueError: if the rod is at rest before the impact.
-    """
-    simulated = {"energetic": np.radians(np.linspace(6.0, 86.0, SIMULATED))}
-    curves = []
-    for mu in frictions:
-        rubbing = _rubbing(surface, mu)
-        angles = _angles(rubbing.friction_in_restitution)
-        curves.append(_curve(f"{mu:g}", REBOUND, angles, _over_angle(rod, rubbing), simulated))
-    return tuple(curves)
-
-
-def rebound_over_friction(rod: Chain, surface: Surface, angles: Sequence[float]) -> tuple[Curve, ...]:
-    """Rate after over rate before impact, over the friction, for each impact angle (rad).
-
-    Raises:
-        ValueError: if the rod is at rest before the impact.
-    """
-    curves = []
-    for angle in angles:
-        frictions, simulated = _frictions(surface, angle)
-        case = _over_friction(_inclined(rod, angle), surface)
-        curves.append(_curve(_degrees(angle), REBOUND, frictions, case, {"energetic": simulated}))
-    return tuple(curves)
-
-
-def impulse_over_friction(
-    rod: Chain, surface: Surface, *, angles: Sequence[float] = (), restitutions: Sequence[float] = ()
-) -> tuple[Curve, ...]:
-    """p_f over the friction, for each impact angle (rad) and for each e* (Zhang 2020, figs. 2.22 and 2.23), N s.
-
-    Curves end short of the stiction friction, where p_f grows without bound.
-    """
-    own = -rod.angles[0]
-    family = [(_degrees(angle), angle, surface) for angle in angles]
-    family += [(f"{e:g}", own, dataclasses.replace(surface, restitution=e)) for e in restitutions]
-    curves = []
-    for name, angle, bouncing in family:
-        frictions, simulated = _frictions(surface, angle)
-        case = _over_friction(_inclined(rod, angle), bouncing)
-        curves.append(_curve(name, ROD_IMPULSE, frictions, case, {"energetic": simulated}))
-    return tuple(curves)
-
-
-def final_rates_over_mass_ratio(chain: Chain, surface: Surface) -> tuple[Curve, Curve]:
-    """Rates of the first and second rod after impact over the ratio of masses (Zhang 2020, figs. 2.29, 2.28), rad/s.
-
-    Signed as in the dissertation, negative approaching.
-    """
-    own = chain.masses[0] / chain.masses[1]
-    ratios = np.geomspace(min(1.0, 0.5 * own), max(1e4, min(2.0 * own, 1e12)), POINTS)
-    energetic = ratios[:: POINTS // (SIMULATED - 1)]
-    simulated = {"energetic": energetic, "compliant": np.sqrt(energetic[1:] * energetic[:-1])[::2]}
-    case = _over_mass_ratio(chain, surface)
-    first, second = (_curve(f"rod {k + 1}", final_rate(k), ratios, case, simulated) for k in (0, 1))
-    return first, second
-
-
-def heavy_rod_impulse_over_friction(ratios: Sequence[float] = (1.0, 10.0, 700.0)) -> tuple[Curve, ...]:
-    """p_f of the bristle as a double pendulum over the friction, for each mass ratio (Zhang 2020, fig. 2.30), N s."""
-    frictions, energetic = _frictions(HEAVY_ROD_SURFACE, -HEAVY_ROD.angles[1])
-    simulated = {"energetic": energetic, "compliant": 0.5 * (energetic[1:] + energetic[:-1])[::2]}
-    return tuple(
-        _curve(f"{n:g}", IMPULSE, frictions, _over_friction(weighted(HEAVY_ROD, n), HEAVY_ROD_SURFACE), simulated)
-        for n in ratios
+def sweep_panel(quantity: str, sweep: Sweep) -> Panel:
+    """Return a quantity over a sweep: closed form, simulated impacts, the operating point and where stiction begins."""
+    curves = tuple(_curve(quantity, sweep, case) for case in sweep.cases())
+    own = getattr(OPERATING_POINT, sweep.along)
+    at = OPERATING_POINT.friction if own is None else own
+    mark = Mark(at, float(_formula(quantity, OPERATING_POINT, sweep.along)(np.array([at]))[0]))
+    shows_own = sweep.base == OPERATING_POINT
+    unbounded = sweep.until_stiction and quantity == "normal_final_impulse"
+    return Panel(
+        AXES[sweep.along],
+        AXES[quantity],
+        curves,
+        family=SYMBOLS[sweep.family],
+        marks=(mark,) if shows_own else (),
+        levels=_stiction(sweep),
+        top=_top(curves) if unbounded else None,
     )
 
 
-def _angles(friction: float) -> Array:
-    """Impact angles for a curve, closer together above the one at which the rod begins to rebound, rad."""
-    beginning, end = max(math.atan(friction), 0.01), 0.5 * math.pi
-    rebounding = beginning + (end - beginning) * np.linspace(0.0, 1.0, POINTS) ** 2
-    return np.concatenate([[min(0.01, 0.5 * beginning)], rebounding])
+@functools.cache
+def struck(case: Case, law: str) -> dict[str, float | None]:
+    """Return quantities of a strike through the scene; empty for a contact that comes to no end."""
+    try:
+        found = contact_quantities(strike(case.chain, case.surface, Contact(law), Settings()).contact)
+    except ValueError:
+        return {}
+    normal, tangential = found["normal_compressive_work"], found["tangential_compressive_work"]
+    total = None if normal is None or tangential is None else normal + tangential
+    return found | {TOTAL: total}
 
 
-def _frictions(surface: Surface, angle: float) -> tuple[Array, Array]:
-    """Frictions for a curve, closer together towards stiction, and for simulated impacts on it."""
-    most = min(max(1.0, 1.25 * surface.friction), stiction_friction(surface, angle))
-    curve = most * (1.0 - np.linspace(1.0, 1e-2, POINTS) ** 2)
-    return curve, np.linspace(0.0, NEAR_STICTION * most, SIMULATED)
+def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
+    low, simulated, high = sweep.ends(case)
+    points: dict[str, tuple[list[float], list[float]]] = {}
+    for law, number in (("energetic", ENERGETIC), ("compliant", COMPLIANT)):
+        for at in _places(low, simulated, number, between=law == "compliant"):
+            here = dataclasses.replace(case, **{sweep.along: at})
+            value = struck(here, law).get(quantity)
+            if value is not None:
+                places, values = points.setdefault(law, ([], []))
+                places.append(at)
+                values.append(value)
+    return curve_of(_name(sweep, case), _formula(quantity, case, sweep.along), _grid(low, high, sweep), points)
 
 
-def _curve(name: str, measure: Measure, x: Array, case: Case, simulated: Mapping[str, Array]) -> Curve:
-    theory = np.array([measure.formula(*case(float(each))) for each in x])
-    return Curve(name, x, theory, {law: _simulated(measure, where, case, law) for law, where in simulated.items()})
+def _places(low: float, high: float, number: int, *, between: bool) -> Sequence[float]:
+    """Equally spaced; ``between`` keeps to the middles of as many parts."""
+    if not between:
+        return [float(each) for each in np.linspace(low, high, number)]
+    step = (high - low) / number
+    return [low + (i + 0.5) * step for i in range(number)]
 
 
-def _simulated(measure: Measure, x: Array, case: Case, law: str) -> tuple[Array, Array]:
-    """The impacts that come to an end, through the scene."""
-    found = []
-    for each in x:
-        chain, surface = case(float(each))
-        try:
-            contact = strike(chain, surface, Contact(law), Settings()).contact
-        except ValueError:
-            continue
-        found.append((each, measure.read(chain, contact)))
-    places, values = np.array(found).reshape(-1, 2).T
-    return places, values
+def _grid(low: float, high: float, sweep: Sweep) -> Array:
+    """Closer together at the end where a curve grows without bound."""
+    if sweep.until_stiction:
+        return np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
+    return np.linspace(low, high, GRID)
 
 
-def _rubbing(surface: Surface, friction: float) -> Surface:
-    """The surface with another friction; one of its own in restitution stays."""
-    return dataclasses.replace(surface, friction=friction)
+def _formula(quantity: str, case: Case, along: str) -> Callable[[Array], Array]:
+    """The closed form over one field of the case."""
+
+    def value(x: Array) -> Array:
+        given = {each.name: getattr(case, each.name) for each in dataclasses.fields(case)} | {along: x}
+        found = monofilament_impact(**given)
+        return np.broadcast_to(_read(quantity, found), np.shape(x))
+
+    return value
 
 
-def _inclined(rod: Chain, angle: float) -> Chain:
-    """The radial rod at another impact angle."""
-    return dataclasses.replace(rod, angles=(-angle,), hub_angle=-angle)
+def _read(quantity: str, found: MonofilamentImpact) -> Array:
+    if quantity == TOTAL:
+        return np.asarray(found.normal_compressive_work + found.tangential_compressive_work)
+    return np.asarray(getattr(found, quantity))
 
 
-def _over_angle(rod: Chain, surface: Surface) -> Case:
-    return lambda angle: (_inclined(rod, angle), surface)
+def _name(sweep: Sweep, case: Case) -> str:
+    axis = AXES[sweep.family]
+    value = getattr(case, sweep.family) * axis.factor
+    unit = {"1": "", "°": "°"}.get(axis.unit, f" {axis.unit}")
+    return f"{round(value, 6):g}{unit}"
 
 
-def _over_friction(chain: Chain, surface: Surface) -> Case:
-    return lambda friction: (chain, _rubbing(surface, friction))
+def _stiction(sweep: Sweep) -> tuple[Level, ...]:
+    """Upright lines at tan gamma, where a friction along the curves reaches it."""
+    if not sweep.until_stiction:
+        return ()
+    angles = [
+        angle for angle in dict.fromkeys(case.impact_angle for case in sweep.cases()) if math.tan(angle) <= sweep.high
+    ]
+    label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
+    return tuple(Level(math.tan(angle), label, upright=True) for angle in angles)
 
 
-def _over_mass_ratio(chain: Chain, surface: Surface) -> Case:
-    return lambda ratio: (weighted(chain, ratio), surface)
-
-
-def _degrees(angle: float) -> str:
-    return f"{round(math.degrees(angle), 6):g}°"
+def _top(curves: Sequence[Curve]) -> float:
+    """Twice what the curves begin with: the rest leads to infinity."""
+    return 2.2 * max(float(curve.theory[0]) for curve in curves)

@@ -1,6 +1,6 @@
-"""Single impacts beside their closed forms: radial bristle, Stronge's single and double pendulum.
+"""Single impacts compared with their closed forms: radial bristle, Stronge's single and double pendulum.
 
-The simulated side goes through the pymunk scene with the contact law asked for; the other laws run beside it. Rates of
+The simulated side goes through the pymunk scene with the requested contact law, and with the others for comparison. Rates of
 pendulums are signed as in the dissertation, negative approaching; in the scene the same motion turns the other way.
 """
 
@@ -33,9 +33,11 @@ class Impacts:
 
     Attributes:
         chain, surface: what strikes what.
-        law: the one asked for.
+        law: the requested one.
         strikes: by law.
-        refusals: why a law that was not asked for has no answer, by law.
+        refusals: why a law that was not requested has no answer, by law.
+        contact_duration: requested for the contact resolved in time, s, or None.
+        timing: what a film says about the time that its contact takes.
     """
 
     chain: Chain
@@ -43,6 +45,8 @@ class Impacts:
     law: str
     strikes: dict[str, ChainStrike]
     refusals: dict[str, str]
+    contact_duration: float | None = None
+    timing: str = ""
 
 
 def oblique_impact(
@@ -92,12 +96,15 @@ def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact
         found.impulse[0],
     )
     tolerance = _tolerance(contact, settings, surface, math.tan(gamma), ROUNDING / math.sin(gamma))
-    rows = [
-        Quantity(name, unit, _settled(value, least), _settled(theory, least), tolerance=tolerance)
-        for (name, unit), least, value, theory in zip(
-            SINGLE_UNITS.items(), (AT_REST, 0.0, 0.0), simulated, _single_theory(pendulum, gamma, surface), strict=True
-        )
-    ]
+    rows = []
+    expected = _single_theory(pendulum, gamma, surface)
+    for (name, unit), least, value, theory in zip(
+        SINGLE_UNITS.items(), (AT_REST, 0.0, 0.0), simulated, expected, strict=True
+    ):
+        # A rate after the impact has the rounding of the one before it.
+        rounding = ROUNDING / max(abs(theory or 0.0), least) if least else 0.0
+        widened = _widened(tolerance, rounding)
+        rows.append(Quantity(name, unit, _settled(value, least), _settled(theory, least), tolerance=widened))
     return _report(impacts, rows, lambda one: -one.contact.rates_after[0], "final rate rad/s")
 
 
@@ -215,7 +222,7 @@ def _widened(tolerance: float | None, rounding: float) -> float | None:
 
 
 def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settings) -> Impacts:
-    """The law asked for, and the others where they have an answer."""
+    """Strike by the requested law, and by the others where they have an answer."""
     strikes, refusals = {}, {}
     for law in LAWS:
         if law == contact.law:
@@ -225,7 +232,7 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
             strikes[law] = strike(chain, surface, Contact(law), settings)
         except ValueError as error:
             refusals[law] = str(error)
-    return Impacts(chain, surface, contact.law, strikes, refusals)
+    return Impacts(chain, surface, contact.law, strikes, refusals, contact.duration)
 
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], rate_name: str) -> Report:
@@ -239,22 +246,37 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         steps=asked.steps,
         wall_s=asked.wall_s,
         remarks=_laws_side_by_side(impacts, rate, rate_name),
+        extra={"laws": [_law(law, one, rate(one)) for law, one in impacts.strikes.items()]},
         subject=impacts,
     )
 
 
 def _laws_side_by_side(impacts: Impacts, rate: Callable[[ChainStrike], float], rate_name: str) -> tuple[str, ...]:
     """One line a law: its rate, final impulse, works and energy ratio."""
-    head = f"{'law':<10} {rate_name:>26} {'p_fn N s':>12} {'p_ft N s':>12} {'work n J':>12} {'work t J':>12} {'energy ratio':>13}"
+    head = f"{'law':<9} {rate_name:>24} {'p_fn N s':>12} {'p_ft N s':>12} {'work n J':>12} {'work t J':>12} {'energy ratio':>13}"
     lines = ["", head]
     for law, one in impacts.strikes.items():
         works = _works(one)
         shown = "".join(f" {work:12.5g}" if work is not None else f" {'-':>12}" for work in works)
         ratio = "-" if one.kinetic_energy_ratio is None else f"{one.kinetic_energy_ratio:.7f}"
         impulse = one.contact.impulse
-        lines.append(f"{law:<10} {rate(one):26.9g} {impulse[0]:12.6g} {impulse[1]:12.6g}{shown} {ratio:>13}")
-    lines += [f"{law:<10} {reason}" for law, reason in impacts.refusals.items()]
+        lines.append(f"{law:<9} {rate(one):24.9g} {impulse[0]:12.6g} {impulse[1]:12.6g}{shown} {ratio:>13}")
+    lines += [f"{law:<9} {reason}" for law, reason in impacts.refusals.items()]
     return tuple(lines)
+
+
+def _law(law: str, one: ChainStrike, rate: float) -> dict[str, object]:
+    """The same for the JSON, in SI units."""
+    works = _works(one)
+    return {
+        "law": law,
+        "rate_after": rate,
+        "normal_impulse": one.contact.impulse[0],
+        "tangential_impulse": one.contact.impulse[1],
+        "normal_work": works[0],
+        "tangential_work": works[1],
+        "kinetic_energy_ratio": one.kinetic_energy_ratio,
+    }
 
 
 def _works(one: ChainStrike) -> tuple[float | None, float | None]:

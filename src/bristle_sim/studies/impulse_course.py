@@ -17,7 +17,14 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactHistory
 
-__all__ = ["ImpulseCourse", "contact_inverse_mass", "energetic_course", "recorded_course", "tip_velocity"]
+__all__ = [
+    "ImpulseCourse",
+    "contact_inverse_mass",
+    "energetic_course",
+    "recorded_course",
+    "tip_response",
+    "tip_velocity",
+]
 
 Array = NDArray[np.float64]
 
@@ -42,7 +49,13 @@ class ImpulseCourse:
 
 
 def contact_inverse_mass(chain: Chain) -> Array:
-    """K of the tip of hinged uniform rods, order (normal, tangential), shape (2, 2), 1/kg.
+    """Return K = J M^-1 J^T of the tip of hinged uniform rods, order (normal, tangential), shape (2, 2), 1/kg."""
+    jacobian, response = tip_response(chain)
+    return np.asarray(jacobian @ response)
+
+
+def tip_response(chain: Chain) -> tuple[Array, Array]:
+    """Return J of shape (2, rods) and M^-1 J^T of shape (rods, 2), what an impulse at the tip does to the rods, 1/kg.
 
     In the generalized speeds u_i = L_i theta_i' the tip moves with (sum of u_i sin theta_i, sum of u_i cos theta_i) = J u,
     and the kinetic energy is u^T M u/2 with
@@ -50,7 +63,7 @@ def contact_inverse_mass(chain: Chain) -> Array:
         M_ii = m_i/3 + sum of the masses beyond i,
         M_ij = (m_j/2 + sum of the masses beyond j) cos(theta_i - theta_j)    for i < j,
 
-    hence K = J M^-1 J^T, whatever the lengths. A hub that keeps its speed takes no part.
+    whatever the lengths. A hub that keeps its speed takes no part.
     """
     masses, angles = np.array(chain.masses), np.array(chain.angles)
     carried = masses.sum() - np.cumsum(masses)
@@ -58,7 +71,7 @@ def contact_inverse_mass(chain: Chain) -> Array:
     inertia = (masses / 2.0 + carried)[np.maximum.outer(order, order)] * np.cos(np.subtract.outer(angles, angles))
     inertia[order, order] = masses / 3.0 + carried
     jacobian = np.stack([np.sin(angles), np.cos(angles)])
-    return np.asarray(jacobian @ np.linalg.solve(inertia, jacobian.T))
+    return jacobian, np.linalg.solve(inertia, jacobian.T)
 
 
 def tip_velocity(chain: Chain) -> tuple[float, float]:

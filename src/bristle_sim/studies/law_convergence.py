@@ -16,8 +16,7 @@ from bristle_sim.parameters import Surface
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.strike import Chain, build_strike
-from bristle_sim.studies.impact_measures import closed_form
-from bristle_sim.studies.impact_sweeps import weighted
+from bristle_sim.studies.pendulum_sweeps import closed_form, weighted
 
 __all__ = [
     "IDENTICAL_RODS",

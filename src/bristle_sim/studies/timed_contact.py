@@ -7,6 +7,7 @@ the contact in the scene has what is asked for.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Callable
 
@@ -14,12 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
-from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
+from bristle_sim.studies.impacts import Impacts
 from bristle_sim.theory import monofilament
+from bristle_sim.trajectory import ContactHistory
 
-__all__ = ["radial_chain", "resultant_impulse", "timed_contact"]
+__all__ = ["radial_chain", "resultant_impulse", "timed_contact", "with_visible_contact"]
 
 Array = NDArray[np.float64]
 
@@ -28,6 +31,9 @@ CLOSE = 1e-6
 
 ROUNDS = 30
 """Rounds of adjustment; five to ten are usual."""
+
+PRINTED_COMPRESSION = 5e-5
+"""Compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)."""
 
 LARGEST_STEP = 0.5
 """Largest change of the logarithm of speed or duration in a round."""
@@ -81,6 +87,45 @@ def timed_contact(
         return _struck(hub, bristle, surface, impact_angle, settings, duration, speed)
 
     return _adjusted(struck, np.array([duration, speed]), asked, max(CLOSE, settings.accuracy))
+
+
+def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
+    """Give the contact resolved in time the printed 50 us of compression, for films, unless a duration was requested.
+
+    The contact of the report is so short that the rods stand still meanwhile (the rigid-body limit): nanometres and
+    meganewtons. Where 50 us are too short or too long for these rods, it stays so, and ``timing`` says it.
+    """
+    if impacts.contact_duration is not None and impacts.law == "compliant":
+        return dataclasses.replace(impacts, timing="contact_duration as requested")
+    found = _visible(impacts, settings or Settings())
+    if found is None:
+        return dataclasses.replace(impacts, timing="rigid-body limit")
+    strikes = {**impacts.strikes, "compliant": found}
+    return dataclasses.replace(impacts, strikes=strikes, timing="as printed, for the film")
+
+
+def _visible(impacts: Impacts, settings: Settings) -> ChainStrike | None:
+    """The impact with the printed compression time; None where that is none for these rods."""
+    found, duration = impacts.strikes.get("compliant"), 2.0 * PRINTED_COMPRESSION
+    if found is None or math.hypot(*found.contact.velocity_before) * duration > min(impacts.chain.lengths):
+        return None
+    for _ in range(ROUNDS):
+        try:
+            found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings)
+        except ValueError:
+            return None
+        if found.contact.history is None:
+            return None
+        missing = PRINTED_COMPRESSION / _compression_time(found.contact.history)
+        if abs(missing - 1.0) <= CLOSE:
+            return found
+        duration *= missing
+    return None
+
+
+def _compression_time(history: ContactHistory) -> float:
+    """Time from the first touch to the deepest penetration, s; it is a sample."""
+    return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 
 def _adjusted(struck: Callable[[float, float], TimedContact], given: Array, asked: Array, close: float) -> TimedContact:

@@ -9,16 +9,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.pass_invariants import invariant_rows
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["WholePass", "contact_quantities", "require_result", "whole_pass"]
+__all__ = ["WholePass", "contact_quantities", "require_result", "stopped", "whole_pass"]
 
 PRINTED = {
     "release_retraction_deg": 44.5,
@@ -27,22 +29,15 @@ PRINTED = {
 }
 """Zhang 2020, eq. 2.2, caption of fig. 2.30, and eq. 4.5."""
 
-EASIER = "a motion less fast, a larger step or less accuracy is allowed"
-
-GIVEN_UP = {
-    "step budget spent": EASIER,
-    "no step is short enough for the accuracy asked for": EASIER,
-    "no grip for the engine's contact": "a softer belt, or a bar that the wire does not leave over its end, is allowed",
-    "friction too high for the engine's contact": "less bar_friction is allowed",
-}
-"""Ways for a run to stop that leave no result, and what would leave one."""
-
 LEAST_TOLERANCE = 1e-8
 """The reference is good to this: its own accuracy is asked a tenth finer than the scene's, down to 1e-10."""
 
-ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3, "lag_deg_at_contact": 100.0}
+ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
 """By how much these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
-small slope; and the lag is a small difference of two large angles."""
+small slope."""
+
+ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contact")
+"""Differences of two angles of some radians."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +53,14 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     """Simulate a pass and lay it beside the formulas.
 
     Raises:
-        ValueError: if the bristle overlaps an obstacle at the start.
+        ValueError: if the bristle overlaps an obstacle at the start, a fixed step is too short for the run, or the run is
+            given up before its strike.
     """
+    refuse_endless(tool, settings)
     trajectory = simulate(tool, settings)
-    require_result(trajectory, settings)
+    contact = trajectory.first_contact("workpart")
+    if contact is None:
+        require_result(trajectory, settings)
     reference = None
     if with_reference:
         from bristle_sim.reference import simulate_reference
@@ -69,27 +68,36 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         reference = simulate_reference(
             tool, hub_turn=settings.hub_turn, accuracy=max(1e-10, 0.1 * settings.accuracy), stop_after="strike"
         )
-    contact = trajectory.first_contact("workpart")
     return Report(
         outcome=_outcome(contact),
-        quantities=_quantities(tool, settings, trajectory, reference),
+        quantities=(
+            *_quantities(tool, settings, trajectory, reference),
+            *invariant_rows(tool, settings, trajectory),
+        ),
         phases=contact.phases if contact is not None else (),
         events=tuple((event.name, event.time) for event in trajectory.events),
         wall_s=trajectory.cost.wall_s,
         steps=trajectory.cost.steps,
         remarks=_remarks(trajectory),
+        extra={"stopped": stopped(trajectory)},
         subject=WholePass(tool, trajectory, reference),
     )
 
 
 def require_result(trajectory: Trajectory, settings: Settings) -> None:
     """Raise ValueError for a run that was given up."""
-    for reason, allowed in GIVEN_UP.items():
-        if trajectory.stop_reason.endswith(reason):
-            raise ValueError(
-                f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
-                f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; {allowed}"
-            )
+    if trajectory.stop_reason.gives_up:
+        raise ValueError(
+            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {trajectory.stop_reason} after"
+            f" {trajectory.cost.steps} engine steps at {trajectory.time[-1]:g} s; {trajectory.stop_advice}"
+        )
+
+
+def stopped(trajectory: Trajectory) -> dict[str, Any]:
+    """Return why and when a run stopped, and what would let it go further, for the JSON; time in s."""
+    reason = trajectory.stop_reason
+    found = {"reason": str(reason), "time": float(trajectory.time[-1]), "complete": not reason.gives_up}
+    return {**found, "remedy": trajectory.stop_advice}
 
 
 def _outcome(contact: ContactRecord | None) -> str:
@@ -108,9 +116,16 @@ def _quantities(
         tolerance = None
         if referred.get(name) is not None:
             tolerance = max(LEAST_TOLERANCE, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
+            tolerance *= _magnified(tool, name, referred[name])
         printed = PRINTED.get(name) if tool == Tool() else None
         rows.append(Quantity(name, UNITS[name], value, theory.get(name), referred.get(name), printed, tolerance))
     return tuple(rows)
+
+
+def _magnified(tool: Tool, name: str, value: float | None) -> float:
+    """By how much a small difference of two angles or of two rates magnifies the relative error of either."""
+    size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
+    return max(1.0, size / abs(value) if value else size)
 
 
 UNITS = {
@@ -225,7 +240,12 @@ def _remarks(trajectory: Trajectory) -> tuple[str, ...]:
     cost = trajectory.cost
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
     events = ", ".join(f"{event.name} {1e3 * event.time:.4f} ms" for event in trajectory.events[:8])
+    given_up = (
+        f"given up at {1e3 * trajectory.time[-1]:.4f} ms: {trajectory.stop_reason}; {trajectory.stop_advice}; what"
+        " happened before holds"
+    )
     return (
         f"events: {events}{', ...' if len(trajectory.events) > 8 else ''}",
         f"stopped: {trajectory.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
+        *([given_up] if trajectory.stop_reason.gives_up else []),
     )

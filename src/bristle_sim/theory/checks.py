@@ -48,7 +48,7 @@ def ranges(*allowed: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
 def checked(declared: Range, value: Any) -> Any:
     """The value as a float or an array of floats, or ValueError for the first that is out of range."""
     number = _floats(value)
-    if number is None or value is None or np.asarray(value).dtype == bool:
+    if number is None or value is None:
         raise declared.refusal(value)
     above = number >= declared.lowest if declared.lowest_allowed else number > declared.lowest
     outside = ~(above & (number <= declared.highest))
@@ -104,21 +104,32 @@ def whole(name: str, value: Any, highest: int) -> None:
     """Refuse what is not a whole number from 1 on."""
     allowed = f"a whole number with 1 <= {name} <= {highest} is allowed"
     array = numbers(name, value, allowed)
-    holds = (array >= 1) & (array <= highest) & (array == np.floor(array)) & (np.asarray(value).dtype != bool)
+    holds = (array >= 1) & (array <= highest) & (array == np.floor(array))
     require(name, array, holds, allowed)
 
 
 def _floats(value: Any) -> NDArray[np.float64] | None:
-    """An array of floats; None for what does not consist of real numbers, e.g. text, complex numbers, ragged lists."""
+    """An array of floats; None for what does not consist of real numbers: text, truth values, complex numbers, ragged lists."""
+    if _has_truth_value(value):
+        return None
     try:
         array = np.asarray(value)
     except ValueError:
         return None
     if array.dtype.kind == "O":  # whole numbers beyond 64 bits, fractions, nothing at all
-        known = all(isinstance(each, Real | None) for each in array.flat)
+        known = all(isinstance(each, Real | None) and not isinstance(each, bool) for each in array.flat)
         return np.array([_float(each) for each in array.flat], dtype=float).reshape(array.shape) if known else None
+    if array.dtype == np.float64:
+        return array
     with np.errstate(over="ignore"):
-        return array.astype(float) if array.dtype.kind in "biuf" else None
+        return array.astype(float) if array.dtype.kind in "iuf" else None
+
+
+def _has_truth_value(value: Any) -> bool:
+    """Whether True or False is among the values; an array of NumPy would turn them into 1 and 0 beside numbers."""
+    if isinstance(value, list | tuple):
+        return any(map(_has_truth_value, value))
+    return isinstance(value, bool) or (isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "b")
 
 
 def _float(number: Any) -> float:

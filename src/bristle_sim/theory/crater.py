@@ -26,6 +26,7 @@ from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 __all__ = [
     "CUTTING_FRICTION",
     "PLIES",
+    "constant_for_crater_depth",
     "friction_for_crater_depth",
     "merchant_crater_depth",
     "merchant_crater_depth_limit",
@@ -148,7 +149,45 @@ def friction_for_crater_depth(
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
     given = (sine <= np.cos(2.0 * gamma) + 1e-12) & (sine > -np.sin(gamma))
     require("depth", depth, given, "a depth that some friction >= tan(impact_angle) gives is allowed (in m)")
-    return 1.0 / np.tan(np.arcsin(sine) + gamma)
+    # arcsin(1 - 2 x) = pi/2 - 2 arcsin(sqrt(x)) keeps the digits of a small depth.
+    return np.tan(2.0 * np.arcsin(np.sqrt(np.maximum(depth / deepest, 0.0))) - gamma)
+
+
+@_arguments
+def constant_for_crater_depth(
+    depth: ArrayLike,
+    friction: ArrayLike = CUTTING_FRICTION,
+    impact_angle: ArrayLike = IMPACT_ANGLE,
+    shear_yield_stress: ArrayLike = API_5L,
+    plies: int = PLIES,
+    *,
+    force: ForceCurve = BRISTLE,
+    width: Width = PRINTED_WIDTH,
+    compression_time: float = COMPRESSION_TIME,
+) -> Number:
+    """The constant C of (4.45), rad, that makes the crater ``depth`` deep, m: merchant_crater_depth solved for C.
+
+    With x = beta - alpha = arccot(mu) - gamma and eta = (C - x)/2, the angles enter the depth by sin(eta) cos(eta + x) =
+    [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The deepest crater is that of
+    least work, C = pi/2. The shear plane comes out of the surface, eta >= gamma (4.35), where C >= arccot(mu) + gamma:
+    craters less deep than sin(gamma) cos(arccot mu) cos(gamma) (sum of dR/b)/tau_s have a C, but no chip.
+
+    Raises:
+        ValueError: for a depth that no C within 0 < C <= pi/2 gives.
+    """
+    gamma, stress = np.asarray(impact_angle, dtype=float), np.asarray(shear_yield_stress, dtype=float)
+    whole("plies", plies, MOST_PLIES)
+    single("plies", plies)
+    _check_stress(stress)
+    positive("depth", depth, "m")
+    require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
+    require("impact_angle", gamma, (gamma >= 0.0) & (gamma < 0.5 * np.pi), "must be at least 0, below pi/2 (in rad)")
+    scale = np.cos(gamma) / stress * _ply_sum(plies, force, width, compression_time)
+    sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth, dtype=float) / scale
+    # Rounding must not refuse the depth of least work itself.
+    given = (sine > 0.0) & (sine <= 1.0 + 1e-12)
+    require("depth", depth, given, "must be the depth for some C, 0 < C <= pi/2, the deepest being that of pi/2 (in m)")
+    return np.arcsin(np.minimum(sine, 1.0))
 
 
 def _depth_ratio(

@@ -117,7 +117,8 @@ def specific_cutting_energy(
         return np.asarray(shear_yield_stress, dtype=float) / angles.cutting_ratio
     if surface != "inclined":
         raise ValueError(f"surface = {surface!r}: one word of parallel | inclined is allowed")
-    room = 0.5 * (1.0 - np.sin(np.arctan2(1.0, np.asarray(friction, dtype=float))))
+    # [1 - sin(arccot mu)]/2 = [1 - cos(arctan mu)]/2, in the form that does not cancel.
+    room = np.sin(0.5 * np.arctan(np.asarray(friction, dtype=float))) ** 2
     return np.asarray(shear_yield_stress) * np.cos(impact_angle) * np.cos(angles.resultant_angle) / room
 
 

@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import finite, positive, ranges, single, whole
 
-__all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "ForceCurve", "segment_impulses"]
+__all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "TABLE_3_1", "ForceCurve", "segment_impulses"]
 
 Number = Any
 """A float where the argument is one, else an array of its shape."""
@@ -36,6 +36,9 @@ LEAD_SHARE = 0.1
 
 PRINTED_BRISTLE_IMPULSE = 1.619e-3
 """Compressive impulse of the bristle, p_c, N s (Zhang 2020, eq. 3.9)."""
+
+TABLE_3_1 = ("0.13", "0.43", "0.79", "1.18", "1.56", "1.93", "2.24", "2.49", "2.67", "2.76")
+"""Ten-segment impulses of the bristle, 1e-4 N s, with the digits they have in print (Zhang 2020, table 3.1)."""
 
 MOST_SEGMENTS = 10_000_000
 """Segments are integrated in one array."""

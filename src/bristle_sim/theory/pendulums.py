@@ -298,15 +298,16 @@ class _Course:
         final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
         return 2.0 * work / (speed + final) if final > 0.0 else 0.0
 
-    def follow(self, phase: str, change: Speeds, impulse: float) -> None:
-        """Apply the normal impulse, with q changing at the rate ``change``."""
-        start = self.tip[1]
+    def follow(self, phase: str, change: Speeds, impulse: float) -> float:
+        """Apply the normal impulse, with q changing at the rate ``change``; returns its normal work."""
+        work = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * impulse) * impulse
         self.speeds = self.speeds + change * impulse
-        self.work += 0.5 * impulse * (start + self.tip[1])
+        self.work += work
         self.impulse += impulse
         self.phases.append(phase)
         if math.isinf(self.slip_stop) and not self.slip:
             self.slip_stop = self.impulse
+        return work
 
 
 def _compress(course: _Course, mu: float) -> bool:
@@ -329,18 +330,18 @@ def _restitute(course: _Course, mu: float, restitution: float) -> str:
     """Go on until the work of restitution is -e*^2 that of compression (2.87); returns the outcome."""
     if restitution == 0.0:
         return "no rebound"
-    final_work = (1.0 - restitution**2) * course.work
+    wanted = -(restitution**2) * course.work
     if course.slip:
         motion, change = course.slipping(course.slip, mu)
         if course.rods.tip_velocity(change)[1] <= 0.0:
             # More friction than in compression: it would drive C back as soon as C leaves.
             change = course.rods.sliding_at_rest()
-        stop, end = course.impulse_to_stop(change), course.impulse_to_work(change, final_work - course.work)
-        course.follow(f"restitution {motion}", change, min(stop, end))
+        stop, end = course.impulse_to_stop(change), course.impulse_to_work(change, wanted)
+        wanted -= course.follow(f"restitution {motion}", change, min(stop, end))
         if end <= stop:
             return "rebound"
     motion, change = course.after_slip(mu)
-    end = course.impulse_to_work(change, final_work - course.work)
+    end = course.impulse_to_work(change, wanted)
     if math.isinf(end):
         return "stiction"
     course.follow(f"restitution {motion}", change, end)

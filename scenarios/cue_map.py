@@ -1,0 +1,55 @@
+"""Cue map: where must the bar stand?
+
+The bar goes around the hub at its distance, and each pass is simulated up to its strike. The direction for which the
+bristle strikes radially is a root, that of the highest tip speed a maximum; both are compared with the dissertation's
+formula and its printed position.
+"""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
+from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.settings import Settings
+from bristle_sim.studies.cue_map import MapGrid, cue_map
+
+
+def run(values: Mapping[str, Any]) -> Report:
+    """Build the tool from the keys and look for the bar's best directions."""
+    tool = Tool(
+        hub=build(Hub, values),
+        belt=build(Belt, values),
+        bristle=build(Bristle, values),
+        bar=build(Bar, values),
+        workpart=build(Workpart, values),
+        gravity=values["gravity"],
+    )
+    return cue_map(tool, build(Settings, values), build(MapGrid, values), with_reference=values["reference"] == "yes")
+
+
+def plot(report: Report, path: Path) -> None:
+    """Draw maps of lag, tip speed, normal work and crater depth over the bar's position."""
+    from bristle_sim.render.map_figure import map_figure
+    from bristle_sim.render.style import save_figure
+
+    save_figure(map_figure(report.subject), path)
+
+
+SCENARIO = Scenario(
+    name="cue_map",
+    question="Where must the bar stand for a radial strike, and where for the fastest tip?",
+    parts=(Hub, Belt, Bristle, Bar, Workpart, Tool, Settings, Comparison, MapGrid),
+    run=run,
+    plot=plot,
+    without=("knee_position", "knee_angle_deg"),
+    defaults={
+        "reference": ("yes", "chosen: the roots are found a second time in the independent solution"),
+        "accuracy": (1e-9, "chosen: the roots are found to 1e-6"),
+    },
+)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))

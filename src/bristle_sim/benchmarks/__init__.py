@@ -1,0 +1,1 @@
+"""What accuracy costs, what the impact law costs, and whether the program stays stable where it is hard."""

@@ -1,0 +1,185 @@
+"""Error and time of attempts at a case, in separate passes.
+
+First every attempt is run once and its error noted, which also warms it up. Then all attempts are timed in rounds, each
+round going through all of them in turn, so that whatever else the machine is doing hits all alike. Times are CPU times
+of the process. The least of the rounds is what the attempt costs; what is above it is the machine's noise, which the
+median shows.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time as clock
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bristle_sim.benchmarks.accuracy_cost.cases import Case
+from bristle_sim.quantity import choice, validate
+
+__all__ = ["Attempt", "Effort", "Point", "Run", "cheapest", "cpu_times", "measure", "package_of", "thinned"]
+
+
+@dataclass(frozen=True, slots=True)
+class Effort:
+    """How much to measure."""
+
+    effort: str = choice(
+        "full",
+        "effort",
+        ("full", "quick"),
+        source="chosen: quick measures too little to compare",
+        meaning="how many settings are timed and how often",
+    )
+    peers: str = choice(
+        "all",
+        "peers",
+        ("all", "none"),
+        source="chosen: every installed peer takes part",
+        meaning="whether other packages are timed too",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    @property
+    def rounds(self) -> int:
+        """Times each attempt is timed."""
+        return 7 if self.effort == "full" else 2
+
+    @property
+    def block_s(self) -> float:
+        """CPU time that one timing of an attempt should take at least, by repetition; s."""
+        return 4e-3 if self.effort == "full" else 0.0
+
+    @property
+    def settings(self) -> int | None:
+        """Settings of each method that are tried; None for all."""
+        return None if self.effort == "full" else 2
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What an attempt returns: the case's numbers, and its steps (or right-hand sides)."""
+
+    values: tuple[float, ...]
+    steps: int
+
+
+@dataclass(frozen=True, slots=True)
+class Attempt:
+    """One method with one setting; ``run`` does all that is timed, and what it needs beforehand is made before.
+
+    Settings of one method go from coarse to fine. ``method`` begins with the package's name.
+    """
+
+    method: str
+    setting: str
+    run: Callable[[], Run]
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """What an attempt reached and cost; error infinite and ``failure`` said if it broke down.
+
+    ``cpu_s`` is the least and ``cpu_s_median`` the median of the rounds, s.
+    """
+
+    case: str
+    method: str
+    setting: str
+    error: float
+    cpu_s: float
+    cpu_s_median: float
+    steps: int
+    failure: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The point as plain values, None for what is not finite."""
+        return {name: _plain(getattr(self, name)) for name in self.__slots__}
+
+
+def _plain(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def package_of(method: str) -> str:
+    """The package a method belongs to."""
+    return method.split(maxsplit=1)[0]
+
+
+def thinned(attempts: Sequence[Attempt], settings: int | None) -> list[Attempt]:
+    """At most so many settings of each method, evenly spread, the coarsest among them."""
+    if settings is None:
+        return list(attempts)
+    kept = []
+    for method in dict.fromkeys(each.method for each in attempts):
+        own = [each for each in attempts if each.method == method]
+        stride = max(1, -(-len(own) // settings))
+        kept += own[::stride]
+    return kept
+
+
+def measure(case: Case, attempts: Iterable[Attempt], effort: Effort) -> list[Point]:
+    """Errors first, then times, of every attempt."""
+    errors: list[tuple[Attempt, float, int, str]] = []
+    for attempt in attempts:
+        try:
+            run = attempt.run()
+            errors.append((attempt, case.error(run.values), run.steps, ""))
+        # Whatever a tool raises, and each has kinds of its own, is its result here and not the study's failure.
+        except Exception as failure:
+            errors.append((attempt, math.inf, 0, " ".join(str(failure).split()) or type(failure).__name__))
+    sound = [attempt for attempt, _, _, failure in errors if not failure]
+    times = dict(zip(map(id, sound), cpu_times([each.run for each in sound], effort), strict=True))
+    nothing = (math.nan, math.nan)
+    return [
+        Point(case.name, each.method, each.setting, error, *times.get(id(each), nothing), steps, failure)
+        for each, error, steps, failure in errors
+    ]
+
+
+def cpu_times(actions: Sequence[Callable[[], Any]], effort: Effort) -> list[tuple[float, float]]:
+    """(least, median) CPU time in s of each action, timed in turn over the rounds, with caches warm."""
+    counts = [_repetitions(action, effort.block_s) for action in actions]
+    rounds: list[list[float]] = [[] for _ in actions]
+    for _ in range(effort.rounds):
+        for action, count, own in zip(actions, counts, rounds, strict=True):
+            if count > 1:
+                action()
+            own.append(_timed(action, count) / count)
+    return [(min(own), statistics.median(own)) for own in rounds]
+
+
+def _repetitions(action: Callable[[], Any], block_s: float) -> int:
+    """Of an action to fill a block; its first call is slow and tells nothing."""
+    first = _timed(action, 1)
+    usual = first if first > block_s else _timed(action, 2) / 2.0
+    return max(1, math.ceil(block_s / max(usual, 1e-7)))
+
+
+def _timed(action: Callable[[], Any], count: int) -> float:
+    begin = clock.process_time()
+    for _ in range(count):
+        action()
+    return clock.process_time() - begin
+
+
+def cheapest(points: Iterable[Point], target: float) -> Point | None:
+    """The cheapest point within a target error whose method's next finer setting is within it too.
+
+    That a setting is right by luck, where its error changes sign, does not count. Points of one method go from coarse to
+    fine.
+    """
+    methods: dict[str, list[Point]] = {}
+    for point in points:
+        if not point.failure:
+            methods.setdefault(point.method, []).append(point)
+    candidates = [
+        point
+        for own in methods.values()
+        for point, finer in zip(own, [*own[1:], own[-1]], strict=True)
+        if point.error <= target and finer.error <= target
+    ]
+    return min(candidates, key=lambda each: each.cpu_s, default=None)

@@ -1,0 +1,157 @@
+"""scipy's integrators at the cases, with right-hand sides as fast as Python can make them."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any
+
+from scipy.integrate import ode, odeint, solve_ivp
+
+from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, StrikeCase, state_at_strike
+from bristle_sim.benchmarks.accuracy_cost.compliant_contact import ContactPhase, TipContact
+from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
+from bristle_sim.reference import simulate_reference
+from bristle_sim.theory.cueing import centrifugal_stiffness
+
+__all__ = ["flight_attempts", "pass_attempts", "strike_attempts"]
+
+TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
+"""Relative tolerances, two to a decade, from 1e-2 to 1e-12."""
+
+COMPILED = ("dopri5", "dop853")
+"""Integrators that ``ode`` steps in compiled code."""
+
+
+def flight_attempts(case: FlightCase) -> list[Attempt]:
+    """``solve_ivp`` with its methods, and the older interfaces, whose loop over steps is compiled."""
+    slope = _flight(case)
+    attempts = []
+    for method in ("RK45", "DOP853", "LSODA", "Radau"):
+        attempts += [_attempt(f"scipy {method.lower()}", each, _solved, case, slope, method) for each in TOLERANCES]
+    for method in COMPILED:
+        attempts += [
+            _attempt(f"scipy ode {method}", each, _stepped_in_compiled_code, case, slope, method) for each in TOLERANCES
+        ]
+    return attempts + [_attempt("scipy odeint", each, _lsoda, case, slope) for each in TOLERANCES]
+
+
+def _attempt(method: str, tolerance: float, solve: Callable[..., Run], *arguments: Any) -> Attempt:
+    return Attempt(method, f"rtol={tolerance:.3g}", functools.partial(solve, *arguments, tolerance))
+
+
+Slope = Callable[[float, Any], tuple[float, float]]
+
+START = (-1.0, 0.0)
+"""Relative angle in units of the retraction, relative rate in units of the highest."""
+
+
+def _flight(case: FlightCase) -> Slope:
+    """I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha in units of retraction and highest rate."""
+    tool, (retraction, highest) = case.tool, case.scale
+    stiffening = centrifugal_stiffness(tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed)
+    pace = highest / retraction
+    belt = tool.belt.stiffness / tool.bristle.inertia_about_root / pace
+    extra = float(stiffening) / tool.bristle.inertia_about_root / highest
+
+    def slope(_: float, state: Any) -> tuple[float, float]:
+        angle, rate = state.tolist()
+        return pace * rate, -belt * angle - extra * math.sin(retraction * angle)
+
+    return slope
+
+
+def _flown(case: FlightCase, state: Any, evaluations: int) -> Run:
+    angle, rate = state.tolist()
+    return Run((angle * case.scale[0], rate * case.scale[1]), evaluations)
+
+
+def _solved(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Run:
+    found = solve_ivp(slope, (0.0, case.duration), START, method=method, rtol=_least(tolerance), atol=tolerance)
+    return _flown(case, found.y[:, -1], found.nfev)
+
+
+def _least(tolerance: float) -> float:
+    """solve_ivp warns below a hundred roundings."""
+    return max(tolerance, 2.5e-14)
+
+
+def _stepped_in_compiled_code(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Run:
+    count = 0
+
+    def counted(time: float, state: Any) -> tuple[float, float]:
+        nonlocal count
+        count += 1
+        return slope(time, state)
+
+    solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
+    solver.set_initial_value(START)
+    return _flown(case, solver.integrate(case.duration), count)
+
+
+def _lsoda(case: FlightCase, slope: Slope, tolerance: float) -> Run:
+    values, report = odeint(
+        slope,
+        START,
+        (0.0, case.duration),
+        rtol=tolerance,
+        atol=tolerance,
+        tfirst=True,
+        full_output=True,
+        mxstep=100_000,
+    )
+    return _flown(case, values[-1], int(report["nfe"][-1]))
+
+
+def strike_attempts(case: StrikeCase) -> list[Attempt]:
+    """The bilinear compliant contact in contact space, phase by phase, each ended by an event."""
+    return [
+        _attempt(f"scipy {method.lower()}", each, _struck, case, method)
+        for method in ("RK45", "DOP853", "LSODA", "Radau")
+        for each in TOLERANCES[::2]
+    ]
+
+
+def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
+    evaluations = 0
+
+    def follow(contact: TipContact, phase: ContactPhase, state: list[float]) -> list[float]:
+        nonlocal evaluations
+        events = [_terminal(*each) for each in contact.ends(phase)]
+        found = solve_ivp(
+            contact.derivative(phase),
+            (0.0, contact.LONGEST),
+            state,
+            method=method,
+            events=events,
+            rtol=_least(tolerance),
+            atol=tolerance,
+        )
+        evaluations += found.nfev
+        return list(found.y[:, -1].tolist())
+
+    return Run(TipContact(case.chain, case.surface).solve(follow), evaluations)
+
+
+def _terminal(function: Callable[..., float], direction: float) -> Any:
+    """The function as solve_ivp wants an event that ends the integration."""
+
+    def event(time: float, state: Any) -> float:
+        return function(time, state)
+
+    event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
+    return event
+
+
+def pass_attempts(case: PassCase) -> list[Attempt]:
+    """The independent reference, which searches all events on the integrator's dense output."""
+    return [
+        Attempt("scipy dop853", f"accuracy=1e-{power:02d}", functools.partial(_passed, case, 10.0**-power))
+        for power in range(2, 11)
+    ]
+
+
+def _passed(case: PassCase, accuracy: float) -> Run:
+    run = simulate_reference(case.tool, accuracy=accuracy, stop_after="strike")
+    return Run(state_at_strike(run), run.cost.steps)

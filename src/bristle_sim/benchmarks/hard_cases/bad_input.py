@@ -1,0 +1,245 @@
+"""Input that is no number, out of range or at the very ends of its range: one clear line, or a finite result."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib
+import inspect
+import math
+import random
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any, TypeVar
+
+from bristle_sim import crater_parameters, parameters
+from bristle_sim.benchmarks.hard_cases.attempts import BAD, Tally, finite
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
+from bristle_sim.benchmarks.hard_cases.theory_samples import MODULES, WHOLE, samples_of
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
+from bristle_sim.quantity import Choice, Range, shown
+from bristle_sim.scene.energetic_contact import EnergeticContact
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.scene.tool import build_tool, simulate
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Trajectory
+
+__all__ = ["cases", "corner"]
+
+THEME = "bad_input"
+
+T = TypeVar("T")
+
+CLASSES: tuple[type[Any], ...] = (
+    *(getattr(parameters, name) for name in parameters.__all__ if inspect.isclass(getattr(parameters, name))),
+    parameters.Surface,
+    parameters.SinglePendulum,
+    parameters.DoublePendulum,
+    *(getattr(crater_parameters, name) for name in ("Crater", "ForceHistory", "Measurement")),
+    Settings,
+)
+"""Every class of parameters."""
+
+CORNER_STEPS = 2000
+"""Engine steps of a pass at a corner: a spent budget is a result."""
+
+STRIKE_STEPS = 20_000
+"""Engine steps of a strike at a corner: a spent budget is a refusal."""
+
+
+def cases(full: bool) -> tuple[HardCase, ...]:
+    """Quick: fewer corners."""
+    one_line = "refused in one line that names it, or taken as a plain number"
+    answered = "finite result, or refused in one line"
+    laws = ("energetic", "engine", "compliant")
+    return (
+        *(_case(f"every value of {kind.__name__}", one_line, partial(_values_of, kind)) for kind in CLASSES),
+        _case("every argument of simulate()", one_line, _simulate),
+        _case("every entry of a chain that strikes", one_line, _chain),
+        _case("every argument of EnergeticContact", one_line, _energetic_contact),
+        *(_case(f"every argument of theory.{name}", answered, partial(_theory, name)) for name in MODULES),
+        *(
+            _case(f"ends of all ranges, a strike, {law}", answered, partial(_strikes, law, _number(full, law)))
+            for law in laws
+        ),
+        _case(f"ends of all ranges, a pass of {CORNER_STEPS} steps", answered, partial(_passes, 300 if full else 30)),
+    )
+
+
+def _number(full: bool, law: str) -> int:
+    return (10 if full else 1) * (20 if law == "compliant" else 60)
+
+
+def _case(name: str, promise: str, measure: Callable[[], Finding]) -> HardCase:
+    return HardCase(THEME, name, promise, measure)
+
+
+def _values_of(kind: type[Any]) -> Finding:
+    tally = Tally()
+    for each in dataclasses.fields(kind):
+        key = each.metadata["declaration"].key if "declaration" in each.metadata else each.name
+        for value in BAD:
+            call = partial(_made, kind, {each.name: value})
+            tally.attempt(f"{key} = {shown(value)}", call, partial(_holds_plain, each.name), key)
+    return tally.finding()
+
+
+def _made(kind: type[Any], values: dict[str, Any]) -> Any:
+    return kind(**values)
+
+
+def _holds_plain(name: str, part: object) -> bool:
+    """A plain number or word, whatever it was given as."""
+    held = getattr(part, name)
+    known = type(held) in (float, int, str, type(None)) or dataclasses.is_dataclass(held)
+    return known and (not isinstance(held, float) or math.isfinite(held))
+
+
+def _simulate() -> Finding:
+    tally, bare, few = Tally(), Tool(bar=None, workpart=None), Settings(maximum_steps=100)
+    names = ("tool", "settings", "start_hub_angle", "start_relative_angle", "start_relative_rate", "stop_after")
+    for name in names:
+        for value in BAD:
+            if name == "settings" and value is None:
+                continue  # the default, with a budget of its own
+            given: dict[str, Any] = {"tool": bare, "settings": few, name: value}
+            tally.attempt(f"{name} = {shown(value)}", partial(simulate, **given), finite, name)
+    for name in ("samples_per_period", "hub_turn"):
+        for value in BAD:
+            tally.attempt(f"{name} = {shown(value)}", partial(_run_with, bare, name, value), finite, name)
+    return tally.finding()
+
+
+def _run_with(tool: Tool, name: str, value: Any) -> Trajectory:
+    return simulate(tool, Settings(**{"maximum_steps": 100, name: value}))
+
+
+def _chain() -> Finding:
+    """Nothing that is no chain may reach the engine, which ends the process for a mass that is no number."""
+    tally = Tally()
+    good = dataclasses.asdict(Chain((5.0, 5.0), (1.0, 1.0), (-0.35, -0.5), (0.1, 0.2)))
+
+    def struck(chain: Chain) -> bool:
+        numbers = [float(each) for each in (*chain.masses, *chain.lengths, *chain.angles, *chain.rates)]
+        if not all(map(math.isfinite, numbers)) or min(*chain.masses, *chain.lengths) <= 0.0:
+            return False
+        return finite(strike(chain, Surface(0.5, None, 0.5), Contact(), Settings()))
+
+    for name, value in good.items():
+        for bad in BAD:
+            entries = [bad, *([(bad, value[1]), (value[0], bad)] if isinstance(value, tuple) else [])]
+            for entry in entries:
+                # Of a column it is an entry that is told, by the name of one.
+                words = (name, name.removesuffix("es"), name.removesuffix("s"))
+                tally.attempt(f"{name} = {shown(entry)}", partial(Chain, **{**good, name: entry}), struck, *words)
+    for name, kind in (("chain", Chain), ("surface", Surface), ("contact", Contact), ("settings", Settings)):
+        given: dict[str, Any] = {
+            "chain": Chain(**good),
+            "surface": Surface(),
+            "contact": Contact(),
+            "settings": Settings(),
+        }
+        for bad in BAD:
+            tally.attempt(f"{kind.__name__} {shown(bad)}", partial(strike, **{**given, name: bad}), finite, name)
+    return tally.finding()
+
+
+def _energetic_contact() -> Finding:
+    tally, good = Tally(), {"collision_type_a": 1, "collision_type_b": 2, "friction": 0.3, "restitution": 0.4}
+    names = ("space", *good, "restitution_friction", "resting_speed", "report")
+    for name in names:
+        for value in BAD:
+            given: dict[str, Any] = {"space": build_tool(Tool())[0].space, **good, name: value}
+
+            def known(contact: EnergeticContact) -> bool:
+                return finite((contact.friction, contact.restitution_friction, contact.resting_speed))
+
+            tally.attempt(f"{name} = {shown(value)}", partial(EnergeticContact, **given), known, name)
+    contact = EnergeticContact(build_tool(Tool())[0].space, 1, 2, friction=0.3, restitution=0.4)
+    for value in BAD:
+        tally.attempt(f"duration = {shown(value)}", partial(contact.step, value), _any_answer, "duration")
+    return tally.finding()
+
+
+def _any_answer(answer: object) -> bool:
+    del answer
+    return True
+
+
+def _theory(name: str) -> Finding:
+    tally = Tally()
+    module = importlib.import_module(f"bristle_sim.theory.{name}")
+    for function in (getattr(module, each) for each in module.__all__):
+        if not inspect.isfunction(function):
+            continue
+        good = samples_of(function)
+        for argument in good:
+            for value in BAD if argument not in WHOLE else ():
+                call = partial(function, **{**good, argument: value})
+                tally.attempt(f"{function.__name__}, {argument} = {shown(value)}", call, finite)
+    return tally.finding()
+
+
+def corner(kind: type[T], chance: random.Random, share: float = 0.4, without: tuple[str, ...] = ()) -> T:
+    """Parameters of a class, a share of them at one end of what is allowed, the rest as by default."""
+    return kind(**dict(_ends(kind, chance, share, without)))
+
+
+def _ends(kind: type[Any], chance: random.Random, share: float, without: tuple[str, ...]) -> Iterator[tuple[str, Any]]:
+    for each in dataclasses.fields(kind):
+        declared = each.metadata.get("declaration")
+        if declared is None or declared.key in without or chance.random() > share:
+            continue
+        if isinstance(declared, Choice):
+            yield each.name, chance.choice(declared.options)
+        elif isinstance(declared, Range):
+            least = declared.lowest if declared.lowest_allowed else math.nextafter(declared.lowest, math.inf)
+            yield each.name, chance.choice((least, declared.highest))
+
+
+def _strikes(law: str, number: int) -> Finding:
+    tally, chance = Tally(), random.Random(f"strikes {law}")
+    for _ in range(number):
+        chain = _one_rod(chance) if chance.random() < 0.5 else _two_rods(chance)
+        contact = _contact(chance, law)
+        settings = dataclasses.replace(corner(Settings, chance, without=("step",)), maximum_steps=STRIKE_STEPS)
+        call = partial(strike, chain, corner(Surface, chance), contact, settings)
+        tally.attempt(f"{chain}, {contact}", call, finite)
+    return tally.finding()
+
+
+def _contact(chance: random.Random, law: str) -> Contact:
+    """A contact of the law, whose duration is at one end of its range at times if the law has one."""
+    ends = dict(_ends(Contact, chance, 0.4, ("contact",)))
+    return Contact(law, ends.get("duration") if law == "compliant" else None)
+
+
+def _one_rod(chance: random.Random) -> Chain:
+    hub, bristle, state = corner(Hub, chance), corner(Bristle, chance), corner(Strike, chance)
+    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * hub.speed
+    return Chain((bristle.mass,), (bristle.length,), (-gamma,), (rate,), hub.radius, hub.speed, -gamma)
+
+
+def _two_rods(chance: random.Random) -> Chain:
+    rods = corner(DoublePendulum, chance)
+    angles = (-math.radians(rods.angle_1_deg), -math.radians(rods.angle_2_deg))
+    return Chain((rods.mass_ratio * rods.mass, rods.mass), (rods.length,) * 2, angles, (-rods.rate_1, -rods.rate_2))
+
+
+def _passes(number: int) -> Finding:
+    tally, chance = Tally(), random.Random("passes")
+    for _ in range(number):
+        tally.attempt("pass", partial(_pass, chance), finite)
+    return tally.finding()
+
+
+def _pass(chance: random.Random) -> Trajectory:
+    hub, belt, bristle, bar, part = (corner(kind, chance, 0.1) for kind in (Hub, Belt, Bristle, Bar, Workpart))
+    settings = dataclasses.replace(corner(Settings, chance, 0.2, ("hub_turn",)), maximum_steps=CORNER_STEPS)
+    contact = _contact(chance, chance.choice(("energetic", "compliant", "engine")))
+    tool = Tool(hub, belt, bristle, chance.choice((None, bar)), chance.choice((None, part)), contact)  # type: ignore[arg-type]
+    return simulate(
+        tool,
+        settings,
+        start_relative_angle=chance.choice((0.0, -0.5, 0.5 * math.pi)),
+        start_relative_rate=chance.choice((0.0, 0.0, 1e9, -1e9)),
+    )

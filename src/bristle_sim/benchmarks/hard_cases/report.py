@@ -1,0 +1,140 @@
+"""Every hard case tried, as a report: what was promised, what was reached, and how many promises were kept."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import textwrap
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
+from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.quantity import choice, validate
+
+__all__ = ["THEMES", "HardCaseChoice", "cases_of", "hard_cases"]
+
+THEMES = (
+    "mass_ratio",
+    "belt_stiffness",
+    "damping",
+    "jam",
+    "grazing",
+    "limits",
+    "size",
+    "hub_speed",
+    "tunnelling",
+    "long_run",
+    "chatter",
+    "touching",
+    "bad_input",
+    "repeatability",
+    "budget",
+)
+"""Modules of this package that hold cases, one a theme."""
+
+
+@dataclass(frozen=True, slots=True)
+class HardCaseChoice:
+    """Which cases to try."""
+
+    theme: str = choice(
+        "all", "theme", ("all", *THEMES), source="chosen: every theme", meaning="kind of hard case that is tried"
+    )
+    effort: str = choice(
+        "full",
+        "effort",
+        ("full", "quick"),
+        source="chosen: quick leaves out what takes long",
+        meaning="whether the cases that take long are tried too",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
+    """The cases of one theme."""
+    module = importlib.import_module(f"bristle_sim.benchmarks.hard_cases.{theme}")
+    found: tuple[HardCase, ...] = module.cases(full)
+    return found
+
+
+def hard_cases(asked: HardCaseChoice) -> Report:
+    """Try the requested cases, one after the other.
+
+    Raises:
+        Unfinished: with a report of the cases tried so far, if the user interrupts.
+    """
+    begin = clock.perf_counter()
+    themes = THEMES if asked.theme == "all" else (asked.theme,)
+    tried: list[tuple[HardCase, Finding]] = []
+    try:
+        for number, theme in enumerate(themes, start=1):
+            logging.getLogger(__name__).info("%s (theme %d of %d)", theme.replace("_", " "), number, len(themes))
+            for case in cases_of(theme, full=asked.effort == "full"):
+                tried.append((case, case.run()))
+    except KeyboardInterrupt:
+        reached = [theme for theme in themes if any(case.theme == theme for case, _ in tried)]
+        raise Unfinished(_report(reached, tried, begin)) from None
+    return _report(themes, tried, begin)
+
+
+def _report(themes: Sequence[str], tried: Sequence[tuple[HardCase, Finding]], begin: float) -> Report:
+    return Report(
+        outcome=None,
+        quantities=tuple(_kept(theme, tried) for theme in themes),
+        wall_s=clock.perf_counter() - begin,
+        steps=sum(finding.steps for _, finding in tried),
+        remarks=("", *_table(tried)),
+        extra={"rows": [_row(case, finding) for case, finding in tried]},
+        subject=tried,
+    )
+
+
+Tried = Sequence[tuple[HardCase, Finding]]
+
+
+def _kept(theme: str, tried: Tried) -> Quantity:
+    """Promises of a theme that were kept, compared with all of them."""
+    verdicts = [finding.ok for case, finding in tried if case.theme == theme]
+    return Quantity(f"{theme}_promises_kept", "1", float(sum(verdicts)), float(len(verdicts)), tolerance=0.0)
+
+
+def _row(case: HardCase, finding: Finding) -> dict[str, object]:
+    return {
+        "theme": case.theme,
+        "case": f"{case.theme.replace('_', ' ')}: {case.name}",
+        "promise": case.promise,
+        "reached": finding.reached,
+        "ok": finding.ok,
+    }
+
+
+CASE, PROMISE, REACHED = 30, 30, 31
+"""Columns of the table, which fits a terminal of 100."""
+
+
+def _table(tried: Tried) -> list[str]:
+    lines = [_line("case", "promise", "reached", "ok"), "-" * 100]
+    theme = ""
+    for case, finding in tried:
+        if case.theme != theme:
+            theme = case.theme
+            lines.append(theme.replace("_", " "))
+        cells = (
+            textwrap.wrap(case.name, CASE - 2),
+            textwrap.wrap(case.promise, PROMISE),
+            textwrap.wrap(finding.reached, REACHED),
+        )
+        for number in range(max(map(len, cells))):
+            words = [cell[number] if number < len(cell) else "" for cell in cells]
+            lines.append(
+                _line(f"  {words[0]}", words[1], words[2], ("yes" if finding.ok else "NO") if not number else "")
+            )
+    return lines
+
+
+def _line(case: str, promise: str, reached: str, verdict: str) -> str:
+    return f"{case:<{CASE}}  {promise:<{PROMISE}}  {reached:<{REACHED}}  {verdict}".rstrip()

@@ -1,0 +1,114 @@
+"""The audit: every printed number and decidable statement of chapters 2-4 of the dissertation, recomputed.
+
+Rows come in the order of the chapters. Nothing is stored: each call computes all of them, the simulated pass once. As a
+report they are rows for JSON, counts, and a table that reads on a terminal of 100 columns.
+"""
+
+from __future__ import annotations
+
+import textwrap
+import time as clock
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.dissertation.audit_crater import crater_rows
+from bristle_sim.dissertation.audit_force import force_rows
+from bristle_sim.dissertation.audit_impact import impact_rows
+from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
+from bristle_sim.dissertation.audit_tool import tool_rows
+from bristle_sim.quantity import choice, validate
+
+__all__ = ["AuditView", "audit_report", "audit_rows", "shown_number", "terminal_table"]
+
+WIDTH = 100
+"""Columns of a terminal that the table fits in."""
+
+PRINTED, COMPUTED, UNIT = 22, 12, 9
+"""Columns of the table's narrow cells; the status is the last and the place takes the rest."""
+
+
+@dataclass(frozen=True, slots=True)
+class AuditView:
+    """Which rows the table shows; the JSON always has them all."""
+
+    show: str = choice(
+        "all",
+        "show",
+        ("all", REPRODUCED, DIFFERS, NOT_COMPUTABLE),
+        source="chosen: rows of the table on the terminal",
+        meaning="which rows the table shows; the JSON has all",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+def audit_rows() -> tuple[AuditRow, ...]:
+    """All rows of the audit (see AuditRow); numbers are finite, places unique."""
+    return (*tool_rows(), *impact_rows(), *force_rows(), *crater_rows())
+
+
+def audit_report(view: AuditView) -> Report:
+    """Recompute every printed number."""
+    begin = clock.perf_counter()
+    rows = audit_rows()
+    counts = Counter(row.status for row in rows)
+    names = {REPRODUCED: "rows_reproduced", DIFFERS: "rows_that_differ", NOT_COMPUTABLE: "rows_not_computable"}
+    shown = [row for row in rows if view.show in ("all", row.status)]
+    return Report(
+        outcome=None,
+        quantities=tuple(Quantity(name, "rows", float(counts[status])) for status, name in names.items()),
+        wall_s=clock.perf_counter() - begin,
+        remarks=("", terminal_table(shown)),
+        extra={"rows": [_as_dict(row) for row in rows]},
+        subject=rows,
+    )
+
+
+def shown_number(value: float | str | None) -> str:
+    """A cell: a statement as it is, a number with up to seven digits, a dash for nothing."""
+    if value is None:
+        return "-"
+    return value if isinstance(value, str) else f"{value:.7g}"
+
+
+def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
+    """Rows under each other: place, printed, computed, unit and status, and below them the reason, indented."""
+    status = max(map(len, (REPRODUCED, DIFFERS, NOT_COMPUTABLE)))
+    place = width - PRINTED - COMPUTED - UNIT - status - 8
+    widths = (place, PRINTED, COMPUTED, UNIT, status)
+    lines = [_line(("where", "printed", "computed", "unit", "status"), widths), "-" * width]
+    for row in rows:
+        cells = (row.where, shown_number(row.printed), shown_number(row.computed), row.unit, row.status)
+        lines.append(_line(cells, widths))
+        lines += textwrap.wrap(row.why, width, initial_indent="    ", subsequent_indent="    ")
+    return "\n".join(lines)
+
+
+def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
+    """Cells side by side, each wrapped within its own column; numbers stand at the right."""
+    columns = [textwrap.wrap(cell, width) or [""] for cell, width in zip(cells, widths, strict=True)]
+    lines = []
+    for number in range(max(map(len, columns))):
+        parts = [column[number] if number < len(column) else "" for column in columns]
+        aligned = [
+            part.rjust(width) if index in (1, 2) else part.ljust(width)
+            for index, (part, width) in enumerate(zip(parts, widths, strict=True))
+        ]
+        lines.append("  ".join(aligned).rstrip())
+    return "\n".join(lines)
+
+
+def _as_dict(row: AuditRow) -> dict[str, object]:
+    return {
+        "where": row.where,
+        "printed": row.printed,
+        "computed": row.computed,
+        "status": row.status,
+        "why": row.why,
+        "unit": row.unit,
+        "function": row.function,
+        "tolerance": row.tolerance,
+    }

@@ -1,0 +1,96 @@
+"""Every computed figure of the dissertation and table 3.1: their data by number, and how far points are from curves."""
+
+from __future__ import annotations
+
+import logging
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.dissertation import crater_figures, force_figures, impact_figures
+from bristle_sim.dissertation.redrawn import Redrawn, largest_differences
+from bristle_sim.quantity import choice, validate
+from bristle_sim.studies.curves import SOURCES
+
+__all__ = ["NUMBERS", "Selection", "figures_report", "redrawn"]
+
+_BUILDERS: dict[str, Callable[[], Redrawn]] = {
+    **{number: partial(impact_figures.impact_figure, number) for number in impact_figures.FIGURES},
+    "2.26": impact_figures.single_pendulum_figure,
+    "2.28": partial(impact_figures.double_pendulum_figure, "2.28"),
+    "2.29": partial(impact_figures.double_pendulum_figure, "2.29"),
+    "2.30": impact_figures.heavy_rod_figure,
+    "3.1": force_figures.points_figure,
+    "3.2": force_figures.fit_figure,
+    "3.3": force_figures.bristle_figure,
+    "table_3.1": force_figures.table,
+    **crater_figures.FIGURES,
+}
+
+NUMBERS = tuple(_BUILDERS)
+"""Of all figures, in the dissertation's order, and ``table_3.1``."""
+
+
+def redrawn(number: str) -> Redrawn:
+    """Return one figure's data; impacts are simulated on the way.
+
+    Raises:
+        ValueError: if there is no such figure.
+    """
+    if number not in _BUILDERS:
+        raise ValueError(f"only = {number!r}: must be one word of {' | '.join(NUMBERS)}")
+    return _BUILDERS[number]()
+
+
+@dataclass(frozen=True, slots=True)
+class Selection:
+    """Which figures to redraw."""
+
+    only: str = choice(
+        "all", "only", ("all", *NUMBERS), source="chosen: one figure alone", meaning="figure or table that is redrawn"
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+def figures_report(selection: Selection) -> Report:
+    """Compute curves and points of the requested figures.
+
+    Raises:
+        Unfinished: with a report of the figures computed so far, if the user interrupts.
+    """
+    begin = clock.perf_counter()
+    numbers = NUMBERS if selection.only == "all" else (selection.only,)
+    figures: list[Redrawn] = []
+    try:
+        for number in numbers:
+            logging.getLogger(__name__).info("figure %s (%d of %d)", number, len(figures) + 1, len(numbers))
+            figures.append(redrawn(number))
+    except KeyboardInterrupt:
+        raise Unfinished(_report(tuple(figures), begin)) from None
+    return _report(tuple(figures), begin)
+
+
+def _report(figures: tuple[Redrawn, ...], begin: float) -> Report:
+    heads = tuple(f"{figure.name}: {figure.title}" for figure in figures)
+    return Report(
+        outcome=None,
+        quantities=tuple(row for figure in figures for row in _rows(figure)),
+        wall_s=clock.perf_counter() - begin,
+        remarks=(
+            "",
+            "largest distance of points from their curve, as a share of its largest value beside one, in",
+            *heads,
+        ),
+        subject=figures,
+    )
+
+
+def _rows(figure: Redrawn) -> tuple[Quantity, ...]:
+    return tuple(
+        Quantity(f"{figure.name}_{law}", "1", difference, 0.0, tolerance=SOURCES[law].tolerance)
+        for law, difference in largest_differences(figure).items()
+    )

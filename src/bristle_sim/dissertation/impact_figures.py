@@ -1,0 +1,119 @@
+"""Figures 2.7-2.30: impulses, works and rebound of the radial bristle and of Stronge's pendulums (Zhang 2020, secs. 2.3, 2.4)."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from bristle_sim.dissertation.redrawn import Redrawn
+from bristle_sim.parameters import DoublePendulum, Surface
+from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.curves import Axis, Level, Panel
+from bristle_sim.studies.impact_sweeps import OPERATING_POINT, TOTAL, Sweep, sweep_panel
+from bristle_sim.studies.pendulum_sweeps import Case, final_rate, heavy_rod_panel, pendulum_curve, weighted
+
+__all__ = ["FIGURES", "double_pendulum_figure", "heavy_rod_figure", "impact_figure", "single_pendulum_figure"]
+
+FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (10.0, 15.0, 23.4, 30.0)))
+LENGTH = Sweep("length", 0.01, 0.05, "hub_radius", (0.02, 0.0275, 0.035))
+RATIO = Sweep("speed_ratio", 1.0, 5.0, "hub_speed", (200.0, 261.8, 320.0))
+LATER_FRICTION = Sweep("restitution_friction", 0.0, 1.0, "friction", (0.1, 0.31, 0.6), until_stiction=True)
+EARLIER_FRICTION = Sweep("friction", 0.0, 1.0, "restitution_friction", (0.0, 0.2, 0.31, 0.4))
+COMMON_FRICTION = Sweep(
+    "friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (15.0, 23.4, 30.0, 40.0)), True
+)
+RESTITUTION = Sweep("friction", 0.0, 1.0, "restitution", (0.2, 0.42, 0.6, 0.8), True)
+REBOUND = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0))
+
+FIGURES: dict[str, tuple[str, Sweep, str]] = {
+    "2.7": ("normal_compressive_impulse", FRICTION, "normal compressive impulse over friction"),
+    "2.8": ("normal_compressive_impulse", LENGTH, "normal compressive impulse over the bristle's length"),
+    "2.9": ("normal_compressive_impulse", RATIO, "normal compressive impulse over the speed ratio"),
+    "2.10": ("normal_compressive_work", FRICTION, "normal compressive work over friction"),
+    "2.11": ("normal_compressive_work", LENGTH, "normal compressive work over the bristle's length"),
+    "2.12": ("normal_compressive_work", RATIO, "normal compressive work over the speed ratio"),
+    "2.13": ("normal_final_impulse", LATER_FRICTION, "normal final impulse over friction in restitution"),
+    "2.14": ("normal_final_impulse", EARLIER_FRICTION, "normal final impulse over friction in compression"),
+    "2.15": ("tangential_compressive_impulse", FRICTION, "tangential compressive impulse over friction"),
+    "2.16": ("tangential_compressive_work", FRICTION, "tangential compressive work over friction"),
+    "2.17": ("tangential_compressive_work", LENGTH, "tangential compressive work over the bristle's length"),
+    "2.18": ("tangential_compressive_work", RATIO, "tangential compressive work over the speed ratio"),
+    "2.19": (TOTAL, FRICTION, "total compressive work over friction"),
+    "2.20": (TOTAL, LENGTH, "total compressive work over the bristle's length"),
+    "2.21": (TOTAL, RATIO, "total compressive work over the speed ratio"),
+    "2.22": ("normal_final_impulse", COMMON_FRICTION, "normal final impulse over friction, by impact angle"),
+    "2.23": ("normal_final_impulse", RESTITUTION, "normal final impulse over friction, by restitution"),
+    "2.24": ("rebound_ratio", REBOUND, "rebound ratio over the impact angle"),
+}
+
+NOTES = {
+    "2.13": "grows without bound towards tan $\\gamma$ = 0.433 (dashed), from where on the tip does not rebound",
+    "2.19": "the same whatever friction and impact angle: the energy of the effective mass m/3",
+    "2.22": "each curve grows without bound towards tan $\\gamma$ (dashed)",
+    "2.23": "grows without bound towards tan $\\gamma$ (dashed)",
+    "2.24": "flat where the tip stays at rest: $\\mu$ ≥ tan $\\gamma$",
+}
+
+FRICTIONS = (0.3, 0.5, 0.7)
+RATES = {"2.28": (1, "rod BC"), "2.29": (0, "rod OB")}
+
+
+def impact_figure(number: str) -> Redrawn:
+    """Return one of figures 2.7-2.24."""
+    quantity, sweep, title = FIGURES[number]
+    return Redrawn(number, title, (sweep_panel(quantity, sweep),), NOTES.get(number, ""))
+
+
+def single_pendulum_figure() -> Redrawn:
+    """Return figure 2.26: the bristle's rebound ratio with a hub of no radius."""
+    base = dataclasses.replace(OPERATING_POINT, hub_radius=0.0)
+    panel = sweep_panel("rebound_ratio", dataclasses.replace(REBOUND, base=base))
+    return Redrawn(
+        "2.26", "rebound ratio of Stronge's single pendulum", (panel,), "the bristle on a hub of no radius, $r_h$ = 0"
+    )
+
+
+def double_pendulum_figure(number: str) -> Redrawn:
+    """Return figures 2.28 and 2.29: rates after impact over the mass ratio, for frictions that stick and reverse."""
+    rod, name = RATES[number]
+    pendulum = DoublePendulum()
+    angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
+    chain = Chain(
+        (pendulum.mass, pendulum.mass),
+        (pendulum.length, pendulum.length),
+        (-angles[0], -angles[1]),
+        (-pendulum.rate_1, -pendulum.rate_2),
+    )
+    measure = final_rate(rod)
+    curves = tuple(
+        pendulum_curve(f"{mu:g}", measure, _over_mass_ratio(chain, Surface(mu, None, 0.5)), _RATIOS, _SIMULATED)
+        for mu in FRICTIONS
+    )
+    levels = (Level(pendulum.rate_1, "before the impact"),) if rod == 0 else ()
+    axis = Axis(f"rate after impact, {name}", "rad/s")
+    return Redrawn(
+        number,
+        f"double pendulum: rate of {name}, over the mass ratio",
+        (Panel(Axis("mass ratio $n$", log=True), axis, curves, family="$\\mu$", levels=levels),),
+        "slip stops and reverses for $\\mu$ = 0.3 and 0.5; with 0.7 the tip sticks",
+    )
+
+
+def _over_mass_ratio(chain: Chain, surface: Surface) -> Case:
+    return lambda ratio: (weighted(chain, ratio), surface)
+
+
+def heavy_rod_figure() -> Redrawn:
+    """Return figure 2.30: final impulse of the bristle as the second rod of a double pendulum, and the monofilament's."""
+    return Redrawn(
+        "2.30",
+        "final impulse of the modified double pendulum over friction",
+        (heavy_rod_panel(),),
+        "the heavy rod is 0.027 m long where the hub has 0.0275: half a per cent less impulse",
+    )
+
+
+_RATIOS = np.geomspace(1.0, 1e4, 121)
+_SIMULATED = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(10**0.5, 10**3.5, 4)}

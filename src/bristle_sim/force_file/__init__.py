@@ -1,0 +1,1 @@
+"""Measured force histories from files."""

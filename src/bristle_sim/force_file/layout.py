@@ -1,0 +1,155 @@
+"""Find out how a text file of numbers is laid out: separator, decimal sign, columns, their headings and units.
+
+Eight combinations of separator and decimal sign are tried on a sample of lines. The one in which most lines have numbers
+in the same columns, and least besides, is the file's.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from bristle_sim.force_file.units import unit_of, without_unit
+
+__all__ = ["Column", "Layout", "columns_of", "find_layout", "is_data", "is_number"]
+
+SAMPLED_LINES = 200
+"""Lines at the beginning, and as many spread over the file, from which its layout is read."""
+
+LAYOUTS = (("\t", "."), ("\t", ","), (";", "."), (";", ","), (",", "."), (",", ","), (None, "."), (None, ","))
+"""Separators (None: blanks) and decimal signs; of two that explain a file equally well the first counts."""
+
+UNIT_ROWS = {
+    "time": re.compile(r"^(x|horizontal|time)[ _]?units?:?$", re.IGNORECASE),
+    "force": re.compile(r"^(y|vertical|force)[ _]?units?:?$", re.IGNORECASE),
+}
+"""First cells of rows of settings that give a unit, as Tektronix and Keysight write them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How a file is written: separator, decimal sign, columns that hold numbers, and the first line that does."""
+
+    separator: str | None
+    decimal: str
+    columns: tuple[int, ...]
+    first: int
+
+    def cells(self, line: str) -> list[str]:
+        """A line's cells, without blanks and quotes around them."""
+        return split_cells(line, self.separator)
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A column of numbers: its place from 0, heading, and unit (empty where none is given)."""
+
+    place: int
+    heading: str
+    unit: str
+
+    @property
+    def name(self) -> str:
+        """The heading without its unit."""
+        return without_unit(self.heading)
+
+    def __str__(self) -> str:
+        return f"{self.place + 1} ({self.heading})" if self.heading else str(self.place + 1)
+
+
+def find_layout(path: str | Path, lines: list[str]) -> Layout:
+    """The layout in which most lines have numbers in the same columns, and the fewest words beside them.
+
+    Raises:
+        ValueError: if no line has two numbers.
+    """
+    data = [line for line in lines if is_data(line)]
+    sample = data[:SAMPLED_LINES] + data[SAMPLED_LINES :: max(1, len(data) // SAMPLED_LINES)]
+    scored = [(*_columns_of_numbers(sample, *written), *written) for written in LAYOUTS]
+    lines_of_numbers, _, columns, separator, decimal = max(scored, key=lambda each: each[:2])
+    if not lines_of_numbers:
+        raise ValueError(f"{path}: no line with two numbers; there must be columns of time and force")
+    first = next(i for i, line in enumerate(lines) if is_data(line) and _holds(line, separator, decimal, columns))
+    return Layout(separator, decimal, columns, first)
+
+
+def _columns_of_numbers(sample: list[str], separator: str | None, decimal: str) -> tuple[int, int, tuple[int, ...]]:
+    """How many lines have numbers in the same columns, minus the number of words in these lines, and the columns."""
+    rows = [split_cells(line, separator) for line in sample]
+    places = [tuple(i for i, cell in enumerate(row) if is_number(cell, decimal)) for row in rows]
+    counted = Counter(each for each in places if len(each) >= 2)
+    count, _, columns = max(((count, -len(each), each) for each, count in counted.items()), default=(0, 0, ()))
+    filled = sum(len([cell for cell in row if cell]) for row, each in zip(rows, places, strict=True) if each == columns)
+    return count, count * len(columns) - filled, columns
+
+
+def _holds(line: str, separator: str | None, decimal: str, columns: tuple[int, ...]) -> bool:
+    row = split_cells(line, separator)
+    return len(row) > columns[-1] and all(is_number(row[i], decimal) for i in columns)
+
+
+def columns_of(layout: Layout, lines: list[str]) -> list[Column]:
+    """Columns of numbers with headings and units."""
+    above = [line.lstrip(" \t#") for line in lines[: layout.first]]
+    names, units = _headings(layout, [line for line in above if line.strip()])
+    settings = _settings(layout, lines[: layout.first + SAMPLED_LINES])
+    found = []
+    for i in layout.columns:
+        heading, unit = names.get(i, ""), units.get(i, "") or unit_of(names.get(i, ""))
+        kind = "time" if i == layout.columns[0] else "force"
+        found.append(Column(i, heading, unit or settings.get(kind, "")))
+    return found
+
+
+def _headings(layout: Layout, above: list[str]) -> tuple[dict[int, str], dict[int, str]]:
+    """Names and units from the line next above the numbers, or the two next above if the lower one holds units alone."""
+    rows = []
+    for line in reversed(above[-2:]):
+        joined = re.sub(r"\s+(?=[\[(])", "", line) if layout.separator is None else line
+        row = layout.cells(joined)
+        if len(row) <= layout.columns[-1] or not all(row[i] for i in layout.columns):
+            break
+        if any(pattern.match(row[0]) for pattern in UNIT_ROWS.values()):
+            break
+        rows.append({i: row[i] for i in layout.columns})
+    if not rows:
+        return {}, {}
+    if all(unit_of(cell) and not without_unit(cell) for cell in rows[0].values()):
+        return (rows[1] if len(rows) > 1 else {}), {i: unit_of(cell) for i, cell in rows[0].items()}
+    return rows[0], {}
+
+
+def _settings(layout: Layout, lines: list[str]) -> dict[str, str]:
+    """Units of time and force from rows of settings, above the numbers or beside them."""
+    found: dict[str, str] = {}
+    for line in lines:
+        row = layout.cells(line)
+        for kind, pattern in UNIT_ROWS.items():
+            if len(row) > 1 and pattern.match(row[0]):
+                unit = next((cell for cell in row[1:] if cell), "")
+                found.setdefault(kind, unit_of(unit) or unit)
+    return found
+
+
+def is_data(line: str) -> bool:
+    """Whether a line is neither blank nor a remark."""
+    return bool(line.strip()) and not line.lstrip().startswith("#")
+
+
+def split_cells(line: str, separator: str | None) -> list[str]:
+    if separator is None:
+        return line.split()
+    row = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    return [cell.strip() for cell in row]
+
+
+def is_number(cell: str, decimal: str) -> bool:
+    """Whether the cell is meant as one, infinite or not."""
+    try:
+        float(cell if decimal == "." else "x" if "." in cell else cell.replace(",", "."))
+    except ValueError:
+        return cell.lstrip("+-") == "∞"
+    return "_" not in cell

@@ -1,0 +1,89 @@
+"""Distributions of the strike under spread inputs, and the Sobol indices of the inputs that matter most."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from bristle_sim.render.style import BLACK, BLUE, GREY, SKY, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.sweep_panels import panel_title
+from bristle_sim.studies.tolerances import Study
+
+__all__ = ["tolerance_figure"]
+
+SHOWN: dict[str, tuple[str, str, float]] = {
+    "lag_deg_at_contact": ("lag at the strike", "°", 1.0),
+    "relative_speed_at_contact": ("relative rate at the strike", "rad/s", 1.0),
+    "tip_speed_at_contact": ("tip speed at the strike", "m/s", 1.0),
+    "normal_final_impulse": ("normal impulse", "mN·s", 1e3),
+    "crater_depth": ("crater depth", "µm", 1e6),
+}
+"""Title, unit shown and factor to it."""
+
+MOST = 6
+"""Inputs shown for each output."""
+
+ROW = 4.1
+"""Height of an output's panels with their titles, cm."""
+
+
+@styled()
+def tolerance_figure(study: Study) -> Figure:
+    """A histogram of each output with its mean and 95 % interval, beside the indices of its most important inputs."""
+    height = ROW * len(study.outputs) + 1.2
+    figure = blank_figure(16.0, height)
+    for number, output in enumerate(study.outputs):
+        bottom = height - ROW * (number + 1) + 0.9
+        title, unit, factor = SHOWN.get(output, (output.replace("_", " "), "", 1.0))
+        histogram = axes_at(figure, 1.3, bottom, 5.4, 2.1)
+        panel_title(histogram, "abcdefghij"[number % 10], title)
+        _draw_values(histogram, factor * study.values[number], unit)
+        _draw_indices(axes_at(figure, 10.3, bottom, 5.3, 2.4), study, number)
+    _explain(figure)
+    return figure
+
+
+def _draw_values(axes: Axes, values: np.ndarray, unit: str) -> None:
+    low, high = np.percentile(values, (2.5, 97.5))
+    axes.hist(values, bins="auto", color=SKY, gid="histogram")
+    axes.axvspan(low, high, color=BLUE, alpha=0.12, linewidth=0.0)
+    axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
+    axes.set_yticks([])
+    axes.set_xlabel(unit, labelpad=1.0)
+    told = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
+    axes.annotate(told, (1.0, 1.0), (0.0, 3.0), "axes fraction", "offset points", ha="right", fontsize=7.0, color=GREY)
+
+
+def _draw_indices(axes: Axes, study: Study, number: int) -> None:
+    """Bars of the total index with the first-order index as points, both with their intervals, largest first."""
+    chosen = np.argsort(-study.total[number])[:MOST]
+    places = np.arange(chosen.size)
+    total, first = study.total[number, chosen], study.first_order[number, chosen]
+    axes.barh(places, total, color=VERMILION, alpha=0.45, height=0.7, gid="total")
+    sides = (
+        (total, study.total_interval, VERMILION, "", 0.17),
+        (first, study.first_order_interval, BLUE, "o", -0.17),
+    )
+    for values, intervals, color, marker, shift in sides:
+        ends = intervals[number, chosen]
+        axes.hlines(places + shift, ends[:, 0], ends[:, 1], color=color, linewidth=0.9)
+        if marker:
+            axes.plot(values, places + shift, marker, color=color, markersize=3.2, gid="first order")
+    axes.set_yticks(places, [study.inputs[each].replace("_", " ") for each in chosen])
+    axes.invert_yaxis()
+    axes.set_xlim(min(-0.02, float(study.first_order_interval[number, chosen].min())), None)
+    axes.tick_params(axis="y", length=0.0)
+
+
+def _explain(figure: Figure) -> None:
+    handles = [
+        Patch(facecolor=SKY),
+        Patch(facecolor=BLUE, alpha=0.12),
+        Patch(facecolor=VERMILION, alpha=0.45),
+        Line2D([], [], color=BLUE, marker="o", markersize=3.2, linewidth=0.9),
+    ]
+    names = ["passes", "95 % of them", "total Sobol index", "first-order index, 95 % intervals as lines"]
+    figure.legend(handles, names, loc="lower center", ncols=4, columnspacing=1.4)

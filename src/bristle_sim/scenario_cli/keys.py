@@ -1,0 +1,119 @@
+"""Values of a scenario's keys from what is typed, warnings about unusual ones, and the list of keys."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import textwrap
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from bristle_sim.quantity import Range
+from bristle_sim.scenario_cli.scenario import Scenario, Values
+
+__all__ = ["key_list", "values_of", "warnings_of"]
+
+WIDTH = 100
+"""Columns of the list of keys."""
+
+LIKELY_UNITS = {
+    "m": {"mm": 1e-3, "um": 1e-6},
+    "kg": {"g": 1e-3, "mg": 1e-6},
+    "s": {"ms": 1e-3, "us": 1e-6},
+    "rad/s": {"rpm": math.pi / 30.0},
+    "deg": {"rad": math.degrees(1.0)},
+    "N m/rad": {"N m/deg": math.degrees(1.0)},
+    "Pa": {"MPa": 1e6, "GPa": 1e9},
+}
+"""Units in which a bare number may have been meant, by the unit that it has, and their sizes in it."""
+
+
+def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
+    """Every key's value: its default, or the last that ``KEY=VALUE`` settings give it.
+
+    Raises:
+        ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
+            without effect.
+    """
+    keys = scenario.keys()
+    typed = {}
+    for setting in settings:
+        key, equals, text = setting.partition("=")
+        if not equals:
+            raise ValueError(f"--set {setting!r}: must be KEY=VALUE")
+        if key not in keys:
+            raise ValueError(f"--set {setting!r}: unknown key {key!r}; {_advice(key, keys)}")
+        typed[key] = keys[key][0].parse(text)
+    values = {key: default for key, (_, default) in keys.items()} | typed
+    for key, (declared, default) in keys.items():
+        if _holds(declared.needs, values):
+            continue
+        if key in typed and (declared.optional or typed[key] != default):
+            raise ValueError(f"{key} = {typed[key]!r}: must be left out unless {declared.needs}, or it has no effect")
+        values[key] = None if declared.optional else default
+    return values
+
+
+def _advice(key: str, keys: Iterable[str]) -> str:
+    """The key that was likely meant, or how to see all."""
+    likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), list(keys), n=1)
+    return f"did you mean {likely[0]}?" if likely else "--list-keys shows all keys"
+
+
+def _holds(condition: str, values: Values) -> bool:
+    """Whether ``KEY = VALUE`` or ``KEY != VALUE`` is true; a key that the scenario does not have imposes nothing."""
+    if not condition:
+        return True
+    key, relation, word = condition.split()
+    if key not in values:
+        return True
+    value = values[key]
+    equal = value == word if isinstance(value, str) else value == float(word)
+    return equal is (relation == "=")
+
+
+def warnings_of(scenario: Scenario, settings: Sequence[str], values: Values) -> list[str]:
+    """One line for each typed value that is far from its default, with the unit that may have been meant."""
+    keys, lines = scenario.keys(), []
+    for key, text in dict(setting.split("=", 1) for setting in settings).items():
+        declared, default = keys[key]
+        if not isinstance(declared, Range) or not declared.unusual(values[key], default):
+            continue
+        unit = "" if declared.unit == "1" else f" {declared.unit}"
+        ratio = "" if not default else f" is {values[key] / default:.3g} times the default, {default:.6g}{unit}"
+        lines.append(f"{key} = {values[key]:.6g}{unit}{ratio or ' is unusual'}{_likely_unit(declared, text, default)}")
+    return lines
+
+
+def _likely_unit(declared: Range, text: str, default: float | None) -> str:
+    """How to type a bare number in the unit that would bring it within a factor of ten of the default."""
+    try:
+        number = float(text)
+    except ValueError:  # it has a unit already
+        return ""
+    for unit, size in LIKELY_UNITS.get(declared.unit, {}).items():
+        if default and 0.1 <= abs(number * size / default) <= 10.0:
+            return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
+    return ""
+
+
+def key_list(scenario: Scenario) -> str:
+    """Two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
+    cells = [("key", "default", "unit", "range")]
+    notes = ["meaning (source of the default)"]
+    for key, (declared, default) in scenario.keys().items():
+        cells.append((key, _shown(default), declared.unit, declared.allowed))
+        only = f"; only with {declared.needs}" if declared.needs else ""
+        notes.append(f"{declared.meaning}{only} (default: {declared.source})")
+    widths = [max(len(row[column]) for row in cells) for column in range(3)]
+    lines = []
+    for row, note in zip(cells, notes, strict=True):
+        head = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)) + "  "
+        lines += textwrap.wrap(row[3], WIDTH, initial_indent=head, subsequent_indent=" " * len(head))
+        lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
+    lines.insert(2, "-" * WIDTH)
+    return "\n".join(lines)
+
+
+def _shown(default: Any) -> str:
+    return "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"

@@ -1,0 +1,132 @@
+"""What a scenario writes: table, JSON and CSV, and the files that options name, checked before anything is computed."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import os
+import sys
+import textwrap
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from bristle_sim import __version__
+from bristle_sim.comparison import WIDTH, Report, finite, table
+from bristle_sim.files import complete_or_absent, is_special
+from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values
+
+__all__ = ["document", "in_words", "require_different", "say", "target", "tell", "write_csv", "write_json"]
+
+
+def target(option: str, name: str | None, suffixes: tuple[str, ...] = (), *, folder: bool = False) -> Path | None:
+    """The file (or folder) that an option names, checked before anything is computed; no suffixes admit any.
+
+    Raises:
+        ValueError: in one line, for a name that cannot be written.
+    """
+    if name is None:
+        return None
+    path = Path(name)
+    if suffixes and not folder and path.suffix.lower() not in suffixes:
+        raise ValueError(f"{option} = {name!r}: must be a file name that ends in {', '.join(suffixes)}")
+    if path.is_dir() != folder and path.exists():
+        raise ValueError(f"{option} = {name!r}: must be {'a folder' if folder else 'a file, not a folder'}")
+    place = Path(os.path.realpath(path))
+    writable = path if is_special(path) else place if folder and place.is_dir() else place.parent
+    if not (writable.is_dir() or is_special(writable)) or not os.access(writable, os.W_OK):
+        raise ValueError(f"{option} = {name!r}: must be in an existing, writable folder")
+    return path
+
+
+def require_different(named: Iterable[tuple[str, Path | str | None]]) -> None:
+    """Raise ValueError if two options or keys name one file; a device such as /dev/null may serve several."""
+    seen: dict[str, str] = {}
+    for option, path in named:
+        if path is None or is_special(Path(path)):
+            continue
+        place = os.path.realpath(path)
+        if place in seen:
+            raise ValueError(f"{option} = {str(path)!r}: must be another file than that of {seen[place]}")
+        seen[place] = option
+
+
+def document(scenario: Scenario, values: Values, report: Report, *, finished: bool = True) -> str:
+    """The results as JSON, in SI units at full precision; it says so if the work was interrupted."""
+    found = {
+        "scenario": scenario.name,
+        "version": __version__,
+        "parameters": dict(values),
+        "outcome": report.outcome,
+        "quantities": [row.as_dict() for row in report.quantities],
+        "phases": list(report.phases),
+        "events": [{"name": name, "time": time} for name, time in report.events if math.isfinite(time)],
+        "cost": {"wall_s": report.wall_s, "steps": report.steps},
+        **report.extra,
+        **({} if finished else {"finished": False}),
+    }
+    return json.dumps(_plain(found), indent=1, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    """The same in JSON's own types; a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
+        return _plain(value.tolist())
+    return finite(value) if isinstance(value, float) else value
+
+
+def write_json(path: Path, text: str) -> None:
+    """Write a JSON document to a file that appears only when complete."""
+    with complete_or_absent(path) as partial:
+        partial.write_text(text + "\n", encoding="utf-8")
+
+
+def write_csv(path: Path, columns: Columns) -> None:
+    """Write a time series at full precision: names and units in the first row, then one row a sample."""
+    plain = [_plain(list(column)) for column in columns.values()]
+    with complete_or_absent(path) as partial, partial.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*plain, strict=True))
+
+
+def in_words(report: Report) -> str:
+    """The table, the outcome where an impact is asked about, and the remarks."""
+    lines = [table(report.quantities)]
+    if report.outcome is not None:
+        phases = f" ({', '.join(report.phases)})" if report.phases else ""
+        lines += ["", *_wrapped(f"outcome: {report.outcome}{phases}")]
+    elif report.remarks and report.remarks[0]:
+        lines.append("")
+    for remark in report.remarks:
+        lines += _wrapped(remark)
+    return "\n".join(lines)
+
+
+def _wrapped(remark: str) -> list[str]:
+    """A remark in lines that fit; one that is laid out in columns or lines already stays as it is."""
+    if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
+        return [remark]
+    return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")
+
+
+def say(text: str) -> None:
+    """Print on standard output, where a reader that has seen enough, such as ``head``, is no error."""
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        # Python flushes once more at exit: what is left must have somewhere to go.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise OSError(f"standard output: {error.strerror}") from None
+
+
+def tell(text: str) -> None:
+    """Print on standard error if there is one; print() would take standard output in its place."""
+    if sys.stderr is not None:
+        print(text, file=sys.stderr, flush=True)

@@ -1,0 +1,76 @@
+"""A scenario: one question, its keys, and the functions that answer and show it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from bristle_sim.comparison import Report
+from bristle_sim.quantity import Choice, Range
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+__all__ = ["Columns", "Scenario", "Values", "build"]
+
+Values = Mapping[str, Any]
+Columns = Mapping[str, Sequence[Any]]
+T = TypeVar("T", bound="DataclassInstance")
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """One question, asked from the command line.
+
+    Attributes:
+        name: of the script, without suffix.
+        question: what it asks and compares.
+        parts: parameter classes whose declared fields are the script's keys.
+        run: answers the question for given key values; may raise ValueError for values that do not fit together.
+        plot, video: draw a report to a path; they import what they need themselves.
+        series: gives the time series of a report, by name and unit, one entry a sample; None without a motion.
+        defaults: key values that differ from the parameter classes' own, each with its source.
+        without: keys of the parts that mean nothing to the question.
+        plot_is_folder: ``--plot`` names a folder, or a PDF of several pages, instead of a picture.
+        options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
+    """
+
+    name: str
+    question: str
+    parts: tuple[type, ...]
+    run: Callable[[Values], Report]
+    plot: Callable[[Report, Path], None] | None = None
+    video: Callable[[Report, Path], None] | None = None
+    series: Callable[[Report], Columns] | None = None
+    defaults: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
+    plot_is_folder: bool = False
+    options: tuple[str, ...] = ()
+
+    def keys(self) -> dict[str, tuple[Range | Choice, Any]]:
+        """Every key with its declaration and default; the declaration's source is that of this default."""
+        found: dict[str, tuple[Range | Choice, Any]] = {}
+        for part in self.parts:
+            for each in dataclasses.fields(part):
+                declared = each.metadata.get("declaration")
+                if declared is None or declared.key in self.without:
+                    continue
+                default = each.default
+                if declared.key in self.defaults:
+                    default, source = self.defaults[declared.key]
+                    declared = dataclasses.replace(declared, source=source)
+                found[declared.key] = (declared, default)
+        return found
+
+
+def build(part: type[T], values: Values) -> T:
+    """A parameter object of the given class from key values."""
+    arguments = {}
+    for each in dataclasses.fields(part):
+        declared = each.metadata.get("declaration")
+        if declared is not None and declared.key in values:
+            arguments[each.name] = values[declared.key]
+    return part(**arguments)

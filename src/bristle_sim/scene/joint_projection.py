@@ -1,0 +1,73 @@
+"""Velocities that obey the joints: the nearest ones, in the norm of the kinetic energy.
+
+An engine's solver leaves joints with a rate of opening, by its tolerance and by what it adds on purpose to correct their
+positions. With J V = b as in :mod:`bristle_sim.scene.joints` and A = M^-1/2 J^T, the smallest change of M^1/2 V that closes
+the joints is dU = -A (A^T A)^+ (J V - b). Joints that do not move by themselves (b = 0) lose the energy |dU|^2/2 by it: it is
+a plastic impact of the joints. Limits take part where they would be passed, and push only.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pymunk
+from numpy.typing import NDArray
+
+from bristle_sim.scene.joints import joined, joint_rows, scaled_jacobian
+
+__all__ = ["close_joints"]
+
+Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+CLOSED = 1e-14
+"""A rate below this fraction of the terms that it is the sum of is rounding."""
+
+DEPENDENT = 1e-12
+"""Singular values below this fraction of the largest belong to joints that repeat what others say."""
+
+
+def close_joints(*ends: pymunk.Body) -> None:
+    """Change the velocities of all bodies joined to these so that no joint opens, with the least kinetic energy.
+
+    Raises:
+        RuntimeError: if limits take turns at pushing without end.
+    """
+    bodies, joints = joined(ends)
+    rows = [row for joint in joints for row in joint_rows(joint)]
+    if not rows:
+        return
+    rates, sizes = np.array([row.excess() for row in rows]).T
+    limits: Flags = np.array([row.limit for row in rows])
+    wrong = np.where(limits, -rates, np.abs(rates)) > CLOSED * sizes
+    if not wrong.any():
+        return
+    columns, scale = scaled_jacobian([row.entries for row in rows], bodies)
+    lengths = np.sqrt((columns**2).sum(axis=0))
+    lengths[lengths == 0.0] = 1.0
+    change = scale * _least_change(columns / lengths, rates / lengths, CLOSED * sizes / lengths, limits)
+    for index, body in enumerate(bodies):
+        x, y, turn = change[3 * index : 3 * index + 3].tolist()
+        body.velocity += (x, y)
+        body.angular_velocity += turn
+
+
+def _least_change(columns: Array, rates: Array, rounding: Array, limits: Flags) -> Array:
+    """The dU of least length with rates + A^T dU = 0, or >= 0 at limits, whose impulses are >= 0."""
+    active = ~limits | (rates < -rounding)
+    for _ in range(2 * len(rates) + 8):
+        held = columns[:, active]
+        change = np.asarray(np.linalg.lstsq(held.T, -rates[active], rcond=DEPENDENT)[0], dtype=float)
+        impulses = np.zeros(len(rates))
+        impulses[active] = np.linalg.lstsq(held, change, rcond=DEPENDENT)[0]
+        after = rates + columns.T @ change
+        pulls = limits & active & (impulses < -DEPENDENT * np.abs(impulses).max(initial=0.0))
+        passed = limits & ~active & (after < -rounding - DEPENDENT * np.abs(rates).max())
+        if not (pulls.any() or passed.any()):
+            return change
+        if pulls.any():
+            active[np.argmin(np.where(pulls, impulses, np.inf))] = False
+        else:
+            active[np.argmin(np.where(passed, after, np.inf))] = True
+    raise RuntimeError(
+        "limits of joints: no set of them pushes and keeps the others; remove joints that contradict each other"
+    )

@@ -1,0 +1,140 @@
+"""The state in which the engine's contact keeps a link on an obstacle, until its force has fallen to zero."""
+
+from __future__ import annotations
+
+from bristle_sim.scene.contact_states import Change, ContactState, Opening, Release, Resolve, Touch
+from bristle_sim.scene.engine_contact import (
+    ELBOW,
+    MOST_GRIP,
+    EngineContact,
+    elbow,
+    locking,
+    set_back,
+    sustained_contact_record,
+)
+from bristle_sim.scene.event_functions import EventFunction, in_touch
+from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.progress import Progress
+from bristle_sim.scene.stepping import Advance
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.trajectory import ContactAtEnd
+
+__all__ = ["InSustainedContact"]
+
+
+class InSustainedContact(ContactState):
+    """The engine's contact keeps the link on an obstacle, until its force has fallen to zero.
+
+    Attributes:
+        obstacle: that the link is on.
+        contact: the engine's contact as a load.
+        start, sums: state at which it began; impulses and friction's work since.
+        slope: rate of the normal force over the last interval.
+        ending: whether the force is known to vanish within the next interval of full length.
+    """
+
+    def __init__(self, progress: Progress, obstacle: Obstacle) -> None:
+        """Let the engine's contact act from here on, if it can."""
+        self.obstacle = obstacle
+        super().__init__(progress, progress.first_interval)
+        progress.state = set_back(progress.mechanism, obstacle, progress.state)
+        self.contact = EngineContact(progress.scene, obstacle)
+        self.start = progress.state
+        self.sums: tuple[float, ...] = (0.0, 0.0, 0.0)
+        self.slope, self.ending = 0.0, False
+        self._engage()
+
+    def summary(self) -> ContactAtEnd:
+        """Name the obstacle that the link is on."""
+        return ContactAtEnd("sustained contact", self.obstacle.name)
+
+    def advance(self, length: float) -> Advance:
+        """Integrate under the contact's force."""
+        return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, self.contact)
+
+    def ends_within(self, result: Advance) -> bool:
+        """Whether the force vanishes within the interval."""
+        return result.failed or result.totals[0] <= 0.0
+
+    def approach_end(self, length: float) -> Change | None:
+        """Come closer to where the force vanishes, or release the link."""
+        if self.before is None or length <= max(1e-9, 0.1 * self.progress.plan.accuracy):
+            self.release()
+            return Release(self.obstacle)
+        self.ending = True
+        predicted = -self.before.totals[0] / self.slope if self.slope < 0.0 else 0.0
+        self.limit = min(0.5 * length, max(0.95 * predicted, length / 16.0))
+        return None
+
+    def commit(self, result: Advance) -> Opening | None:
+        """Set the link back onto the obstacle, add up what the contact did, and let it act from there."""
+        progress = self.progress
+        length = result.state.time - progress.state.time
+        self.sums = tuple(a + b for a, b in zip(self.sums, result.totals[1:], strict=True))
+        if self.before is not None and length > 0.0:
+            self.slope = (result.totals[0] - self.before.totals[0]) / length
+        progress.state = set_back(progress.mechanism, self.obstacle, result.state, self.contact.piece)
+        self.before = result
+        self._engage()
+        progress.recording.error += result.error
+        progress.sample(result.totals[0])
+        near = self.ending and 0.0 < -self.slope * 4.0 * length > result.totals[0]
+        self.limit = length if near else max(2.0 * length, 0.0 if self.ending else progress.first_interval)
+        return None
+
+    def _engage(self) -> None:
+        """Have the engine's contact act from the state that was reached; stop where no force keeps the link on it."""
+        progress, grip = self.progress, self.contact.engage(self.progress.state)
+        if grip <= 0.0:
+            progress.event("jam", progress.state.time)
+            progress.stop(StopReason.JAM)
+        elif grip > MOST_GRIP:
+            progress.stop(StopReason.FRICTION)
+
+    def search_touch(
+        self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
+    ) -> tuple[Advance, Resolve | None]:
+        """Another obstacle may be touched all along; this one is."""
+        progress = self.progress
+        if obstacle is self.obstacle or progress.gaps.rests(obstacle, progress.state, result.state):
+            return result, resolve
+        return super().search_touch(obstacle, result, resolve)
+
+    def _shared_functions(self) -> list[EventFunction]:
+        """Extremes and kinks of the sustained motion."""
+        progress = self.progress
+        return [*in_touch(progress.mechanism, self.obstacle, progress.state), *self.limits()]
+
+    def event_functions(self) -> list[EventFunction]:
+        """The same, and what ends the contact besides its force."""
+        progress = self.progress
+        found = in_touch(progress.mechanism, self.obstacle, progress.state)
+        return [*found, locking(self.contact), elbow(self.contact), *self.limits()]
+
+    def meet(self, obstacle: Obstacle, rests: bool = False) -> Touch:
+        """The link leaves its obstacle before it meets another."""
+        self.release()
+        return super().meet(obstacle, rests)
+
+    def note(self, function: EventFunction) -> Change | None:
+        """Another piece of a bent wire takes over by an impact."""
+        super().note(function)
+        if function.name != ELBOW:
+            return None
+        self.end(self.obstacle.name)
+        return Touch(self.obstacle)
+
+    def release(self) -> None:
+        """Leave the obstacle, whose force has fallen to zero."""
+        self.end("release")
+        self.progress.event(f"{self.obstacle.name} release", self.progress.state.time)
+
+    def end(self, outcome: str) -> None:
+        """End the engine's contact and record it."""
+        progress = self.progress
+        progress.scene.release(self.obstacle)
+        if progress.state.time > self.start.time:
+            record = sustained_contact_record(
+                progress.mechanism, self.obstacle, self.start, progress.state, self.sums, outcome
+            )
+            progress.recording.contacts.append(record)

@@ -1,0 +1,101 @@
+"""How fast a tool's scene moves by itself, and the stepper that carries it to the requested accuracy.
+
+In a scene's units the fastest of belt, hub and gravity has the rate 1. A bristle's own motion relative to the hub may be
+far smaller and slower than that; what is accurate to the requested accuracy is this motion.
+"""
+
+from __future__ import annotations
+
+import math
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.repetitions import LEAST_NOISE
+from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.units import Units
+from bristle_sim.settings import Settings
+
+__all__ = ["damped_interval", "damping_rate", "longest_interval", "motion_scale", "stepper_for"]
+
+MOST_DAMPING = 8.0
+"""Time constants of the engine's damping in an interval, two in each of the fewest steps, four, that it is repeated with.
+Damping takes all of a rate in far longer steps, whatever their length: they agree with each other on a belt that does not
+move, and no estimate of their error shows it."""
+
+LARGEST_STEP = 1.0
+"""Of the engine, in radians of the fastest motion or time constants of its damping; from 2 on its explicit springs are
+unstable, and its damping is half of what it should be."""
+
+LOCAL_SHARE, SOME_INTERVALS = 0.1, 50.0
+"""Errors of some fifty intervals do not add up to more than the accuracy. Where damping calls for more of them in the time
+that the belt takes to forget an error, c/k, each spends less."""
+
+
+def damping_rate(scene: Scene) -> float:
+    """Rate at which the engine's damping acts: it sees the bristle as if free, about its centre, then the joint corrects."""
+    return scene.effects.damping / scene.mechanism.links[0].inertia
+
+
+def damped_interval(scene: Scene) -> float:
+    """The longest interval in which the engine's steps see the damping; infinite where there is none."""
+    rate = damping_rate(scene)
+    return MOST_DAMPING / rate if rate else math.inf
+
+
+def longest_interval(scene: Scene, samples_per_period: float) -> float:
+    """Between samples, and short enough for the damping."""
+    return min(2.0 * math.pi / samples_per_period, damped_interval(scene))
+
+
+def motion_scale(scene: Scene, start: State) -> float:
+    """Size of the motion relative to the hub that errors are relative to: the rate that a free bristle reaches, at most 1.
+
+    A bristle let go at the angle a, at rest, on a belt of its own rate w reaches a w. With an obstacle, whose bar turns the
+    hub's speed into the bristle's, or at rest, it is 1.
+    """
+    mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
+    field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
+    stiffness = (effects.stiffness or 0.0) + link.mass * math.hypot(*link.centre) * field
+    own = math.sqrt(stiffness / link.inertia_about_joint)
+    swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * own
+    reached = max(swing, abs(start.rates[0] - mechanism.hub_speed))
+    return min(reached, 1.0) if reached and not effects.obstacles else 1.0
+
+
+def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, end: float) -> Stepper:
+    """Plain steps if a step is given, else extrapolation to the accuracy.
+
+    Raises:
+        ValueError: if the step is too long for this scene, or rounding would hide the accuracy of so small a motion.
+    """
+    if settings.step is not None:
+        return PlainSteps(_checked_step(scene, settings.step, settings.samples_per_period, units) / units.time)
+    scale = motion_scale(scene, start)
+    least = LEAST_NOISE / (LOCAL_SHARE * scale)
+    if settings.accuracy < least:
+        raise ValueError(
+            f"accuracy = {settings.accuracy:g}: at least {least:.3g} is allowed for a motion as small and slow as this one,"
+            " whose rest rounding hides (dimensionless)"
+        )
+    share = _local_share(scene, end)
+    return Extrapolation(share * settings.accuracy, scale, longest=longest_interval(scene, settings.samples_per_period))
+
+
+def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:
+    fastest = max(1.0, damping_rate(scene)) / units.time
+    largest = min(2.0 * math.pi / samples_per_period, LARGEST_STEP) / fastest
+    if step > largest:
+        raise ValueError(
+            f"step = {step:g}: at most {largest:g} is allowed with this belt, hub speed and bristle, whose"
+            f" fastest motion has {fastest:g} rad/s (in s)"
+        )
+    return step
+
+
+def _local_share(scene: Scene, end: float) -> float:
+    """Share of the requested accuracy that each interval may spend."""
+    damping, stiffness = scene.effects.damping, scene.effects.stiffness
+    if not damping or not stiffness:
+        return LOCAL_SHARE
+    remembered = min(end, damping / stiffness)
+    return LOCAL_SHARE * min(1.0, SOME_INTERVALS * MOST_DAMPING / (remembered * damping_rate(scene)))

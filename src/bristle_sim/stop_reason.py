@@ -1,0 +1,93 @@
+"""Why a run stopped, and what would let it run on: one enumeration for the scene and the reference."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from enum import StrEnum
+
+from bristle_sim.quantity import shown
+
+__all__ = ["ABSENCES", "EVENTS", "StopReason", "checked_event"]
+
+EVENTS = (
+    "bar touch",
+    "bar release",
+    "strike",
+    "workpart touch",
+    "workpart release",
+    "largest retraction",
+    "highest relative speed",
+    "retraction limit",
+    "jam",
+)
+"""Events that a run records and that can end it, by name."""
+
+ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
+"""Events recorded at the end of a run in which the other event never happened."""
+
+
+class StopReason(StrEnum):
+    """Why a run stopped; the value is the wording that people and saved files see.
+
+    Attributes:
+        remedy: what would let the run go further; ``{friction}`` stands for the key of the touched obstacle's friction.
+        gives_up: whether the method failed, so that what comes after the stop is missing.
+        resumable: whether the run can be resumed from where it stopped.
+    """
+
+    remedy: str
+    gives_up: bool
+    resumable: bool
+
+    def __new__(cls, wording: str, remedy: str, gives_up: bool = False, resumable: bool = False) -> StopReason:
+        """Build a member from its wording, remedy and kind."""
+        member = str.__new__(cls, wording)
+        member._value_ = wording
+        member.remedy, member.gives_up, member.resumable = remedy, gives_up, resumable
+        return member
+
+    END = "end of the planned time", "a larger hub_turn makes the run longer", False, True
+    EVENT = "requested event", "without stop_after the run goes on", False, True
+    JAM = "jam", "less {friction}, or another place of the bar, leaves the wire free"
+    RETRACTION_LIMIT = (
+        "retraction limit",
+        "a stiffer belt, or a bar that bends the wire back less, keeps it off the hub",
+    )
+    STEP_BUDGET = (
+        "step budget spent",
+        "a shorter hub_turn, a larger step or a larger accuracy takes fewer steps",
+        True,
+        True,
+    )
+    ACCURACY = "no step is short enough for the requested accuracy", "a larger accuracy is easier", True
+    NO_GRIP = (
+        "no grip for the engine's contact",
+        "a softer belt, or a bar that the wire does not leave over its end, gives grip",
+        True,
+    )
+    FRICTION = "friction too high for the engine's contact", "less {friction} is easier", True
+    UNRESOLVED = (
+        "contact that could not be resolved in time",
+        "another contact_duration, or a larger accuracy, may do",
+        True,
+    )
+    MOST_CONTACTS = "too many contacts", "less restitution, or a shorter hub_turn, makes fewer contacts", True
+
+    def advice(self, obstacle: str | None = None) -> str:
+        """Return the remedy with the key of the named obstacle's friction."""
+        return self.remedy.format(friction="bar_friction" if obstacle == "bar" else "friction")
+
+
+def checked_event(key: str, name: object, known: Iterable[str]) -> str:
+    """Return an event's name.
+
+    Raises:
+        ValueError: if no event is called so; the message says which name is likely meant.
+    """
+    names = tuple(known)
+    if isinstance(name, str) and name in names:
+        return str(name)
+    likely = difflib.get_close_matches(name, names, 1) if isinstance(name, str) else []
+    hint = f"; did you mean {likely[0]!r}?" if likely else ""
+    raise ValueError(f"{key} = {shown(name)}: must be one of {', '.join(names)}{hint}")

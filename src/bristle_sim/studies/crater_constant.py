@@ -1,0 +1,118 @@
+"""The constant C of (4.45) that makes the crater as deep as measured, in closed form and by root finding.
+
+(4.45), 2 eta + beta - alpha = C, leaves C to the work material; the dissertation takes that of least work, 90 degrees, and
+its crater is deeper than measured. Less C makes a flatter shear plane and a shallower crater, until the shear plane no longer
+comes out of the surface (4.35): then there is a C, but no chip.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Iterable
+from typing import Any
+
+from bristle_sim.comparison import Quantity
+from bristle_sim.crater_parameters import Crater
+from bristle_sim.studies.crater_sums import merchant_depth_course
+from bristle_sim.theory.crater import constant_for_crater_depth
+
+__all__ = [
+    "FRICTIONS",
+    "IMPACT_ANGLES_DEG",
+    "constant_in_words",
+    "constant_row",
+    "constants_over",
+    "least_constant_deg",
+]
+
+FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
+IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
+"""Of the table: the ranges of figs. 4.14 and 4.15, closer where C runs from its least value to 90 degrees."""
+
+SAME_SUM = 1e-9
+"""Relative difference of two sums over plies, see crater_study."""
+
+
+def constant_row(crater: Crater, depth: float) -> Quantity:
+    """C in degrees: by root finding on the printed sum (4.57), and in closed form; empty where no C gives the depth."""
+    name = "constant_for_measured_depth_deg"
+    theory, found = _closed_form_deg(crater, depth), _root_deg(crater, depth)
+    if theory is None:
+        return Quantity(name, "deg", found, None)
+    # d(depth)/depth = cos(C) dC/(sin(C) - sin(x)); at C = 90 degrees the depth is stationary and C known to its root.
+    constant, slope = math.radians(theory), math.cos(math.radians(theory))
+    gain = math.sin(constant) - math.sin(_resultant_angle(crater))
+    error = min(SAME_SUM * gain / max(slope, 1e-12), math.sqrt(2.0 * SAME_SUM * gain))
+    return Quantity(name, "deg", found, theory, tolerance=max(error / constant, 1e-12))
+
+
+def constants_over(
+    crater: Crater,
+    depth: float,
+    frictions: Iterable[float] = FRICTIONS,
+    impact_angles_deg: Iterable[float] = IMPACT_ANGLES_DEG,
+) -> list[dict[str, Any]]:
+    """C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
+    rows, frictions = [], tuple(frictions)
+    for gamma in impact_angles_deg:
+        for friction in frictions:
+            tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
+            constant = _closed_form_deg(tried, depth)
+            shear = None if constant is None else 0.5 * (constant - math.degrees(_resultant_angle(tried)))
+            emerges = None if constant is None else constant >= least_constant_deg(tried) - 1e-9
+            rows.append(
+                {"friction": friction, "impact_angle_deg": gamma, "constant_deg": constant}
+                | {"shear_angle_deg": shear, "shear_plane_emerges": emerges}
+            )
+    return rows
+
+
+def least_constant_deg(crater: Crater) -> float:
+    """Least C with eta >= gamma, arccot(mu) + gamma, degrees; above 90 there is none."""
+    return math.degrees(math.atan2(1.0, crater.friction)) + crater.impact_angle_deg
+
+
+def constant_in_words(crater: Crater, depth: float) -> str:
+    """What the row says, for the terminal."""
+    constant, least = _closed_form_deg(crater, depth), least_constant_deg(crater)
+    wanted = f"a crater of {1e6 * depth:.0f} um"
+    if constant is None:
+        return f"no constant C of (4.45) makes {wanted}; that of least work, C = 90 deg, makes the deepest"
+    chip = "its shear plane comes out of the surface"
+    if constant < least:
+        chip = f"its shear plane stays below the surface, {least:.2f} is the least C that cuts"
+    return f"C = {constant:.2f} deg instead of 90 in (4.45) makes {wanted}; {chip} (4.35)"
+
+
+def _resultant_angle(crater: Crater) -> float:
+    """x = beta - alpha = arccot(mu) - gamma, rad."""
+    return math.atan2(1.0, crater.friction) - math.radians(crater.impact_angle_deg)
+
+
+def _closed_form_deg(crater: Crater, depth: float) -> float | None:
+    try:
+        constant = constant_for_crater_depth(
+            depth,
+            crater.friction,
+            math.radians(crater.impact_angle_deg),
+            crater.shear_yield_stress,
+            int(crater.plies),
+            compression_time=crater.compression_time,
+        )
+    except ValueError:
+        return None
+    return math.degrees(float(constant))
+
+
+def _root_deg(crater: Crater, depth: float) -> float | None:
+    """Where the printed sum with C in place of 90 degrees is as deep; the depth rises with C, from 0 at C = x."""
+    from scipy.optimize import brentq
+
+    def excess(constant: float) -> float:
+        return float(merchant_depth_course(crater, constant)[-1]) / depth - 1.0
+
+    low = max(0.0, math.degrees(_resultant_angle(crater)))
+    if abs(excess(90.0)) <= SAME_SUM:
+        return 90.0
+    return float(brentq(excess, low, 90.0, xtol=1e-13)) if excess(low) < 0.0 < excess(90.0) else None

@@ -1,0 +1,260 @@
+"""A tool without a bar compared with the bar-cued one: simulated, by energy and quadrature, and by the reference.
+
+The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
+-omega. What counts is how fast its tip is when it is radial again, and how fast the pulley must turn for the speed that the
+bar-cued tool has at its strike.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.parameters import Tool
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.studies.whole_pass import require_result
+from bristle_sim.theory import cueing, inertia_drive
+from bristle_sim.trajectory import Trajectory
+
+__all__ = ["InertiaDriven", "inertia_driven"]
+
+UNITS = {
+    "largest_retraction_deg": "deg",
+    "time_to_radial": "s",
+    "relative_speed_at_radial": "rad/s",
+    "tip_speed_at_radial": "m/s",
+    "hub_speed_for_equal_tip_speed": "rad/s",
+}
+
+HALF_PERIODS = 1.3
+"""Length of the first run, in half periods of the bristle on its belt; its large amplitude and damping lengthen them."""
+
+DOUBLINGS = 6
+"""Of that length, before the bristle counts as one that does not come back."""
+
+CORRECTIONS = 6
+"""Runs that end closer and closer to the radial direction; each squares the error, so that two are usual."""
+
+CLOSE = 1e-9
+"""Relative change of the time to radial at which the corrections end: the next would change 1e-18."""
+
+LEAST_RATE = 1e-6
+"""Of the pulley's: an overdamped bristle creeps towards the radial direction, which rounding alone lets it pass."""
+
+TRIES = 20
+"""Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it."""
+
+Run = Callable[[Tool, float], Trajectory]
+"""A run of a tool without a bar for a time, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class Radial:
+    """The bristle when it is radial again.
+
+    Attributes:
+        time: since it entered the pulley, s.
+        relative_rate: to the pulley, rad/s.
+        retraction: largest until then, rad.
+        tip_speed: m/s.
+        trajectory: until then.
+    """
+
+    time: float
+    relative_rate: float
+    retraction: float
+    tip_speed: float
+    trajectory: Trajectory
+
+
+@dataclass(frozen=True, slots=True)
+class InertiaDriven:
+    """What pictures are made of: the tool, its bristle until it is radial, and the bar-cued pass."""
+
+    tool: Tool
+    radial: Radial | None
+    pass_with_bar: Trajectory
+
+
+def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
+    """Simulate the bristle that its inertia throws, and the pulley speed that equals the bar-cued tool.
+
+    Raises:
+        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
+    """
+    if not tool.hub.speed:
+        raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
+    with_bar = simulate(tool, settings, stop_after="strike")
+    run, strike_speed = _scene(settings), _tip_speed_at_strike(with_bar)
+    radial = until_radial(tool, run)
+    simulated = _values(tool, run, radial, strike_speed)
+    reference = _reference(tool) if with_reference else {}
+    theory = _theory(tool, strike_speed)
+    allowed = max(1e-8, 10.0 * settings.accuracy)
+    rows = [
+        Quantity(name, unit, simulated[name], theory.get(name), reference.get(name),
+                 tolerance=_tolerance(name, theory, reference, allowed * _magnified(tool, radial)))
+        for name, unit in UNITS.items()
+    ]  # fmt: skip
+    found = () if radial is None else (("radial", radial.time),)
+    return Report(
+        outcome=None,
+        quantities=tuple(rows),
+        events=found,
+        wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
+        steps=0 if radial is None else radial.trajectory.cost.steps,
+        remarks=_remarks(tool, radial, strike_speed, with_bar.stop_reason),
+        subject=InertiaDriven(tool, radial, with_bar),
+    )
+
+
+def until_radial(tool: Tool, run: Run) -> Radial | None:
+    """Run until the bristle passes the radial direction; None where it does not."""
+    bare = dataclasses.replace(tool, bar=None, workpart=None)
+    time = _first_crossing(bare, run)
+    if time is None:
+        return None
+    inertia = bare.bristle.inertia_about_root
+    for _ in range(CORRECTIONS):
+        end = run(bare, time)
+        angle, rate = float(end.relative_angle[-1]), float(end.relative_rate[-1])
+        # Close to alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
+        missing = -angle / rate
+        time, rate = float(end.time[-1]) + missing, rate * (1.0 - bare.belt_damping / inertia * missing)
+        if abs(missing) <= CLOSE * time:
+            break
+    if rate < LEAST_RATE * bare.hub.speed:
+        return None
+    speed = bare.bristle.length * (rate + bare.hub.speed) + bare.hub.radius * bare.hub.speed
+    return Radial(time, rate, -float(end.relative_angle.min()), speed, end)
+
+
+def _first_crossing(bare: Tool, run: Run) -> float | None:
+    """About when the bristle comes back to the radial direction, by a line from sample to sample, s."""
+    stiffness = bare.belt.stiffness + _centrifugal(bare)
+    if not stiffness:
+        return None
+    length = HALF_PERIODS * math.pi * math.sqrt(bare.bristle.inertia_about_root / stiffness)
+    for doubling in range(DOUBLINGS + 1):
+        found = run(bare, length * 2.0**doubling)
+        angle = np.asarray(found.relative_angle)
+        lagging = np.flatnonzero((angle[1:-1] < 0.0) & (angle[2:] >= 0.0))
+        if lagging.size:
+            at = int(lagging[0]) + 1
+            part = angle[at] / (angle[at] - angle[at + 1])
+            return float(found.time[at] + part * (found.time[at + 1] - found.time[at]))
+        if "retraction limit" in [event.name for event in found.events]:
+            return None
+    return None
+
+
+def _scene(settings: Settings) -> Run:
+    def run(bare: Tool, time: float) -> Trajectory:
+        turning = dataclasses.replace(settings, hub_turn=bare.hub.speed * time)
+        found = simulate(bare, turning, start_relative_rate=-bare.hub.speed)
+        require_result(found, settings)
+        return found
+
+    return run
+
+
+def _reference(tool: Tool) -> dict[str, float | None]:
+    from bristle_sim.reference import simulate_reference
+
+    def run(bare: Tool, time: float) -> Trajectory:
+        return simulate_reference(bare, start_relative_rate=-bare.hub.speed, duration=time, accuracy=1e-11)
+
+    with_bar = simulate_reference(tool, accuracy=1e-10, stop_after="strike")
+    return _values(tool, run, until_radial(tool, run), _tip_speed_at_strike(with_bar))
+
+
+def _values(tool: Tool, run: Run, radial: Radial | None, strike_speed: float | None) -> dict[str, float | None]:
+    if radial is None:
+        return dict.fromkeys(UNITS)
+    return {
+        "largest_retraction_deg": math.degrees(radial.retraction),
+        "time_to_radial": radial.time,
+        "relative_speed_at_radial": radial.relative_rate,
+        "tip_speed_at_radial": radial.tip_speed,
+        "hub_speed_for_equal_tip_speed": _equal_hub_speed(tool, run, radial, strike_speed),
+    }
+
+
+def _equal_hub_speed(tool: Tool, run: Run, radial: Radial, strike_speed: float | None) -> float | None:
+    """Pulley speed for a tip speed, by the secant method from the tool's own; None where the bristle leans over first."""
+    if strike_speed is None:
+        return None
+    speed, reached = tool.hub.speed, radial.tip_speed
+    slope = reached / speed
+    for _ in range(TRIES):
+        step = (strike_speed - reached) / slope
+        if abs(step) <= 1e-11 * speed:
+            return speed + step
+        tried = until_radial(dataclasses.replace(tool, hub=dataclasses.replace(tool.hub, speed=speed + step)), run)
+        if tried is None:
+            return None
+        slope, speed, reached = (tried.tip_speed - reached) / step, speed + step, tried.tip_speed
+    return None
+
+
+def _tip_speed_at_strike(run: Trajectory) -> float | None:
+    contact = run.first_contact("workpart")
+    return None if contact is None else math.hypot(*contact.velocity_before)
+
+
+def _centrifugal(tool: Tool) -> float:
+    bristle, hub = tool.bristle, tool.hub
+    return float(cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
+
+
+def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
+    """By energy and quadrature, for an undamped belt; the hub speed from the simulated strike of the bar-cued tool."""
+    if tool.belt_damping:
+        return {}
+    geometry = (tool.hub.radius, tool.bristle.length)
+    drive = (tool.bristle.inertia_about_root, tool.belt.stiffness, _centrifugal(tool), tool.hub.speed)
+    try:
+        retraction, time = inertia_drive.largest_retraction(*drive), inertia_drive.time_to_radial(*drive)
+    except ValueError:
+        return {}
+    equal = None if strike_speed is None else inertia_drive.hub_speed_for_tip_speed(strike_speed, *geometry)
+    speed = inertia_drive.radial_tip_speed(tool.hub.speed, *geometry)
+    return dict(zip(UNITS, (math.degrees(retraction), time, tool.hub.speed, speed, equal), strict=True))
+
+
+def _magnified(tool: Tool, radial: Radial | None) -> float:
+    """By how much a slow return magnifies an error of the motion, which is relative to the rate it set out with."""
+    return 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
+
+
+def _tolerance(
+    name: str, theory: dict[str, float | None], reference: dict[str, float | None], allowed: float
+) -> float | None:
+    """Of what the simulation is compared with; the bar-cued strike is itself to ten times the accuracy of the motion."""
+    if reference.get(name) is None and theory.get(name) is None:
+        return None
+    return 10.0 * allowed if name == "hub_speed_for_equal_tip_speed" else allowed
+
+
+def _remarks(tool: Tool, radial: Radial | None, strike_speed: float | None, stop_reason: str) -> tuple[str, ...]:
+    if radial is None:
+        return ("the bristle does not come back to the radial direction: it leans over by 90 degrees, or creeps",)
+    theory = "theory: no belt damping, so that the bristle comes back as fast, relative to the pulley, as it set out"
+    if tool.belt_damping:
+        theory = "theory: none with belt damping, for which the energy is not kept"
+    if strike_speed is None:
+        return (
+            f"with the bar there is no strike, and no tip speed to compare with; that run ended: {stop_reason}",
+            theory,
+        )
+    return (
+        f"the bar-cued tool strikes at {strike_speed:.2f} m/s; without the bar the tip reaches {radial.tip_speed:.2f} m/s,"
+        f" {100.0 * radial.tip_speed / strike_speed:.0f} % of it",
+        theory,
+    )

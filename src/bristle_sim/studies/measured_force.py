@@ -1,0 +1,149 @@
+"""A measured force history: read from a file, fitted, and the fit checked against the points it is of.
+
+The fit is a form of force with few parameters, (3.3). Two checks that do not use the form tell whether the record has it:
+the impulse as a sum over the points, and what the residuals hold beyond the noise, which shows in second differences of
+the record.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.comparison import Quantity
+from bristle_sim.crater_parameters import Measurement
+from bristle_sim.force_file.read import read_force_csv
+from bristle_sim.studies.force_trials import fit_in_words
+from bristle_sim.theory.force_fit import ForceFit, fit_force_history
+
+__all__ = ["MeasuredForce", "measured_force", "measured_in_words", "measured_rows"]
+
+Array = NDArray[np.float64]
+
+MARGIN = 0.1
+"""Part of the contact's duration before its start and after its end over which the points' impulse is summed."""
+
+FORM = 0.05
+"""Chosen: part of the peak force by which a contact's form may differ from (3.3), root mean square. A half sine differs by
+0.027, sin^1.5 (Hertz) by 0.003, a rectangle by 0.22."""
+
+FORM_IMPULSE = 0.02
+"""Chosen likewise, of the impulse: a half sine's fit has 0.9 % more, that of sin^1.5 the same."""
+
+NEAR_PEAK = 0.05
+"""Part of the duration before and after the peak over which its force is averaged; a clipped record is lower there."""
+
+CERTAIN = 5.0
+"""Standard deviations of noise that a difference may have."""
+
+
+@dataclass(frozen=True, slots=True)
+class MeasuredForce:
+    """Points of a contact and the curve fitted to them.
+
+    Attributes:
+        time: s since the contact's start, from half a duration before it to half a duration after its end, shape (n,).
+        force: N above the baseline, shape (n,).
+        fit: see ForceFit; its start is on the file's clock.
+        inverted: whether the file has the force with the opposite sign.
+    """
+
+    time: Array
+    force: Array
+    fit: ForceFit
+    inverted: bool = False
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of a point, N, from second differences, whose variance is 6 times a point's."""
+        second = np.diff(self.force, 2)
+        return math.sqrt(float(second @ second) / 6.0 / second.size)
+
+
+def measured_force(measurement: Measurement) -> MeasuredForce | None:
+    """Read and fit the file; None where there is none.
+
+    Raises:
+        ValueError: for a file that is no force history, in one line with the key.
+    """
+    if measurement.force_csv is None:
+        return None
+    try:
+        time, force = read_force_csv(
+            measurement.force_csv,
+            time_column=measurement.time_column,
+            force_column=measurement.force_column,
+            force_per_volt=measurement.force_per_volt,
+        )
+    except ValueError as error:
+        raise ValueError(f"force_csv = {error}") from None
+    try:
+        found = _fitted(time, force)
+    except ValueError as error:
+        # A contact only pushes: where nothing is found but in the opposite sense, the sensor's sign is meant.
+        pulled = _pulled(time, force)
+        if pulled is None:
+            raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
+        return pulled
+    if measured_rows(found)[-1].ok:
+        return found
+    return _pulled(time, force) or found
+
+
+def _pulled(time: Array, force: Array) -> MeasuredForce | None:
+    """The contact in a record with the opposite sign; None where there is none of the curve's form."""
+    try:
+        found = dataclasses.replace(_fitted(time, -force), inverted=True)
+    except ValueError:
+        return None
+    return found if all(each.ok for each in measured_rows(found)) else None
+
+
+def _fitted(time: Array, force: Array) -> MeasuredForce:
+    fit = fit_force_history(time, force)
+    later, length = time - fit.start, fit.curve.duration
+    shown = (later >= -0.5 * length) & (later <= 1.5 * length)
+    return MeasuredForce(later[shown], force[shown] - fit.baseline, fit)
+
+
+def measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
+    """Impulse of the fit and its force near the peak beside those of the points, and the misfit beyond the noise."""
+    curve, noise, peak = measured.fit.curve, measured.noise, measured.fit.curve.peak_force()
+    length = curve.duration
+    inside = (measured.time >= -MARGIN * length) & (measured.time <= (1.0 + MARGIN) * length)
+    time, force = measured.time[inside], measured.force[inside]
+    fitted = float(curve.impulse(min(float(time[-1]), length), max(float(time[0]), 0.0)))
+    summed = float(np.trapezoid(force, time))
+    # Points h apart have errors of noise sqrt(h T) in their sum, which the fit's amplitude shares.
+    spread = CERTAIN * noise * math.sqrt(2.0 * length * float(np.mean(np.diff(time)))) / abs(summed)
+    # Over n points, squared residuals have a variance of 2 noise^4/n, squared second differences of 3.9 noise^4/n.
+    chance = CERTAIN * math.sqrt(6.0 / force.size) * (noise / peak) ** 2
+    misfit = math.sqrt(max(0.0, measured.fit.root_mean_square**2 - noise**2)) / peak
+    top = np.abs(time - curve.peak_time()) <= NEAR_PEAK * length
+    near = np.asarray(curve(time[top])), force[top]
+    slack = FORM + CERTAIN * noise / math.sqrt(max(1, int(top.sum()))) / peak
+    peaks = () if not top.any() else (
+        Quantity("fitted_force_near_peak", "N", float(near[0].mean()), reference=float(near[1].mean()), tolerance=slack),
+    )  # fmt: skip
+    return (
+        Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread),
+        *peaks,
+        Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=math.sqrt(FORM**2 + chance)),
+    )
+
+
+def measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
+    """What was found in the file, for the terminal."""
+    fit = measured.fit
+    level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
+    sign = ("the file's force is negative in the contact: taken with the opposite sign",) if measured.inverted else ()
+    return (
+        *sign,
+        f"contact found in the file from {fit.start:.9g} s on its clock, for {1e6 * fit.curve.duration:.4g} us; baseline"
+        f" {level}",
+        f"theory: the curve (3.3) fitted to it, {fit_in_words(fit)}",
+    )

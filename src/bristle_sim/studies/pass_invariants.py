@@ -1,0 +1,267 @@
+"""What every pass must keep, whatever its parameters: energy, open gaps, and the impact law at its strike.
+
+All of it is evaluated with NumPy from the trajectory and the tool's parameters, apart from the scene that produced it.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.comparison import Quantity
+from bristle_sim.parameters import Tool
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import ContactRecord, Trajectory
+
+__all__ = ["invariant_rows"]
+
+Array = NDArray[np.float64]
+
+MAGNIFIED = 10.0
+"""Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two
+flights add up theirs."""
+
+ROUNDING = 1e-9
+"""Least tolerance, relative: differences of energies that are summed up in some hundred intervals of 1e-13 each."""
+
+NEAREST = 1e-5
+"""The same for a contact resolved in time: rounding of its penetration keeps it longer than some 1e-6 of the motion's time
+scale, and from the rigid-body limit by as much."""
+
+SAME_INSTANT = 1e-9
+"""Contacts with bar and workpart within this fraction of the run's time act together; the law is for one at a time."""
+
+STRIKE = ("impulse_momentum_error", "restitution_work_error", "friction_cone_excess")
+
+
+def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Quantity, ...]:
+    """Return the errors of what a pass must keep, each 0 in theory, with the tolerance that accuracy or step allows.
+
+    ``energy_balance``: largest imbalance of energy in a flight or an impact, of the largest kinetic energy.
+    ``deepest_overlap``: of wire and obstacle, of the bristle's length.
+    ``impulse_momentum_error``: (v' - v) - K p at the strike, of the speed before it.
+    ``restitution_work_error``: W_r + e*^2 W_c of the normal force at the strike, of W_c.
+    ``friction_cone_excess``: tangential impulse beyond mu_1 p_c + mu_2 (p_f - p_c) at the strike, of the normal impulse.
+    """
+    tolerance = _tolerance(tool, settings, run)
+    energy, uncertainty = _energy_imbalance(tool, run)
+    rows = [_row("energy_balance", energy, tolerance + uncertainty)]
+    rows.append(_row("deepest_overlap", _deepest_overlap(tool, run), tolerance))
+    errors = _strike_errors(tool, run)
+    return (*rows, *(_row(name, errors.get(name), tolerance) for name in STRIKE))
+
+
+def _row(name: str, value: float | None, tolerance: float) -> Quantity:
+    return Quantity(name, "1", value, theory=None if value is None else 0.0, tolerance=tolerance)
+
+
+def _tolerance(tool: Tool, settings: Settings, run: Trajectory) -> float:
+    if settings.step is None:
+        least = NEAREST if tool.contact.law == "compliant" else ROUNDING
+        return max(least, MAGNIFIED * settings.accuracy)
+    # Plain steps are of first order: their error is the motion within a step.
+    own = math.sqrt(_field(tool) / tool.bristle.inertia_about_root)
+    return MAGNIFIED * settings.step * max(tool.hub.speed, own, float(np.abs(run.rates).max()))
+
+
+def _field(tool: Tool) -> float:
+    """Torsional stiffness of belt, hub's turning and gravity together, N m/rad."""
+    static = tool.bristle.mass * math.hypot(*tool.bristle.centre)
+    return tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
+
+
+class _Motion(NamedTuple):
+    """Of the bristle at some instants: arms from the hub's centre to the root and from the root to the mass centre."""
+
+    hub_angle: Array
+    angle: Array
+    rate: Array
+    root: Array
+    arm: Array
+
+
+def _turned(vector: Array | tuple[float, float], angle: Array) -> Array:
+    """A vector that belongs to angle 0, turned by each angle; shape (n, 2)."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.stack([cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]], axis=-1)
+
+
+def _motion(tool: Tool, hub_angle: Array, angle: Array, rate: Array) -> _Motion:
+    root = _turned((0.0, -tool.hub.radius), hub_angle)
+    return _Motion(hub_angle, angle, rate, root, _turned(tool.bristle.centre, angle))
+
+
+def _cross(first: Array, second: Array) -> Array:
+    return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
+
+
+def _rotated(vector: Array) -> Array:
+    """A quarter turn on, which times a rate is a velocity."""
+    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
+
+
+def _jacobi(tool: Tool, motion: _Motion) -> Array:
+    """E - omega L, with E the energy of bristle and belt and L the angular momentum about the hub's centre, J.
+
+    The hub's drive does the work omega M, and M = dL/dt - M_contacts - M_gravity, so that this changes by known terms
+    alone: work of contacts less omega M_contacts, damping's loss, and -omega M_gravity.
+    """
+    bristle, omega = tool.bristle, tool.hub.speed
+    velocity = omega * _rotated(motion.root) + motion.rate[:, np.newaxis] * _rotated(motion.arm)
+    place = motion.root + motion.arm
+    energy = 0.5 * bristle.mass * (velocity**2).sum(axis=-1) + 0.5 * bristle.inertia_about_centre * motion.rate**2
+    energy += 0.5 * tool.belt.stiffness * (motion.angle - motion.hub_angle) ** 2
+    energy += bristle.mass * tool.gravity * place[:, 1]
+    momentum = bristle.mass * _cross(place, velocity) + bristle.inertia_about_centre * motion.rate
+    return np.asarray(energy - omega * momentum)
+
+
+def _power(tool: Tool, motion: _Motion) -> tuple[Array, Array]:
+    """Rate at which the Jacobi integral falls in flight, c alpha'^2 - omega m g x, and its derivative."""
+    bristle, omega, damping = tool.bristle, tool.hub.speed, tool.belt_damping
+    lag, relative = motion.angle - motion.hub_angle, motion.rate - omega
+    weight = bristle.mass * tool.gravity
+    torque = -tool.belt.stiffness * lag - damping * relative - weight * motion.arm[:, 0]
+    torque += bristle.mass * omega**2 * _cross(motion.arm, motion.root)
+    acceleration = torque / bristle.inertia_about_root
+    velocity = omega * _rotated(motion.root) + motion.rate[:, np.newaxis] * _rotated(motion.arm)
+    power = damping * relative**2 - omega * weight * (motion.root + motion.arm)[:, 0]
+    return power, 2.0 * damping * relative * acceleration - omega * weight * velocity[:, 0]
+
+
+def _integral(time: Array, values: Array, slopes: Array) -> float:
+    """The trapezoidal rule corrected by the slopes at both ends of each interval: of fourth order."""
+    step = np.diff(time)
+    whole = 0.5 * step * (values[1:] + values[:-1]) + step**2 / 12.0 * (slopes[:-1] - slopes[1:])
+    return float(whole.sum())
+
+
+def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]:
+    """Return the largest imbalance of a flight or an impact, and how uncertain its quadrature makes it; relative.
+
+    Sustained contacts are left out: the obstacle's shape prescribes their motion.
+    """
+    motion = _motion(tool, run.hub_angle, run.angles[:, 0], run.rates[:, 0])
+    # A bristle at rest moves by rounding alone, whose energy balances with nothing.
+    size = max(float(run.kinetic_energy.max()), ROUNDING * _field(tool))
+    if not size > 0.0:
+        return None, 0.0
+    jacobi, (power, slope) = _jacobi(tool, motion), _power(tool, motion)
+    found, uncertain = [0.0], [0.0]
+    for rows in _flights(run):
+        some = np.unique(np.append(rows[::2], rows[-1]))
+        lost, coarse = (_integral(run.time[each], power[each], slope[each]) for each in (rows, some))
+        found.append(abs(float(jacobi[rows[-1]] - jacobi[rows[0]]) + lost))
+        uncertain.append(abs(lost - coarse))
+    found += [abs(_impact_imbalance(tool, run, each)) for each in run.contacts if _is_rigid(tool, each)]
+    return max(found) / size, max(uncertain) / size
+
+
+def _flights(run: Trajectory) -> list[Array]:
+    """Rows of the samples of each flight, from one contact to the next."""
+    middle = 0.5 * (run.time[1:] + run.time[:-1])
+    free = np.diff(run.time) > 0.0
+    for each in run.contacts:
+        free &= (middle < each.time) | (middle > each.time + each.duration)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], free.astype(int), [0]))))
+    return [np.arange(start, end + 1) for start, end in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
+    """Whether the law of instantaneous impacts holds: not in a sustained contact, one as long as requested, or a jam."""
+    return (
+        contact.law != "hold" and contact.outcome != "jam" and (not contact.duration or tool.contact.duration is None)
+    )
+
+
+def _at_impact(tool: Tool, run: Trajectory, contact: ContactRecord, rate: float) -> _Motion:
+    hub_angle = run.hub_angle[0] + run.hub_speed * contact.time
+    return _motion(tool, np.array([hub_angle]), np.array(contact.angles), np.array([rate]))
+
+
+def _impact_imbalance(tool: Tool, run: Trajectory, contact: ContactRecord) -> float:
+    """What an impact adds to the Jacobi integral besides its impulse's work less omega times its moment, J."""
+    before, after = (_at_impact(tool, run, contact, rates[0]) for rates in (contact.rates_before, contact.rates_after))
+    change = float((_jacobi(tool, after) - _jacobi(tool, before))[0])
+    velocity = np.add(contact.velocity_before, contact.velocity_after) / 2.0
+    work = float(np.dot(contact.impulse, velocity))
+    if contact.compressive_work is not None and contact.restitutive_work is not None:
+        work = sum(contact.compressive_work) + sum(contact.restitutive_work)
+    normal, arm = _touched(tool, contact.obstacle, before)
+    impulse = contact.impulse[0] * normal - contact.impulse[1] * _rotated(normal)
+    return change - work + tool.hub.speed * float(_cross(before.root + arm, impulse)[0])
+
+
+def _touched(tool: Tool, obstacle: str, motion: _Motion) -> tuple[Array, Array]:
+    """The obstacle's normal, and the contact point seen from the root; shape (n, 2)."""
+    if obstacle == "workpart" or tool.bar is None:
+        arm = _turned(tool.bristle.path[-1], motion.angle)
+        return np.broadcast_to([0.0, 1.0], arm.shape), arm
+    away = _from_bar(tool, motion)
+    normal = away / np.linalg.norm(away, axis=-1, keepdims=True)
+    point = np.add(tool.bar.centre, away) - 0.5 * tool.bristle.wire_diameter * normal
+    return normal, point - motion.root
+
+
+def _from_bar(tool: Tool, motion: _Motion) -> Array:
+    """The shortest way from the bar's centre to the wire's centre line; shape (n, 2)."""
+    assert tool.bar is not None
+    ways = []
+    for start, end in itertools.pairwise([(0.0, 0.0), *tool.bristle.path]):
+        first, along = motion.root + _turned(start, motion.angle), _turned(np.subtract(end, start), motion.angle)
+        to_bar = np.subtract(tool.bar.centre, first)
+        share = np.clip((to_bar * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+        ways.append(share[:, np.newaxis] * along - to_bar)
+    nearest = np.argmin([(way**2).sum(axis=-1) for way in ways], axis=0)
+    return np.asarray(np.stack(ways)[nearest, np.arange(len(nearest))])
+
+
+def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
+    """How far the wire is inside an obstacle at any sample, over its length; 0 where it never is.
+
+    A contact resolved in time over a requested duration leaves a crater, which is no error.
+    """
+    motion = _motion(tool, run.hub_angle, run.angles[:, 0], run.rates[:, 0])
+    deepest = 0.0
+    if tool.workpart is not None and (tool.contact.law != "compliant" or tool.contact.duration is None):
+        deepest = max(deepest, float((-tool.workpart_depth - run.tip[:, 1]).max()))
+    if tool.bar is not None:
+        distance = np.linalg.norm(_from_bar(tool, motion), axis=-1)
+        deepest = max(deepest, float((tool.bar_reach - distance).max()))
+    return deepest / tool.bristle.length
+
+
+def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
+    """Violations of the impact law by the first strike; none where the law is not meant to hold."""
+    strike = run.first_contact("workpart")
+    if strike is None or tool.workpart is None or not _is_rigid(tool, strike) or _together(run, strike):
+        return {}
+    normal, arm = _touched(tool, "workpart", _at_impact(tool, run, strike, strike.rates_before[0]))
+    levers = np.array([_cross(arm, normal)[0], -_cross(arm, _rotated(normal))[0]])
+    change = np.subtract(strike.velocity_after, strike.velocity_before)
+    momentum = change - levers * (levers @ strike.impulse) / tool.bristle.inertia_about_root
+    speed, pushed = math.hypot(*strike.velocity_before), strike.impulse[0]
+    errors = {"impulse_momentum_error": float(np.abs(momentum).max()) / speed} if speed else {}
+    part = tool.workpart
+    if pushed > 0.0:
+        compressive = pushed if strike.compressive_impulse is None else strike.compressive_impulse[0]
+        cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
+        errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / pushed
+    # Stiction leaves no restitution.
+    if strike.outcome == "stiction":
+        return errors
+    if strike.compressive_work and strike.restitutive_work and strike.compressive_work[0]:
+        taken, returned = strike.compressive_work[0], strike.restitutive_work[0]
+        errors["restitution_work_error"] = abs(returned + part.restitution**2 * taken) / abs(taken)
+    return errors
+
+
+def _together(run: Trajectory, strike: ContactRecord) -> bool:
+    """Whether the bar is touched at the instant of the strike."""
+    near = SAME_INSTANT * float(run.time[-1])
+    bars = (each for each in run.contacts if each.obstacle == "bar")
+    return any(each.time - near <= strike.time <= each.time + each.duration + near for each in bars)

@@ -1,0 +1,166 @@
+"""One pass up to its strike, by the keys of its parameters: the point that maps and tolerance studies are made of."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.quantity import Choice, Range, shown
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.studies.whole_pass import contact_quantities, require_result
+from bristle_sim.theory.crater_cutting import depth_from_energy, specific_cutting_energy
+from bristle_sim.theory.merchant import API_5L
+from bristle_sim.trajectory import ContactRecord, Trajectory
+
+__all__ = [
+    "STRIKE_UNITS",
+    "NotCuedError",
+    "keys_of",
+    "simulated_strike",
+    "start_angle",
+    "strike_measures",
+    "strike_of_keys",
+    "tool_of_keys",
+]
+
+PARTS: dict[str, type] = {
+    "hub": Hub,
+    "belt": Belt,
+    "bristle": Bristle,
+    "bar": Bar,
+    "workpart": Workpart,
+    "contact": Contact,
+}
+
+STRIKE_UNITS = {
+    "lag_deg_at_contact": "deg",
+    "relative_speed_at_contact": "rad/s",
+    "tip_speed_at_contact": "m/s",
+    "normal_final_impulse": "N s",
+    "normal_compressive_work": "J",
+    "crater_depth": "m",
+}
+
+MARGIN = math.radians(5.0)
+"""By how much the bristle starts before the bar where the bar would be in its way 90 degrees before the workpart."""
+
+
+class NotCuedError(ValueError):
+    """The pass has no strike that the bar has cued."""
+
+
+def tool_of_keys(**values: float | str | None) -> Tool:
+    """A tool from the keys of its parameters; those left out have their defaults.
+
+    Raises:
+        ValueError: for a key that no part has, or a value out of range.
+    """
+    left = dict(values)
+    parts: dict[str, Any] = {}
+    for name, part in PARTS.items():
+        declared = {each.name: each.metadata["declaration"].key for each in dataclasses.fields(part)}
+        parts[name] = part(**{field: left.pop(key) for field, key in declared.items() if key in left})
+    if "gravity" in left:
+        parts["gravity"] = left.pop("gravity")
+    if left:
+        raise ValueError(f"{', '.join(left)}: must be keys of hub, belt, bristle, bar, workpart, contact or gravity")
+    return Tool(**parts)
+
+
+def declared_keys() -> dict[str, Range | Choice]:
+    """What each key of a tool may be."""
+    return {
+        each.metadata["declaration"].key: each.metadata["declaration"]
+        for part in PARTS.values()
+        for each in dataclasses.fields(part)
+    }
+
+
+def keys_of(tool: Tool) -> dict[str, float | str]:
+    """The values of a tool by the keys of its parameters, without those that are None."""
+    found = {}
+    for part in (tool, *(getattr(tool, name) for name in PARTS)):
+        for each in dataclasses.fields(part) if part is not None else ():
+            declared = each.metadata.get("declaration")
+            if declared is not None and getattr(part, each.name) is not None:
+                found[declared.key] = getattr(part, each.name)
+    return found
+
+
+def strike_of_keys(settings: Settings | None = None, **values: float | str | None) -> dict[str, float | None]:
+    """Lag, speeds, impulse, work and crater depth of the strike of a tool given by keys; STRIKE_UNITS has the units."""
+    tool = tool_of_keys(**values)
+    return strike_measures(tool, simulated_strike(tool, settings or Settings()))
+
+
+def simulated_strike(tool: Tool, settings: Settings) -> Trajectory:
+    """Simulate a pass up to its strike, from 90 degrees before the workpart, or earlier if the bar stands there.
+
+    Raises:
+        ValueError: if the run is given up.
+    """
+    run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
+    require_result(run, settings)
+    return run
+
+
+def start_angle(tool: Tool) -> float:
+    """Angle of the hub at which a radial bristle is clear of the bar, at most -pi/2, rad."""
+    if tool.bar is None:
+        raise ValueError("bar = None: must be a Bar, or nothing cues the bristle")
+    distance = math.hypot(*tool.bar.centre)
+    direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
+    covered = math.asin(min(1.0, tool.bar_reach / distance))
+    return -max(0.5 * math.pi, direction + covered + MARGIN)
+
+
+def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
+    """Lag, speeds, impulse, work and crater depth of a run's strike.
+
+    Raises:
+        NotCuedError: if the bristle does not strike, or strikes before it has touched the bar or while it does.
+    """
+    contact = cued_contact(run)
+    measured = contact_quantities(contact)
+    return {
+        "lag_deg_at_contact": math.degrees(run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]),
+        "relative_speed_at_contact": contact.rates_before[0] - tool.hub.speed,
+        "tip_speed_at_contact": math.hypot(*contact.velocity_before),
+        "normal_final_impulse": measured["normal_final_impulse"],
+        "normal_compressive_work": measured["normal_compressive_work"],
+        "crater_depth": crater_depth(tool, contact),
+    }
+
+
+def cued_contact(run: Trajectory) -> ContactRecord:
+    """The strike of a bristle that the bar has held back and let go.
+
+    Raises:
+        NotCuedError: if there is none.
+    """
+    strike = run.first_contact("workpart")
+    if strike is None:
+        raise NotCuedError(f"the bristle must strike the workpart, it does not: {shown(run.stop_reason)}")
+    touch = run.first_contact("bar")
+    if touch is None or touch.time > strike.time:
+        raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
+    return strike
+
+
+def crater_depth(tool: Tool, contact: ContactRecord) -> float | None:
+    """Depth of the crater whose chip takes the energy that the tip gives up in compression, m; None if it is not known.
+
+    The tip cuts straight along its velocity, into API 5L steel, the shear plane ending at the inclined surface, with the
+    workpart's friction (theory/crater_cutting.py).
+    """
+    work, workpart = contact.compressive_work, tool.workpart
+    if work is None or workpart is None or workpart.friction <= 0.0:
+        return None
+    entry = math.atan2(-contact.velocity_before[0], abs(contact.velocity_before[1]))
+    if not 0.0 < entry < 0.5 * math.pi:
+        return None
+    energy = specific_cutting_energy(workpart.friction, entry, API_5L, "inclined")
+    return float(depth_from_energy(max(0.0, -sum(work)), energy, entry))

@@ -1,0 +1,287 @@
+"""The phases of an impact, one after the other: the same for every coefficient of restitution.
+
+Within a phase of constant slip direction (or stick) the velocities are linear and the works quadratic in the normal
+impulse, so that each phase ends in closed form: slip where v_t = 0, compression where v_n = 0, restitution where a
+function of the velocity, the compliance and what is left to reach says. The same lines serve floats, for speed in a
+scene, and arrays.
+
+See ``impact`` for the law, its sources and the functions to call.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.theory.impact_result import (
+    JAM,
+    NO_CONTACT,
+    NO_REBOUND,
+    REBOUND,
+    STICTION,
+    Impact,
+    Number,
+)
+
+__all__ = ["INFINITE", "End", "Target", "isfinite", "magnitude", "quotient", "select", "square_root", "walk"]
+
+INFINITE = math.inf
+
+KNIFE_EDGE = 1e-6
+"""One degree of freedom that sticks with less than this share of its approach left, or already regained, is at rest: a
+radial bristle, up to rounding and to where its strike was located. It is neither a jam, nor has it a rebound, for which the
+work rule would ask an impulse of W/v_n, without bound."""
+
+SINGULAR = 64.0 * sys.float_info.epsilon
+"""A normal compliance in stick below this share of K_nn is rounding: the contact has one degree of freedom."""
+
+
+@dataclass(slots=True)
+class _State:
+    """Running state of an impact: velocities and accumulated impulses."""
+
+    normal: Number
+    tangential: Number
+    impulse: Number
+    impulse_tangential: Number
+
+
+class _Mass(NamedTuple):
+    """K by its entries, its normal compliance in stick rid of rounding, and the tangential share of stick."""
+
+    normal: Number
+    coupling: Number
+    tangential: Number
+    stick: Number
+    stick_ratio: Number
+
+
+class Target(NamedTuple):
+    """What restitution still has to reach: normal work, normal impulse, or (Newton) a normal velocity.
+
+    A point that cannot be set in motion and moves no faster than ``least`` is at rest.
+    """
+
+    work: Number
+    impulse: Number
+    velocity: Number
+    least: Number
+
+
+class _Phase(NamedTuple):
+    """What one phase did; ``stopped``: slip came to an end in it; ``unfinished``: its part of the impact goes on."""
+
+    impulse: Number
+    slip: Number
+    work_normal: Number
+    work_tangential: Number
+    stopped: Number
+    unfinished: Number
+
+
+End = Callable[[Number, Number, Target], Number]
+"""Normal impulse from (velocity, compliance) at which restitution ends."""
+
+
+def walk(
+    end: End,
+    k_nn: Number,
+    k_nt: Number,
+    k_tt: Number,
+    normal: Number,
+    tangential: Number,
+    mu_1: Number,
+    e: Number,
+    mu_2: Number,
+    stick: Number | None = None,
+) -> Impact:
+    """The four phases in order."""
+    mass = _mass(k_nn, k_nt, k_tt, stick)
+    approaching = normal < 0.0
+    state = _State(select(approaching, normal, 0.0), tangential, 0.0 * normal, 0.0 * normal)
+    initial = _sign(tangential)
+
+    first = _compress(state, mass, mu_1, initial, approaching & (initial != 0.0))
+    second = _compress(state, mass, mu_1, _settled(mass, mu_1), state.normal < 0.0)
+    jammed = approaching & (state.normal < KNIFE_EDGE * normal)
+    compressive, compressive_tangential = state.impulse, state.impulse_tangential
+
+    # Compression may have ended in slip, reversed slip or stick; slip that is still there goes on.
+    work = -(first.work_normal + second.work_normal) * e * e
+    target = Target(work, e * compressive, -e * normal, -KNIFE_EDGE * normal)
+    opens = approaching & _not(jammed) & (e > 0.0)
+    slip = _sign(state.tangential)
+    third = _restitute(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
+    left = Target(work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least)
+    still_open = opens & ((slip == 0.0) | third.unfinished)
+    fourth = _restitute(state, mass, mu_2, _settled(mass, mu_2), still_open, left, end)
+
+    rows = (first, second, third, fourth)
+    # Poisson's restitution ends at an impulse, even where one degree of freedom lets no impulse part the point.
+    stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
+    parted = select(state.normal > 0.0, REBOUND, NO_REBOUND)
+    ending = select(e == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
+    return Impact(
+        impulse_normal=state.impulse,
+        impulse_tangential=state.impulse_tangential,
+        velocity_normal=select(approaching, state.normal, normal),
+        velocity_tangential=state.tangential,
+        compressive_impulse_normal=compressive,
+        compressive_impulse_tangential=compressive_tangential,
+        slip_stop_impulse=_slip_stop(initial, rows),
+        phase_impulse=_stack([row.impulse for row in rows]),
+        phase_slip=_stack([row.slip for row in rows]),
+        phase_work_normal=_stack([row.work_normal for row in rows]),
+        phase_work_tangential=_stack([row.work_tangential for row in rows]),
+        outcome=select(approaching, select(jammed, JAM, ending), NO_CONTACT),
+    )
+
+
+def _mass(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> _Mass:
+    ratio = select(k_tt > 0.0, k_nt * _inverse(k_tt), 0.0)
+    if stick is None:
+        difference = k_nn - ratio * k_nt
+        stick = select(difference > SINGULAR * k_nn, difference, 0.0)
+    return _Mass(k_nn, k_nt, k_tt, stick, -ratio)
+
+
+def _settled(mass: _Mass, mu: Number) -> Number:
+    """Direction of slip once it has stopped: none where friction holds the point, else the way K drives it."""
+    holds = mu * mass.tangential >= magnitude(mass.coupling)
+    return select(holds, 0.0, _sign(mass.coupling))
+
+
+def _slip_rates(mass: _Mass, mu: Number, slip: Number) -> tuple[Number, Number]:
+    """Gains of v_n and v_t per unit normal impulse in slip, K_nn - mu sign(v_t) K_nt and K_nt - mu sign(v_t) K_tt.
+
+    The first by way of the second: where rounding decides both, they are still those of one mu, and no energy is gained.
+    """
+    tangential = mass.coupling - mu * slip * mass.tangential
+    return mass.stick - mass.stick_ratio * tangential, tangential
+
+
+def _compress(state: _State, mass: _Mass, mu: Number, slip: Number, active: Number) -> _Phase:
+    """Advance to the end of compression or of slip, whichever comes first."""
+    sticks = slip == 0.0
+    slip_rate, slip_tangential_rate = _slip_rates(mass, mu, slip)
+    ratio = select(sticks, mass.stick_ratio, -mu * slip)
+    normal_rate = select(sticks, mass.stick, slip_rate)
+    tangential_rate = select(sticks, 0.0, slip_tangential_rate)
+    end = quotient(-state.normal, normal_rate)
+    return _advance(state, active, slip, ratio, normal_rate, tangential_rate, end)
+
+
+def _restitute(
+    state: _State, mass: _Mass, mu: Number, slip: Number, active: Number, target: Target, end: End
+) -> _Phase:
+    """Advance to the end of restitution or of slip; slip that would turn v_n back keeps it at rest."""
+    sticks = slip == 0.0
+    drive = slip * mass.coupling
+    slip_rate, slip_tangential_rate = _slip_rates(mass, mu, slip)
+    at_rest = (drive > 0.0) & (slip_rate <= 0.0)
+    ratio = select(at_rest, -mass.normal * _inverse(mass.coupling), -mu * slip)
+    # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree of freedom.
+    slowing = -mass.stick * mass.tangential * _inverse(mass.coupling)
+    ratio = select(sticks, mass.stick_ratio, ratio)
+    normal_rate = select(sticks, mass.stick, select(at_rest, 0.0, slip_rate))
+    tangential_rate = select(sticks, 0.0, select(at_rest, slowing, slip_tangential_rate))
+    rests = sticks & (normal_rate == 0.0) & (state.normal <= target.least)
+    finish = select(rests, INFINITE, end(state.normal, normal_rate, target))
+    return _advance(state, active, slip, ratio, normal_rate, tangential_rate, finish)
+
+
+def _advance(
+    state: _State,
+    active: Number,
+    slip: Number,
+    ratio: Number,
+    normal_rate: Number,
+    tangential_rate: Number,
+    end: Number,
+) -> _Phase:
+    """Apply the normal impulse up to ``end`` or up to where slip stops; both may be infinite."""
+    slows = state.tangential * tangential_rate < 0.0
+    stop = select(slows, quotient(magnitude(state.tangential), magnitude(tangential_rate)), INFINITE)
+    # Slip and compression of one degree of freedom stop at one impulse, up to rounding.
+    stopped = active & (stop <= end * (1.0 + SINGULAR)) & (stop < INFINITE)
+    finished = active & (end <= stop * (1.0 + SINGULAR)) & (end < INFINITE)
+    step = select(finished, end, select(stopped, stop, 0.0))
+
+    normal = state.normal + normal_rate * step
+    tangential = select(stopped, 0.0, state.tangential + tangential_rate * step)
+    work_normal = 0.5 * step * (state.normal + normal)
+    work_tangential = 0.5 * ratio * step * (state.tangential + tangential)
+    # Compression ends at rest, exactly.
+    state.normal = select(finished & (state.normal < 0.0), 0.0, normal)
+    state.tangential = tangential
+    state.impulse = state.impulse + step
+    state.impulse_tangential = state.impulse_tangential + ratio * step
+    return _Phase(step, select(active, slip, 0.0), work_normal, work_tangential, stopped, active & _not(finished))
+
+
+def _slip_stop(initial: Number, rows: tuple[_Phase, ...]) -> Number:
+    """p_s: where the initial slip stops; 0 if there is none, inf if it lasts."""
+    first, second, third, _ = rows
+    late = first.impulse + second.impulse + third.impulse
+    stop = select(first.stopped, first.impulse, select(third.stopped, late, INFINITE))
+    return select(initial == 0.0, 0.0, stop)
+
+
+def select(condition: Number, chosen: Number, other: Number) -> Number:
+    """Return the chosen value where the condition holds, else the other one."""
+    if isinstance(condition, bool):
+        return chosen if condition else other
+    return np.where(condition, chosen, other)
+
+
+def _not(condition: Number) -> Number:
+    return not condition if isinstance(condition, bool) else ~condition
+
+
+def magnitude(value: Number) -> Number:
+    """Return the absolute value."""
+    return abs(value)
+
+
+def _sign(value: Number) -> Number:
+    if isinstance(value, float):
+        return math.copysign(1.0, value) if value else 0.0
+    return np.sign(value)
+
+
+def square_root(value: Number) -> Number:
+    """Return the square root of a value that is not negative."""
+    return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
+
+
+def isfinite(value: Number) -> Number:
+    """Tell whether a value is neither infinite nor NaN."""
+    return math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
+
+
+def _inverse(value: Number) -> Number:
+    """1/value, infinite at zero."""
+    if isinstance(value, float):
+        return 1.0 / value if value else INFINITE
+    return 1.0 / value
+
+
+def quotient(value: Number, divisor: Number) -> Number:
+    """value/divisor where the divisor is positive, else infinite."""
+    if isinstance(divisor, float):
+        return value / divisor if divisor > 0.0 else INFINITE
+    quotient = np.full_like(divisor, INFINITE)
+    np.divide(value, divisor, out=quotient, where=divisor > 0.0)
+    return quotient
+
+
+def _stack(columns: list[Number]) -> NDArray[np.float64]:
+    if isinstance(columns[0], float):
+        return np.array(columns)
+    return np.stack(columns, axis=-1)

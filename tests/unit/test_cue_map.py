@@ -1,0 +1,184 @@
+"""Where the bar must stand, against the independent solution, a closed form and synthetic strikes."""
+
+import dataclasses
+import math
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
+from bristle_sim.reference import simulate_reference
+from bristle_sim.settings import Settings
+from bristle_sim.studies import cue_map as module
+from bristle_sim.studies.cue_map import (
+    MapGrid,
+    Place,
+    cue_map,
+    fastest_place,
+    placed,
+    position_map,
+    radial_place,
+    simulation,
+)
+from bristle_sim.studies.strike_point import (
+    STRIKE_UNITS,
+    NotCuedError,
+    keys_of,
+    strike_measures,
+    strike_of_keys,
+    tool_of_keys,
+)
+from bristle_sim.theory import cueing
+
+FINE = Settings(accuracy=1e-9)
+
+
+@pytest.fixture(scope="module")
+def radial() -> Place:
+    return radial_place(Tool(), simulation(FINE))
+
+
+def test_the_operating_point(radial: Place):
+    """Two independent computations gave 68.145 degrees and 878.7 rad/s, and with the bar's distance 51.20 and 20.54 mm."""
+    bar = placed(Tool(), radial.direction).bar
+    assert bar is not None
+    assert math.degrees(radial.direction) == pytest.approx(68.145, abs=5e-4)
+    assert bar.horizontal == pytest.approx(0.05120, abs=5e-6)
+    assert bar.vertical == pytest.approx(0.02054, abs=5e-6)
+    assert radial.strike["relative_speed_at_contact"] == pytest.approx(878.7, abs=0.05)
+
+
+def test_the_independent_solution_encloses_the_root_within_a_millionth_of_a_degree(radial: Place):
+    def lag(direction: float) -> float:
+        tool = placed(Tool(), direction)
+        return strike_measures(tool, simulate_reference(tool, stop_after="strike"))["lag_deg_at_contact"] or 0.0
+
+    step = math.radians(1e-6)
+    assert lag(radial.direction - step) > 0.0 > lag(radial.direction + step)
+
+
+def test_the_root_is_found_within_three_seconds():
+    """Of the processor: the machine may have other things to do."""
+    started = time.process_time()
+    radial_place(Tool(), simulation(FINE))
+    assert time.process_time() - started < 3.0
+
+
+def test_another_penetration_turns_the_bar_by_the_impact_angle(radial: Place):
+    """A radial strike comes at the same relative motion, only later in the hub's turn: theta moves with gamma alone."""
+    tool = Tool(workpart=Workpart(penetration=0.007))
+    geometry = (tool.hub.radius, tool.bristle.length)
+    turned = float(cueing.impact_angle(*geometry, 0.007) - cueing.impact_angle(*geometry, 0.0045))
+    found = radial_place(tool, simulation(FINE))
+    # Each of the two roots is as good as the lag, 1e-9 of angles of the order of 1 rad.
+    assert found.direction - radial.direction == pytest.approx(turned, abs=1e-8)
+    before = radial.strike["relative_speed_at_contact"]
+    assert found.strike["relative_speed_at_contact"] == pytest.approx(before, rel=1e-8)
+
+
+def test_the_tip_is_slower_on_either_side_of_its_fastest_place(radial: Place):
+    strike = simulation(FINE)
+    found = fastest_place(Tool(), strike, radial.direction + 0.05)
+    best = found.strike["tip_speed_at_contact"]
+    assert best is not None
+    for step in (-1e-3, 1e-3):
+        slower = strike(placed(Tool(), found.direction + step))["tip_speed_at_contact"]
+        assert slower is not None
+        assert slower < best
+    # At constant energy the fastest place is the radial one, but for the bar's work, which hardly depends on its direction.
+    assert found.direction == pytest.approx(radial.direction, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("tool", "words"),
+    [
+        (Tool(belt=Belt(stiffness=0.00041)), "no direction at this distance cues the bristle; .*retraction limit"),
+        (Tool(belt=Belt(damping_ratio=1.0)), "no direction at this distance gives a radial strike; .* lag of"),
+        (Tool(hub=Hub(speed=0.0)), "no direction at this distance cues the bristle"),
+        (Tool(bar=Bar(horizontal=0.056)), "bar_horizontal, bar_vertical: tip radius = "),
+        (Tool(bar=None), "bar, workpart: must both be there"),
+    ],
+)
+def test_one_line_says_why_there_is_no_radial_strike(tool: Tool, words: str):
+    """A hub at rest moves nothing, a critically damped bristle never gets there, a soft belt gives way altogether."""
+    with pytest.raises(ValueError, match=words) as refusal:
+        radial_place(tool, simulation(Settings(accuracy=1e-4)))
+    assert "\n" not in str(refusal.value)
+
+
+def by_direction(lag: Callable[[float], float], speed: Callable[[float], float] = math.cos) -> module.Strike:
+    """A strike that depends on the bar's direction alone, in degrees and rad."""
+
+    def strike(tool: Tool) -> module.Measures:
+        assert tool.bar is not None
+        direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
+        return {"lag_deg_at_contact": lag(math.degrees(direction)), "tip_speed_at_contact": speed(direction)}
+
+    return strike
+
+
+@pytest.mark.parametrize("root", [0.4, 12.0, 66.0, 67.0, 109.0, 178.0])
+def test_a_root_is_found_wherever_it_is(root: float):
+    found = radial_place(Tool(), by_direction(lambda direction: (root - direction) ** 3 + root - direction))
+    assert math.degrees(found.direction) == pytest.approx(root, abs=1e-8)
+
+
+def test_a_jump_is_no_root():
+    with pytest.raises(NotCuedError, match=r"at 7\d deg the lag jumps|at 70 deg the lag jumps"):
+        radial_place(Tool(), by_direction(lambda direction: 1.0 if direction < 70.0 else -1.0))
+
+
+def test_a_rise_through_zero_is_passed_over():
+    """As the lag falls with the direction, a rise is where the strike has jumped to another swing."""
+    found = radial_place(Tool(), by_direction(lambda direction: math.sin(math.radians(8.0 * (direction - 67.5)))))
+    turn = math.degrees(found.direction) - 67.5
+    assert turn == pytest.approx(-22.5, abs=1e-8) or turn == pytest.approx(22.5, abs=1e-8)
+
+
+@pytest.mark.parametrize("peak", [0.3, 1.15, 2.9])
+def test_a_maximum_is_found_uphill(peak: float):
+    found = fastest_place(Tool(), by_direction(lambda _: 0.0, lambda direction: 2.0 - (direction - peak) ** 2), 1.2)
+    assert found.direction == pytest.approx(peak, abs=1e-5)
+
+
+def test_how_the_answer_moves_agrees_with_asking_again(monkeypatch: pytest.MonkeyPatch):
+    """The rows are the same questions, so that each can be asked by itself."""
+    monkeypatch.setattr(module, "MOVES", {"hub_speed": (0.9,), "belt_stiffness": (0.8, 1.25)})
+    report = cue_map(Tool(), Settings(), with_reference=False)
+    row = next(each for each in report.extra["moves"] if each["key"] == "hub_speed")
+    again = radial_place(Tool(hub=Hub(speed=row["value"])), simulation(Settings()))
+    # Both are roots of one lag, good to 1e-6 of some rad.
+    assert row["bar_direction_for_radial_strike_deg"] == pytest.approx(math.degrees(again.direction), rel=1e-6)
+    stiff = [each for each in report.extra["moves"] if each["key"] == "belt_stiffness"]
+    # A stiffer belt swings back sooner, so the hub turns less in the meantime.
+    assert stiff[0]["bar_direction_for_radial_strike_deg"] > stiff[1]["bar_direction_for_radial_strike_deg"]
+    assert all(row.ok is None for row in report.quantities)
+
+
+def test_maps_hold_the_passes_at_their_positions():
+    pytest.importorskip("zarr", reason="needs the extra sweep")
+    found = position_map(Tool(), Settings(accuracy=1e-5), MapGrid(points=3.0, half_width=0.004))
+    assert found.sizes == {"bar_vertical": 3, "bar_horizontal": 3}
+    assert {name: found[name].attrs["units"] for name in STRIKE_UNITS} == STRIKE_UNITS
+    alone = strike_of_keys(Settings(accuracy=1e-5))
+    centre = found.isel(bar_vertical=1, bar_horizontal=1)
+    for name, value in alone.items():
+        assert centre[name].item() == value
+    far = found.isel(bar_vertical=2, bar_horizontal=2)
+    assert np.isnan(far["lag_deg_at_contact"].item())
+    assert "NotCuedError" in far["failure"].item()
+
+
+def test_a_tool_survives_its_keys():
+    tool = Tool(hub=Hub(speed=200.0), workpart=Workpart(restitution_friction=0.2), gravity=9.81)
+    assert tool_of_keys(**keys_of(tool)) == tool
+    with pytest.raises(ValueError, match="no_such_key: must be keys"):
+        tool_of_keys(no_such_key=1.0)
+
+
+@pytest.mark.parametrize(("key", "value"), [("points", 2.5), ("workers", 1.5), ("points", 1.0)])
+def test_a_grid_is_whole(key: str, value: float):
+    with pytest.raises(ValueError, match=r"map_points|workers"):
+        dataclasses.replace(MapGrid(), **{key: value})

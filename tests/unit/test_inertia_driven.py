@@ -1,0 +1,148 @@
+"""A bristle thrown by its own inertia: energy, quadrature, and the scene and the reference beside them."""
+
+import dataclasses
+import math
+
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.special import ellipk
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.settings import Settings
+from bristle_sim.studies.inertia_driven import inertia_driven
+from bristle_sim.theory.inertia_drive import (
+    hub_speed_for_tip_speed,
+    largest_retraction,
+    radial_tip_speed,
+    time_to_radial,
+)
+
+INERTIA = 8.387e-5 * 0.027**2 / 3.0
+STIFFNESS = math.degrees(0.00041)
+SPEED = 261.8
+FIELD = 8.387e-5 * 0.0275 * 0.0135 * SPEED**2
+DRIVE = (INERTIA, STIFFNESS, FIELD, SPEED)
+FINE = Settings(accuracy=1e-9)
+
+
+def values(tool=None, *, side="simulated", **options):
+    found = inertia_driven(tool or Tool(), FINE, **options)
+    return {each.name: getattr(each, side) for each in found.quantities}, found
+
+
+def integrated(damping=0.0):
+    """The equation of motion by scipy until the bristle is radial again: time, rate and largest lag."""
+
+    def slope(_, state):
+        angle, rate = state
+        return rate, -(damping * rate + STIFFNESS * angle + FIELD * math.sin(angle)) / INERTIA
+
+    def radial(_, state):
+        return state[0]
+
+    def turning(_, state):
+        return state[1]
+
+    radial.terminal, radial.direction = True, 1.0
+    run = solve_ivp(slope, (0.0, 0.1), (0.0, -SPEED), method="DOP853", rtol=1e-13, atol=1e-16, events=(radial, turning))
+    return run.t_events[0][-1], run.y_events[0][-1][1], -run.y_events[1][0][0]
+
+
+def test_what_is_expected_at_the_operating_point():
+    """model: 13.380 deg, 2.8025 ms, 21.34 m/s, and 465.6 rad/s for 37.95 m/s."""
+    assert math.degrees(largest_retraction(*DRIVE)) == pytest.approx(13.380, abs=5e-4)
+    assert time_to_radial(*DRIVE) == pytest.approx(2.8025e-3, abs=5e-8)
+    assert radial_tip_speed(SPEED, 0.0275, 0.027) == pytest.approx(21.34, abs=5e-3)
+    assert hub_speed_for_tip_speed(37.95, 0.0275, 0.027) == pytest.approx(465.6, abs=0.05)
+
+
+def test_energy_and_quadrature_against_integration():
+    time, rate, lag = integrated()
+    # The integrator's tolerance of 1e-13 a step, over some hundred steps.
+    assert largest_retraction(*DRIVE) == pytest.approx(lag, rel=1e-10)
+    assert time_to_radial(*DRIVE) == pytest.approx(time, rel=1e-10)
+    assert rate == pytest.approx(SPEED, rel=1e-10)
+
+
+def test_a_belt_alone_is_a_harmonic_oscillator():
+    rate = math.sqrt(STIFFNESS / INERTIA)
+    assert largest_retraction(INERTIA, STIFFNESS, 0.0, SPEED) == pytest.approx(SPEED / rate, rel=1e-14)
+    assert time_to_radial(INERTIA, STIFFNESS, 0.0, SPEED) == pytest.approx(math.pi / rate, rel=1e-14)
+
+
+def test_the_field_alone_is_a_pendulum():
+    """sin(A/2) = omega/2 sqrt(I/g), half a period 2 sqrt(I/g) K(sin(A/2)^2)."""
+    modulus = 0.5 * SPEED * math.sqrt(INERTIA / FIELD)
+    assert largest_retraction(INERTIA, 0.0, FIELD, SPEED) == pytest.approx(2.0 * math.asin(modulus), rel=1e-14)
+    half = 2.0 * math.sqrt(INERTIA / FIELD) * ellipk(modulus**2)
+    assert time_to_radial(INERTIA, 0.0, FIELD, SPEED) == pytest.approx(half, rel=1e-13)
+
+
+def test_the_quadrature_by_another_rule():
+    top = largest_retraction(INERTIA, STIFFNESS, 3.0 * FIELD, 4.0 * SPEED)
+
+    def rate(angle):
+        energy = 0.5 * INERTIA * (4.0 * SPEED) ** 2 - 0.5 * STIFFNESS * angle**2 - 3.0 * FIELD * (1.0 - math.cos(angle))
+        return math.sqrt(2.0 * energy / INERTIA)
+
+    # alpha = A (1 - s^2) takes the root away; next to the turning point the energies cancel to 1e-16/1e-8.
+    half = quad(lambda s: 2.0 * top * s / rate(top * (1.0 - s * s)), 1e-7, 1.0, epsrel=1e-10)[0]
+    assert time_to_radial(INERTIA, STIFFNESS, 3.0 * FIELD, 4.0 * SPEED) == pytest.approx(2.0 * half, rel=1e-6)
+
+
+def test_a_bristle_that_would_lie_down_is_refused():
+    limit = math.sqrt(STIFFNESS / INERTIA) * math.pi / 2.0
+    assert largest_retraction(INERTIA, STIFFNESS, 0.0, 0.999 * limit) == pytest.approx(0.999 * math.pi / 2.0)
+    with pytest.raises(ValueError, match=r"^stiffness = .*: must be enough to stop the bristle within 90 deg"):
+        largest_retraction(INERTIA, STIFFNESS, 0.0, 1.001 * limit)
+
+
+def test_scene_theory_and_reference_agree():
+    simulated, found = values()
+    assert [each.name for each in found.quantities if not each.ok] == []
+    for each in found.quantities[:4]:
+        # Asked for 1e-9, and the issue's 1e-8 of either.
+        assert each.simulated == pytest.approx(each.theory, rel=1e-8)
+        assert each.simulated == pytest.approx(each.reference, rel=1e-8)
+    assert simulated["hub_speed_for_equal_tip_speed"] == pytest.approx(465.6, abs=0.1)
+
+
+def test_with_damping_against_integration():
+    belt = Belt(stiffness=STIFFNESS, damping_ratio=0.05)
+    tool = Tool(belt=belt)
+    time, rate, lag = integrated(tool.belt_damping)
+    simulated, found = values(tool)
+    assert [each.ok for each in found.quantities] == [True] * 5
+    assert simulated["time_to_radial"] == pytest.approx(time, rel=1e-8)
+    assert simulated["relative_speed_at_radial"] == pytest.approx(rate, rel=1e-8)
+    assert simulated["largest_retraction_deg"] == pytest.approx(math.degrees(lag), rel=1e-8)
+    assert found.quantities[0].theory is None
+
+
+def test_at_the_equal_hub_speed_the_tip_is_as_fast():
+    tool = Tool(belt=Belt(stiffness=STIFFNESS, damping_ratio=0.1))
+    simulated, found = values(tool, with_reference=False)
+    contact = found.subject.pass_with_bar.first_contact("workpart")
+    faster = dataclasses.replace(tool, hub=Hub(speed=simulated["hub_speed_for_equal_tip_speed"]))
+    again, _ = values(faster, with_reference=False)
+    # Ten times the accuracy, for either of the two runs.
+    assert again["tip_speed_at_radial"] == pytest.approx(math.hypot(*contact.velocity_before), rel=2e-8)
+
+
+def test_an_overdamped_bristle_creeps_and_a_fast_one_lies_down():
+    for tool in (
+        Tool(belt=Belt(stiffness=STIFFNESS, damping_ratio=1.5)),
+        Tool(hub=Hub(radius=0.001, speed=3000.0), bristle=Bristle(), bar=Bar(horizontal=0.05, vertical=0.0)),
+    ):
+        simulated, found = values(tool, with_reference=False)
+        assert set(simulated.values()) == {None}
+        assert "does not come back" in found.remarks[0]
+
+
+def test_without_a_strike_there_is_nothing_to_equal():
+    workpart = dataclasses.replace(Tool().workpart, penetration=1e-6)
+    simulated, found = values(Tool(workpart=workpart), with_reference=False)
+    assert simulated["hub_speed_for_equal_tip_speed"] is None
+    assert "no strike" in found.remarks[0]
+    with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
+        values(Tool(hub=Hub(speed=0.0)))

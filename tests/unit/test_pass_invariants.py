@@ -1,0 +1,133 @@
+"""The invariants of a pass hold where they should, and each notices what breaks it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bristle_sim.comparison import Quantity
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.studies.pass_invariants import invariant_rows
+from bristle_sim.studies.whole_pass import whole_pass
+from bristle_sim.theory import impact as impact_law
+from bristle_sim.trajectory import Trajectory
+
+SETTINGS = Settings()
+
+TOOLS = {
+    "default": Tool(),
+    "knee": Tool(bristle=Bristle(knee_angle_deg=30.0)),
+    "gravity and damping": Tool(gravity=9.81, belt=Belt(damping_ratio=0.1)),
+    "rubbing bar that throws back": Tool(bar=Bar(friction=0.3, restitution=0.6)),
+    "contact resolved in time": Tool(contact=Contact("compliant")),
+    "engine's contact": Tool(contact=Contact("engine")),
+    "at rest": Tool(hub=Hub(speed=0.0)),
+}
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    return simulate(Tool(), SETTINGS)
+
+
+def verdicts(tool: Tool, settings: Settings, run: Trajectory) -> dict[str, bool | None]:
+    return {row.name: row.ok for row in invariant_rows(tool, settings, run)}
+
+
+@pytest.mark.parametrize("name", TOOLS)
+@pytest.mark.parametrize(
+    "settings", [SETTINGS, Settings(accuracy=1e-9, hub_turn=2.0), Settings(step=2e-5, hub_turn=2.0)]
+)
+def test_kept(name: str, settings: Settings) -> None:
+    rows = invariant_rows(TOOLS[name], settings, simulate(TOOLS[name], settings))
+    assert [(row.name, row.simulated) for row in rows if row.ok is False] == []
+    assert sum(row.ok is True for row in rows) >= 2
+
+
+def only(name: str, found: dict[str, bool | None]) -> bool:
+    return found[name] is False and all(ok is not False for other, ok in found.items() if other != name)
+
+
+class TestNoticed:
+    def test_energy_gained_in_flight(self, run: Trajectory) -> None:
+        """Rates 1e-4 too high from half the last flight on: 2e-4 of the kinetic energy, twenty times the tolerance."""
+        rates = run.rates.copy()
+        late = run.time > 0.5 * (run.contacts[-1].time + run.contacts[-1].duration + run.time[-1])
+        assert late.any()
+        rates[late] *= 1.001
+        assert only("energy_balance", verdicts(Tool(), SETTINGS, replace(run, rates=rates)))
+
+    def test_overlap(self, run: Trajectory) -> None:
+        strike = int(np.argmin(np.abs(run.time - run.first_contact("workpart").time)))  # type: ignore[union-attr]
+        tip = run.tip.copy()
+        tip[strike, 1] -= 1e-4 * Tool().bristle.length
+        assert only("deepest_overlap", verdicts(Tool(), SETTINGS, replace(run, tip=tip)))
+
+    def test_impulse_that_does_not_change_the_velocity(self, run: Trajectory) -> None:
+        strike = run.first_contact("workpart")
+        assert strike is not None
+        assert strike.compressive_impulse is not None
+        contacts = [
+            replace(each, velocity_after=(each.velocity_after[0] * 1.01, each.velocity_after[1]))
+            if each is strike
+            else each
+            for each in run.contacts
+        ]
+        assert verdicts(Tool(), SETTINGS, replace(run, contacts=tuple(contacts)))["impulse_momentum_error"] is False
+
+    def test_other_restitution_and_friction(self, run: Trajectory) -> None:
+        """A tangential impulse lies outside the cone of a smooth surface, whatever it is."""
+        springy, smooth = Tool(workpart=Workpart(restitution=0.5)), Tool(workpart=Workpart(friction=0.0))
+        assert only("restitution_work_error", verdicts(springy, SETTINGS, run))
+        assert only("friction_cone_excess", verdicts(smooth, SETTINGS, run))
+
+    def test_the_scenario_fails_with_a_wrong_law(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A law that takes e* for another: the whole pass says so without the reference."""
+        right = impact_law.energetic_impact
+
+        def wrong(inverse_mass, velocity, friction, restitution, *others):  # type: ignore[no-untyped-def]
+            return right(inverse_mass, velocity, friction, 0.9 * restitution, *others)
+
+        monkeypatch.setattr("bristle_sim.scene.contact_laws.energetic_impact", wrong)
+        rows = {row.name: row for row in whole_pass(Tool(), SETTINGS).quantities}
+        assert rows["restitution_work_error"].ok is False
+
+
+def quantity(name: str, rows: tuple[Quantity, ...]) -> Quantity:
+    return next(row for row in rows if row.name == name)
+
+
+class TestGivenUp:
+    def test_a_strike_before_the_run_is_given_up_is_reported(self) -> None:
+        """Friction 3 at the workpart is too much for a later contact; the strike at 4.53 ms stands, as with less of it."""
+        rubbing = Tool(workpart=Workpart(friction=3.0))
+        report = whole_pass(rubbing, SETTINGS)
+        # Up to the strike the workpart plays no part.
+        free = whole_pass(Tool(), SETTINGS)
+        for name in ("contact_time", "tip_speed_at_contact", "release_time"):
+            assert quantity(name, report.quantities).simulated == quantity(name, free.quantities).simulated
+        assert report.outcome == "rebound"
+        assert report.extra["stopped"]["complete"] is False
+        assert report.extra["stopped"]["time"] > report.events[-1][1] - 1e-12
+        (told,) = [remark for remark in report.remarks if remark.startswith("given up at")]
+        assert "less friction" in told
+        assert "bar_friction" not in told
+
+    def test_a_run_given_up_before_a_strike_is_refused(self) -> None:
+        with pytest.raises(ValueError, match=r"step budget spent after [0-9]+ engine steps"):
+            whole_pass(Tool(), Settings(maximum_steps=100))
+
+    def test_a_complete_run_says_so(self) -> None:
+        stopped = whole_pass(Tool(), SETTINGS).extra["stopped"]
+        assert stopped["complete"] is True
+        assert stopped["reason"] == "end of the planned time"
+
+
+def test_a_step_without_end_is_refused_at_once() -> None:
+    """0.018 s of a pass in steps of 7.3e-12 s are 2.5e9 steps; the length of the run follows from the hub's turn alone."""
+    with pytest.raises(ValueError, match=r"^step = 7\.3e-12: must be at least 1\.8e-07 for a run of 0\.018 s"):
+        whole_pass(Tool(), Settings(step=7.3e-12))

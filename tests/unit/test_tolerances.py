@@ -1,0 +1,153 @@
+"""Sobol indices and error propagation, against models whose answers are known in closed form."""
+
+import math
+from functools import partial
+
+import numpy as np
+import pytest
+
+pytest.importorskip("zarr", reason="needs the extra sweep")
+
+from bristle_sim.parameters import Bar, Tool
+from bristle_sim.settings import Settings
+from bristle_sim.studies import rounding
+from bristle_sim.studies.rounding import HALF_UNITS, propagated, rounding_rows
+from bristle_sim.studies.strike_point import keys_of, strike_of_keys
+from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, sobol_study, tolerances
+
+SLOPES = {"a": 3.0, "b": -2.0, "c": 1.0, "d": 0.0}
+
+
+def linear(a: float, b: float, c: float, d: float) -> dict[str, float]:
+    """Two outputs: a weighted sum, whose indices are the squares of its weights, and one input alone."""
+    return {"sum": 3.0 * a - 2.0 * b + c + 7.0 + 0.0 * d, "alone": b}
+
+
+def ishigami(x: float, y: float, z: float) -> dict[str, float]:
+    """Ishigami and Homma 1990, whose indices are known; and a product, which is all interaction."""
+    return {"ishigami": math.sin(x) + 7.0 * math.sin(y) ** 2 + 0.1 * z**4 * math.sin(x), "product": x * y}
+
+
+def test_a_linear_model_has_its_squared_slopes_as_indices():
+    intervals = dict.fromkeys(SLOPES, (-1.0, 1.0))
+    study = sobol_study(linear, intervals, ("sum", "alone"), 256)
+    squares = np.array([each**2 for each in SLOPES.values()])
+    # Quasi-Monte Carlo: errors of the order of (log n)^d/n, some 2e-2 at n = 256.
+    assert study.first_order[0] == pytest.approx(squares / squares.sum(), abs=0.03)
+    assert study.total[0] == pytest.approx(squares / squares.sum(), abs=0.03)
+    assert study.total[1] == pytest.approx([0.0, 1.0, 0.0, 0.0], abs=0.03)
+    (row, _) = study.rows({})
+    # The variance of a uniform input on (-1, 1) is 1/3.
+    assert row["mean"] == pytest.approx(7.0, abs=0.01)
+    assert row["std"] == pytest.approx(math.sqrt(squares.sum() / 3.0), rel=0.01)
+    assert row["indices"]["a"]["total"] == study.total[0, 0]
+
+
+def test_interactions_are_in_the_total_index_alone():
+    intervals = dict.fromkeys("xyz", (-math.pi, math.pi))
+    study = sobol_study(ishigami, intervals, ("ishigami", "product"), 1024)
+    a, b = 7.0, 0.1
+    parts = (0.5 * (1.0 + b * math.pi**4 / 5.0) ** 2, a**2 / 8.0, 0.0)
+    both = b**2 * math.pi**8 * (1.0 / 18.0 - 1.0 / 50.0)
+    variance = sum(parts) + both
+    assert study.first_order[0] == pytest.approx([each / variance for each in parts], abs=0.05)
+    totals = [(parts[0] + both) / variance, parts[1] / variance, both / variance]
+    assert study.total[0] == pytest.approx(totals, abs=0.05)
+    assert study.first_order[1] == pytest.approx([0.0, 0.0, 0.0], abs=0.05)
+    assert study.total[1] == pytest.approx([1.0, 1.0, 0.0], abs=0.05)
+
+
+def test_intervals_of_the_indices_shrink_and_enclose_what_is_known():
+    intervals = dict.fromkeys(SLOPES, (-1.0, 1.0))
+    widths = []
+    for samples in (64, 1024):
+        study = sobol_study(linear, intervals, ("sum", "alone"), samples)
+        low, high = np.moveaxis(study.total_interval[0], -1, 0)
+        assert np.all(low <= study.total[0] + 1e-12)
+        assert np.all(study.total[0] <= high + 1e-12)
+        assert low[0] <= 9.0 / 14.0 <= high[0]
+        widths.append(high[0] - low[0])
+    # A bootstrap's interval shrinks as the square root of the number of samples, here to a quarter.
+    assert widths[1] == pytest.approx(0.25 * widths[0], rel=0.4)
+
+
+def test_same_seed_same_numbers_and_another_seed_others():
+    intervals = dict.fromkeys(SLOPES, (-1.0, 1.0))
+    one, same, other = (sobol_study(linear, intervals, ("sum", "alone"), 16, seed=seed) for seed in (1, 1, 2))
+    assert np.array_equal(one.total_interval, same.total_interval)
+    assert np.array_equal(one.values, same.values)
+    assert not np.array_equal(one.values, other.values)
+
+
+def test_propagation_of_a_linear_model_is_exact():
+    changes = propagated(linear, dict.fromkeys(SLOPES, 0.5), dict.fromkeys(SLOPES, 0.1))
+    assert changes["sum"] == pytest.approx({key: 0.1 * slope for key, slope in SLOPES.items()}, abs=1e-15)
+
+
+def test_small_spreads_of_a_pass_agree_with_error_propagation():
+    """Sixteen times smaller than the smallest curvature that shows; the sample of 2 x 32 passes knows a std to some percent."""
+    tool, settings = Tool(), Settings(accuracy=1e-8)
+    half_widths = {"hub_speed": 0.02, "belt_stiffness": 2e-5, "penetration": 5e-6}
+    values = {key: float(value) for key, value in keys_of(tool).items() if key in half_widths}
+    fixed = {key: value for key, value in keys_of(tool).items() if key not in half_widths}
+    point = partial(strike_of_keys, settings, **fixed)
+    intervals = {key: (values[key] - half, values[key] + half) for key, half in half_widths.items()}
+    study = sobol_study(point, intervals, OUTPUTS, 16)
+    changes = propagated(point, values, half_widths)
+    for name, found in zip(OUTPUTS, study.values, strict=True):
+        expected = math.sqrt(sum(each**2 for each in changes[name].values()) / 3.0)
+        assert found.std(ddof=1) == pytest.approx(expected, rel=0.06), name
+
+
+def test_an_input_that_goes_nowhere_is_refused_in_one_line():
+    with pytest.raises(
+        ValueError, match=r"spreads: must be smaller, \d+ of \d+ points have no result; at a = "
+    ) as refusal:
+        sobol_study(lambda a: {"y": math.sqrt(a), "z": a}, {"a": (-1.0, 1.0)}, ("y", "z"), 4)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize("changed", [{"samples": 3.0}, {"samples": 2.5}, {"seed": 0.5}, {"rounding": "maybe"}])
+def test_bad_samplings_are_refused(changed: dict[str, float]):
+    with pytest.raises(ValueError, match=next(iter(changed))):
+        Sampling(**changed)
+
+
+def test_nothing_spread_is_refused():
+    nothing = Spreads(**dict.fromkeys(Spreads.__dataclass_fields__, 0.0))
+    with pytest.raises(ValueError, match="at least one must be more than 0"):
+        tolerances(Tool(), nothing, Sampling(), Settings())
+
+
+def test_a_report_has_a_row_for_every_output():
+    few = Spreads(
+        **dict.fromkeys(Spreads.__dataclass_fields__, 0.0) | {"penetration": 1e-4, "belt_damping_ratio": 0.01}
+    )
+    report = tolerances(Tool(), few, Sampling(samples=4.0, rounding="no"), Settings(accuracy=1e-5))
+    assert [row["output"] for row in report.extra["rows"]] == list(OUTPUTS)
+    assert set(report.extra["rows"][0]["indices"]) == {"penetration", "belt_damping_ratio"}
+    # A damping ratio cannot be negative: its interval is cut off at its value, 0.
+    assert all(row["low"] <= row["mean"] <= row["high"] for row in report.extra["rows"])
+    assert report.extra["rounding"] == []
+
+
+def test_rounding_of_the_print():
+    """By hand: the speed goes as sqrt(k)/L, so that 0.61 % and 1.85 %, with 0.1 % of the retraction, are 2.5 % at worst."""
+    rows = {(row["output"], row["by"]): row for row in rounding_rows(Tool(), Settings(accuracy=1e-5))}
+    speed = rows["relative_speed", "formula"]
+    parts = (0.5 * 5e-6 / 0.00041, 5e-4 / 0.027, 0.05 / 44.5)
+    assert speed["relative_worst_case"] * 845.6 / speed["computed"] == pytest.approx(sum(parts), rel=0.02)
+    assert speed["relative_std"] * 845.6 / speed["computed"] == pytest.approx(
+        math.hypot(*parts) / math.sqrt(3), rel=0.02
+    )
+    assert speed["largest"] == "bristle_length"
+    simulated = rows["bar_direction_deg", "simulated pass"]
+    assert simulated["computed"] == pytest.approx(68.145, abs=1e-3)
+
+
+def test_half_units_are_of_the_printed_inputs():
+    values = keys_of(Tool()) | {"retraction_deg": 44.5}
+    for key, half_unit in HALF_UNITS.items():
+        # A printed number has between two and four significant digits.
+        assert 1e-5 < half_unit / float(values[key]) < 0.05
+    assert rounding.rounding_rows(Tool(bar=Bar(horizontal=0.05)), Settings()) == []
