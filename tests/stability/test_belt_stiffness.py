@@ -16,11 +16,12 @@ from bristle_sim.benchmarks.hard_cases.belt_stiffness import (
 )
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.parameters import Bar, Belt, Hub, Tool
-from bristle_sim.scene import pace
+from bristle_sim.scene import time_scales
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Effects
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps
+from bristle_sim.scene.stepping import PlainSteps
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.whole_pass import whole_pass
@@ -105,7 +106,7 @@ def test_steps_that_gain_energy_are_noticed(monkeypatch: pytest.MonkeyPatch) -> 
             state = found.state
             return found._replace(state=State(state.time, state.angles, tuple(1.02 * each for each in state.rates)))
 
-    monkeypatch.setattr(pace, "PlainSteps", Gaining)
+    monkeypatch.setattr(time_scales, "PlainSteps", Gaining)
     long = [case for case in cases(full=False) if "longest step" in case.name]
     assert long
     assert not any(case.measure().ok for case in long)

@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.damping import cases, decay
 from bristle_sim.parameters import Belt, Hub, Tool
-from bristle_sim.scene import pace
+from bristle_sim.scene import time_scales
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Effects
 from bristle_sim.scene.tool import simulate
@@ -120,7 +120,7 @@ def test_damping_off_by_little_is_noticed(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_belt_that_freezes_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stretches as long as without damping: the engine's steps all agree on no motion."""
-    monkeypatch.setattr(pace, "MOST_DAMPING", 1e9)
+    monkeypatch.setattr(time_scales, "MOST_DAMPING", 1e9)
     (case,) = named("ratio 100: decay")
     finding = case.measure()
     assert not finding.ok
@@ -135,6 +135,6 @@ def test_damping_that_drives_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_a_step_too_long_for_the_damping_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pace, "damping_rate", lambda _: 0.0)
+    monkeypatch.setattr(time_scales, "damping_rate", lambda _: 0.0)
     (case,) = named("ratio 0.5: fixed step a tenth too long")
     assert not case.run().ok

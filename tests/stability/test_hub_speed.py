@@ -11,7 +11,7 @@ import pytest
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.hub_speed import cases
 from bristle_sim.parameters import Belt, Bristle, Hub, Tool
-from bristle_sim.scene import pace
+from bristle_sim.scene import time_scales
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Effects
 from bristle_sim.scene.mechanism import Mechanism
@@ -120,7 +120,7 @@ class TestBroken:
 
     def test_energy_lost(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Steps as coarse as an accuracy of 1e-4 asks for, where 1e-9 is promised."""
-        monkeypatch.setattr(pace, "LOCAL_SHARE", 1e4)
+        monkeypatch.setattr(time_scales, "LOCAL_SHARE", 1e4)
         (case,) = named("at rest: three periods")
         assert not case.measure().ok
 

@@ -10,7 +10,7 @@ from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.long_run import RETRACTION, cases, free_tool, jacobi_energy
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.stepping import Extrapolation
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.theory import cueing
 
 QUICK = cases(full=False)

@@ -17,8 +17,8 @@ from bristle_sim.benchmarks.hard_cases.mass_ratio import MOTIONS, cases
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene import contact_laws, contact_space
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.theory.impact import energetic_impact

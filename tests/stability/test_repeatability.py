@@ -27,7 +27,7 @@ from bristle_sim.scene.resume import resume, simulated_with
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory import ContactAtEnd, Trajectory
 
 SETTINGS = Settings(accuracy=1e-6)
 
@@ -233,6 +233,17 @@ def test_a_second_strike_is_a_touch() -> None:
     assert again.stop_reason is StopReason.EVENT
     assert again.event_time("workpart touch", last=True) == again.time[-1]
     assert again.event_time("workpart touch") == pytest.approx(again.time[-1], rel=1e-15)
+
+
+def test_the_state_of_contact_at_the_end_is_kept() -> None:
+    """In flight before the bar, on it after the second touch, leaving it at the release and the workpart at the strike."""
+    found = {stop: simulate(Tool(), SETTINGS, stop_after=stop).contact_at_end for stop in ("bar release", "strike")}
+    assert simulate(Tool(), dataclasses.replace(SETTINGS, hub_turn=0.1)).contact_at_end == ContactAtEnd()
+    assert simulate(Tool(), dataclasses.replace(SETTINGS, hub_turn=0.6)).contact_at_end == ContactAtEnd(
+        "sustained contact", "bar"
+    )
+    assert found["bar release"] == ContactAtEnd("separating", "bar")
+    assert found["strike"] == ContactAtEnd("separating", "workpart")
 
 
 def test_the_next_touch_of_a_bar_that_still_holds() -> None:

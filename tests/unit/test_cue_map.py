@@ -12,16 +12,8 @@ from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
 from bristle_sim.studies import cue_map as module
-from bristle_sim.studies.cue_map import (
-    MapGrid,
-    Place,
-    cue_map,
-    fastest_place,
-    placed,
-    position_map,
-    radial_place,
-    simulation,
-)
+from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_place, placed, radial_place, simulation
+from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
 from bristle_sim.studies.strike_point import (
     STRIKE_UNITS,
     NotCuedError,
@@ -108,10 +100,10 @@ def test_one_line_says_why_there_is_no_radial_strike(tool: Tool, words: str):
     assert "\n" not in str(refusal.value)
 
 
-def by_direction(lag: Callable[[float], float], speed: Callable[[float], float] = math.cos) -> module.Strike:
+def by_direction(lag: Callable[[float], float], speed: Callable[[float], float] = math.cos) -> Strike:
     """A strike that depends on the bar's direction alone, in degrees and rad."""
 
-    def strike(tool: Tool) -> module.Measures:
+    def strike(tool: Tool) -> Measures:
         assert tool.bar is not None
         direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
         return {"lag_deg_at_contact": lag(math.degrees(direction)), "tip_speed_at_contact": speed(direction)}

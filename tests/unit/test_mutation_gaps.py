@@ -13,10 +13,11 @@ from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_space import contact_space
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.repetitions import Repetitions
 from bristle_sim.scene.spring import time_at_unit_stiffness
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper, SymmetricSteps
+from bristle_sim.scene.stepping import PlainSteps, Stepper, SymmetricSteps
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.theory.impact import energetic_impact, poisson_impact

@@ -6,9 +6,10 @@ import pytest
 
 from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.repetitions import Repetitions
-from bristle_sim.scene.stepping import Advance, Extrapolation, PlainSteps, SymmetricSteps
+from bristle_sim.scene.stepping import Advance, PlainSteps, SymmetricSteps
 
 
 class Tally:
@@ -133,9 +134,10 @@ class TestExtrapolation:
         prices = {of: cost(of) / length(of) for of in errors}
         assert row == min([of for of in errors if of > 1] or errors, key=prices.__getitem__), "the case is what it says"
         assert grows == (row == max(errors) and prices[row] < 0.9 * prices.get(row - 1, math.inf))
-        stepper._errors = errors
         state = State(0.3, (0.0,), (0.0,))
-        assert stepper.accepts(Advance(state, (0.0,), (), 1e-6), 0.3), "an error of the limit itself is accepted"
+        assert stepper.accepts(Advance(state, (0.0,), (), 1e-6, errors=errors), 0.3), (
+            "an error of the limit itself is accepted"
+        )
         expected = length(row) * (cost(row + 1) / cost(row) if grows else 1.0)
         assert stepper.length == pytest.approx(expected, rel=1e-14)
         assert stepper.rows == row + 1 + grows
@@ -143,14 +145,13 @@ class TestExtrapolation:
     def test_a_refused_stretch_is_halved_at_least(self) -> None:
         """Row 3 of an error of 1.01 limits would go on with 0.9 (1/2.02)^(1/4) = 0.75 of the stretch."""
         stepper = Extrapolation(1e-6)
-        stepper._errors = {3: 1.01e-6}
-        assert not stepper.accepts(Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), 1.01e-6), 0.3)
+        assert not stepper.accepts(Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), 1.01e-6, errors={3: 1.01e-6}), 0.3)
         assert stepper.length == 0.15
 
     def test_no_more_rows_than_rounding_allows(self) -> None:
         """With a tolerance of 0 there are four; the last is then the best whatever its price."""
         for last in (2, 3):
             stepper = Extrapolation(0.0)
-            stepper._errors = {last: stepper.limit}
-            assert stepper.accepts(Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), stepper.limit), 0.3)
+            result = Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), stepper.limit, errors={last: stepper.limit})
+            assert stepper.accepts(result, 0.3)
             assert stepper.rows == 4

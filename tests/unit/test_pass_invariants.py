@@ -127,6 +127,17 @@ class TestGivenUp:
         assert stopped["reason"] == "end of the planned time"
 
 
+def test_rebounds_on_an_overdamped_belt_do_not_enter_the_bar() -> None:
+    """The belt brings the wire back within a microsecond: each rebound is followed, e* at a time, not taken for rest."""
+    tool = Tool(belt=Belt(damping_ratio=300.0), bar=Bar(restitution=0.5), workpart=None)
+    run = simulate(tool, Settings(hub_turn=0.34))
+    taps = [each for each in run.contacts if each.law == "energetic" and each.outcome == "rebound"]
+    assert len(taps) > 5
+    for each in taps:
+        assert each.velocity_after[0] < -each.velocity_before[0]
+    assert quantity("deepest_overlap", invariant_rows(tool, Settings(), run)).ok is True
+
+
 def test_a_step_without_end_is_refused_at_once() -> None:
     """0.018 s of a pass in steps of 7.3e-12 s are 2.5e9 steps; the length of the run follows from the hub's turn alone."""
     with pytest.raises(ValueError, match=r"^step = 7\.3e-12: must be at least 1\.8e-07 for a run of 0\.018 s"):

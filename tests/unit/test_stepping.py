@@ -17,10 +17,11 @@ from scipy.integrate import solve_ivp
 from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import EnergeticLaw
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.run import run
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper, SymmetricSteps
+from bristle_sim.scene.stepping import PlainSteps, Stepper, SymmetricSteps
 
 ROD = Link.rod(1.0, 1.0)
 REFEREE = 1e-13

@@ -23,7 +23,7 @@ pytest.importorskip("zarr", reason="needs the extra sweep")
 xarray = pytest.importorskip("xarray", reason="needs the extra sweep")
 joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
-from bristle_sim.studies import sweep as module  # noqa: E402
+from bristle_sim.studies import sweep_store  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
 from bristle_sim.studies.sweep_point import identity_of  # noqa: E402
 
@@ -111,7 +111,8 @@ def test_a_space_without_any_result():
         (power, {"x": ("sample", [1.0, 2.0]), "y": ("sample", [1.0])}, "must be coordinates"),
         (power, {"x": ("sample", "extra", [1.0]), "y": 1.0}, "must be coordinates"),
         (lambda failure: failure, {"failure": [1.0]}, "failure must not be a parameter"),
-        (lambda x: {"x": x}, {"x": [1.0]}, "must not have the name of a parameter"),
+        (lambda x: {"x": x}, {"x": [1.0]}, "must not be named as a parameter"),
+        (lambda x: {"sample": x}, {"x": ("sample", [1.0])}, "must not be named as a parameter, dimension"),
         (3, {"x": [1.0]}, "function = 3: must be callable"),
     ],
 )
@@ -129,18 +130,18 @@ def test_workers_are_a_number_or_an_executor(workers: Any):
 
 def test_blocks_cover_the_grid_once_in_the_order_of_its_points(monkeypatch: pytest.MonkeyPatch):
     for most in (1, 3, 4, 7, 100):
-        monkeypatch.setattr(module, "BLOCK", most)
+        monkeypatch.setattr(sweep_store, "BLOCK", most)
         for shape in ((), (5,), (2, 3), (3, 1, 4), (2, 2, 2, 2)):
             numbers = np.arange(math.prod(shape)).reshape(shape)
-            chunk = module._chunk(shape)
+            chunk = sweep_store.chunk_shape(shape)
             assert math.prod(chunk) <= most
-            seen = [n for region in module._regions(shape, chunk) for n in numbers[region].ravel()]
+            seen = [n for region in sweep_store.regions(shape, chunk) for n in numbers[region].ravel()]
             assert seen == list(range(numbers.size))
 
 
 def test_results_do_not_depend_on_the_size_of_a_block(monkeypatch: pytest.MonkeyPatch):
     expected = sweep(power, SPACE)
-    monkeypatch.setattr(module, "BLOCK", 3)
+    monkeypatch.setattr(sweep_store, "BLOCK", 3)
     assert sweep(power, SPACE).identical(expected)
 
 
@@ -161,6 +162,30 @@ def test_every_kind_of_worker_gives_the_serial_results_bit_for_bit():
         assert sweep(power, space).identical(expected)
     with ThreadPoolExecutor(2) as executor:
         assert sweep(power, space, workers=executor).identical(expected)
+
+
+class CountingExecutor(ThreadPoolExecutor):
+    """Counts what is submitted to it."""
+
+    submitted = 0
+
+    def submit(self, *arguments: Any, **keywords: Any) -> Any:
+        self.submitted += 1
+        return super().submit(*arguments, **keywords)
+
+
+def test_cheap_points_are_computed_in_batches():
+    """A point takes microseconds, a batch some tenths of a second: far fewer batches than points."""
+    with CountingExecutor(2) as executor:
+        found = sweep(power, {"x": np.arange(2000.0), "y": 2.0}, workers=executor)
+    assert np.array_equal(found["power"], np.arange(2000.0) ** 2)
+    assert executor.submitted < 500
+
+
+def test_the_space_given_is_left_as_it_is():
+    axis = xarray.DataArray([1.0, 2.0], dims="x", attrs={"note": "mine"})
+    assert sweep(power, {"x": axis, "y": 1.0}, units={"x": "m"})["x"].attrs == {"units": "m"}
+    assert axis.attrs == {"note": "mine"}
 
 
 def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tmp_path: Path):

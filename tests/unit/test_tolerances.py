@@ -12,8 +12,9 @@ from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies import rounding
 from bristle_sim.studies.rounding import HALF_UNITS, propagated, rounding_rows
+from bristle_sim.studies.sobol import sobol_study
 from bristle_sim.studies.strike_point import keys_of, strike_of_keys
-from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, sobol_study, tolerances
+from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, tolerances
 
 SLOPES = {"a": 3.0, "b": -2.0, "c": 1.0, "d": 0.0}
 

@@ -16,8 +16,8 @@ from scipy.integrate import solve_ivp
 
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.theory.pendulums import stick_friction

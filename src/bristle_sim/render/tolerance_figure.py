@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 
 from bristle_sim.render.style import BLACK, BLUE, GREY, SKY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.render.sweep_panels import panel_title
-from bristle_sim.studies.tolerances import Study
+from bristle_sim.studies.sobol import Study
 
 __all__ = ["tolerance_figure"]
 

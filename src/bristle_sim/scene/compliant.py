@@ -13,12 +13,13 @@ import math
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.passage import SAMPLES, Passage
 from bristle_sim.scene.repetitions import WIDE
 from bristle_sim.scene.spring import Spring, time_at_unit_stiffness
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps, Stepper
+from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.time_scales import damped_interval
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord

@@ -215,22 +215,27 @@ class Separating(ContactState):
         gap, rate = self.progress.gaps.gap_and_rate(obstacle, result.state)
         if gap >= -GAP_ROUNDING or rate >= 0.0:
             return result, resolve
-        hop = self._rise(result) if gap < -self.progress.plan.accuracy else None
-        if hop is not None:
-            return hop, None
+        # A contact resolved in time leaves the link in a crater, from which there is no rise.
+        if (
+            gap < -self.progress.plan.accuracy
+            and self.progress.gaps.gap(obstacle, self.progress.state) >= -GAP_ROUNDING
+        ):
+            result = self._rise(result)
+            if self.progress.gaps.gap(obstacle, result.state) > GAP_ROUNDING:
+                return result, None
         # It is back within the shortest interval: too low a rebound to follow.
         return result, partial(self.meet, obstacle, True)
 
-    def _rise(self, result: Advance) -> Advance | None:
-        """The rise of a rebound that is back, deep inside, at the end of the interval; None if it is too short."""
+    def _rise(self, result: Advance) -> Advance:
+        """The part of an interval that ends deep inside the obstacle in which the rebound is still above it."""
         interval = self.interval_to(result)
-        span = 0.5 * interval.length
-        while span > LEAST_HOP * interval.length:
-            risen = interval.again(span)
-            if self.progress.gaps.gap(self.obstacle, risen.state) > GAP_ROUNDING:
-                return risen
+        span = interval.length
+        while (
+            span > LEAST_HOP * interval.length and self.progress.gaps.gap(self.obstacle, result.state) < -GAP_ROUNDING
+        ):
             span *= 0.5
-        return None
+            result = interval.again(span)
+        return result
 
     def commit(self, result: Advance) -> Opening | None:
         """Notice once the gap is open."""

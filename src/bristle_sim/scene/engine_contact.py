@@ -1,4 +1,4 @@
-"""A link held against an obstacle by the engine's contact: set back onto the obstacle, and entered in the contact records."""
+"""The engine's own contact keeps a link on an obstacle: as a load, with the corrections and the record that takes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class EngineContact:
     """The engine's own contact as a load: it acts by itself, and is lost once its force is gone."""
 
     def __init__(self, scene: Scene, obstacle: Obstacle) -> None:
-        """For an obstacle that is to hold the scene's last link."""
+        """For the obstacle that the scene's last link is to stay on."""
         self.scene = scene
         self.obstacle = obstacle
         self.piece = 0
@@ -51,7 +51,7 @@ class EngineContact:
     def grip(self, state: State) -> float:
         """Share of a free link's response to a push that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
 
-        Where it is not positive, friction or geometry locks the link: no force holds it.
+        Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
         touch, response = self._response(state)
         slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
@@ -165,27 +165,27 @@ MOST_ITERATIONS = 40_000
 """Of the engine's solver in a step: enough for the least grip."""
 
 LEAST_GRIP, MOST_GRIP = 1e-3, 1.99
-"""With less, the force that holds grows beyond bounds: a jam. With more, each iteration overshoots twofold."""
+"""With less, the force that keeps the link there grows beyond bounds: a jam. With more, each iteration overshoots twofold."""
 
 
 ELBOW = "other piece of the wire"
 
 
-def elbow(hold: EngineContact) -> EventFunction:
-    """Another piece of a bent wire meets the obstacle that holds this one."""
+def elbow(contact: EngineContact) -> EventFunction:
+    """Another piece of a bent wire meets the obstacle that this one is on."""
 
     def beside(at: Advance) -> float:
-        return hold.obstacle.gap_beside(hold.scene.mechanism.poses(at.state)[-1], hold.piece)
+        return contact.obstacle.gap_beside(contact.scene.mechanism.poses(at.state)[-1], contact.piece)
 
     return EventFunction(ELBOW, beside, falling=True)
 
 
-def locking(hold: EngineContact) -> EventFunction:
+def locking(contact: EngineContact) -> EventFunction:
     """The grip gets too small: friction locks the link, or without friction the link meets the obstacle end-on."""
-    jams = hold.obstacle.friction > 0.0
+    jams = contact.obstacle.friction > 0.0
     final = StopReason.JAM if jams else StopReason.NO_GRIP
     return EventFunction(
-        "locking", lambda at: hold.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=final
+        "locking", lambda at: contact.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=final
     )
 
 

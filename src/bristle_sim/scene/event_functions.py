@@ -48,7 +48,7 @@ def in_flight(scene: Scene) -> list[EventFunction]:
 
 
 def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[EventFunction]:
-    """Largest retraction, and kinks of a held motion: contact passing the wire's end, slip that turns."""
+    """Largest retraction, and kinks of a motion in sustained contact: contact passing the wire's end, slip that turns."""
 
     def kink(index: int, at: Advance) -> float:
         return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).kinks[index]

@@ -16,10 +16,10 @@ from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine_contact import LEAST_LEVER, set_back
 from bristle_sim.scene.events import locate
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.scene.stepping import Extrapolation
 from bristle_sim.scene.tool import METHOD, build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
@@ -31,7 +31,7 @@ CLEAR = 2.0 * GAP_ROUNDING
 """A gap that is open, of the bristle's length."""
 
 PRESSING = 1e-13
-"""Approach that says that a bristle is held, of its fastest point's speed: more than rounding, less than any accuracy."""
+"""Approach that says that a bristle is in contact, of its fastest point's speed: more than rounding, less than any accuracy."""
 
 FIRST, LAST = 1e-6, 1.0
 """Flights tried until a gap opens, in the scene's time units."""
@@ -67,7 +67,7 @@ def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_aft
         stop_after: name of the event that ends the run, as for ``simulate``; those of the run so far do not count.
 
     Returns:
-        The whole run, from its beginning. A hold that lasts over the stop has two entries in the contact records.
+        The whole run, from its beginning. A sustained contact that lasts over the stop has two records.
 
     Raises:
         ValueError: if the trajectory is not one of ``simulate``, or stopped where nothing goes on, or has made the turn

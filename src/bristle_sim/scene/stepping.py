@@ -1,26 +1,23 @@
-"""How a scene is carried over a smooth interval of motion: plain engine steps, or engine steps extrapolated to zero.
-
-The engine moves positions by the old velocities and then changes the velocities, so its error over an interval without
-events is smooth in the step h, of first order. Repeating the interval with n = 4, 5, 6, 7 ... steps and extrapolating the
-results to h = 0 (Richardson; Bulirsch and Stoer 1966) removes one power of h per repetition. The difference between
-the last two extrapolates estimates the error; step and number of repetitions follow from it as in Hairer, Norsett and
-Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
-"""
+"""Steppers integrate a scene over a smooth interval of motion; those with a fixed engine step are here."""
 
 from __future__ import annotations
 
 import math
-from operator import mul
+from collections.abc import Mapping
+from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.repetitions import CLOSE, LEAST_ROWS, Repetitions
 
-__all__ = ["Advance", "Extrapolation", "PlainSteps", "Stepper", "SymmetricSteps"]
+__all__ = ["Advance", "Load", "PlainSteps", "Stepper", "SymmetricSteps", "take_steps", "unpack"]
 
 INSTANT = 1e-6
 """Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
+
+
+NONE: Mapping[int, float] = MappingProxyType({})
+"""No repetitions, no estimates."""
 
 
 class Load(Protocol):
@@ -48,6 +45,7 @@ class Advance(NamedTuple):
         totals: what a load added up.
         error: estimated error of the state, of angles in rad and of rates per time unit; 0 where there is no estimate.
         failed: the load could not act as it should; the rest of the result is then of no use.
+        errors: estimated error after each repetition by its number, where a stepper repeats the interval.
     """
 
     state: State
@@ -55,6 +53,7 @@ class Advance(NamedTuple):
     totals: tuple[float, ...]
     error: float
     failed: bool = False
+    errors: Mapping[int, float] = NONE
 
 
 class Stepper(Protocol):
@@ -110,11 +109,11 @@ class PlainSteps:
         if load is not None or not _as_left(self._left, scene, state) or duration < self.step:
             scene.place(state)
         scene.correct_joints(completely=load is None and duration > INSTANT)
-        values = _steps(scene, duration, 1, load)
+        values = take_steps(scene, duration, 1, load)
         scene.correct_joints(completely=False)
         size = len(scene.links)
         failed = load is not None and load.fails(values[3 * size :])
-        result = _unpack(scene, state, duration, values, 0.0, failed)
+        result = unpack(scene, state, duration, values, 0.0, failed)
         self._left = (result.state, scene.motions)
         return result
 
@@ -165,12 +164,12 @@ class SymmetricSteps:
             scene.drift(self._shift - 0.5 * step)
         else:
             scene.place(state, -0.5 * step)
-        values = _steps(scene, step, count, load)
+        values = take_steps(scene, step, count, load)
         size = len(scene.links)
         values[:size] = [angle + 0.5 * step * rate for angle, rate in zip(values, values[size:], strict=False)][:size]
         scene.correct_joints(completely=False)
         failed = load is not None and load.fails(values[3 * size :])
-        result = _unpack(scene, state, duration, values, 0.0, failed)
+        result = unpack(scene, state, duration, values, 0.0, failed)
         self._left, self._shift = (result.state, scene.motions), 0.5 * step
         return result
 
@@ -192,103 +191,14 @@ def _as_left(left: tuple[State, int] | None, scene: Scene, state: State) -> bool
     return left is not None and left[0] is state and left[1] == scene.motions
 
 
-class Extrapolation:
-    """Engine steps extrapolated to zero step, to a tolerance for each interval.
-
-    Args:
-        tolerance: of the error of an interval, relative to ``scale``.
-        scale: size of the motion: angles in rad and rates per time unit.
-        repetitions: in how many steps an interval is repeated.
-        longest: no interval will be longer, whatever is proposed; more accuracy than that needs is then not paid for.
-    """
-
-    def __init__(
-        self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
-    ) -> None:
-        """Start with an interval of about a radian of the scene's motion."""
-        self.repetitions = repetitions
-        self.longest = longest
-        self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
-        # More repetitions amplify rounding beyond the tolerance.
-        self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.limit)
-        self.rows = LEAST_ROWS
-        self.length = 1.5
-        self._errors: dict[int, float] = {}
-
-    @property
-    def noise(self) -> float:
-        """The error that an interval may have."""
-        return self.limit
-
-    def propose(self, remaining: float) -> float:
-        """The interval that costs least per time; what is left is cut evenly rather than into a stub."""
-        return remaining / max(1, math.ceil(remaining / self.length - 0.1))
-
-    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """Repeat the interval with finer steps until the estimate is within the tolerance."""
-        runs: list[list[float]] = []
-        self._errors = {}
-        size, table = len(scene.links), self.repetitions
-        error = math.inf
-        for row, count in enumerate(table.counts[: self.most_rows]):
-            runs.append(_run(scene, state, duration, count, load))
-            if load is not None and load.fails(runs[-1][3 * size :]):
-                return _unpack(scene, state, duration, runs[-1], math.inf, failed=True)
-            if row + 2 >= self.rows and row:
-                columns = list(zip(*runs, strict=True))[: 2 * size]
-                differences = table.differences[row]
-                errors = [abs(sum(map(mul, differences, column))) for column in columns]
-                # The largest of numbers one of which is NaN depends on their order.
-                error = self._errors[row] = max(errors) if sum(errors) < math.inf else math.inf
-                if row + 1 >= self.rows and error <= self.limit:
-                    break
-        best = [sum(map(mul, table.weights[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
-        return _unpack(scene, state, duration, best, error)
-
-    def accepts(self, result: Advance, duration: float) -> bool:
-        """Whether the estimate is within the tolerance; chooses next interval and repetitions by cost per time."""
-        costs = self.repetitions.costs
-        lengths, prices = {}, {}
-        for row, error in self._errors.items():
-            ratio = 0.5 * self.limit / max(error, 1e-3 * self.limit)
-            lengths[row] = min(self.longest, duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1)))))
-            prices[row] = costs[row] / lengths[row]
-        last = max(prices)
-        best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
-        self.length, self.rows = lengths[best], best + 1
-        if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
-            # Still getting cheaper: one more repetition, with the interval that would keep the price.
-            self.length *= costs[best + 1] / costs[best]
-            self.rows += 1
-        if not result.error <= self.limit:
-            self.length = min(self.length, 0.5 * duration)
-            return False
-        return True
-
-    def begin_afresh(self) -> None:
-        """Begin with few repetitions again, whose weights amplify rounding least."""
-        self.rows = LEAST_ROWS
-
-    def interpolation_error(self, start: State, end: State) -> float:
-        """Nothing to speak of beside the cubic's own error."""
-        del start, end
-        return 0.0
-
-
 def _straight(start: State, end: State) -> float:
     """Largest distance of a straight line from the cubic that has the rates of both ends, times two for safety."""
     changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
     return 0.3 * (end.time - start.time) * sum(changes)
 
 
-def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:
-    """Angles, rates, accelerations and the load's totals after ``count`` engine steps from a state."""
-    scene.place(state)
-    return _steps(scene, duration / count, count, load)
-
-
-def _steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:
-    """The same from where the bodies are."""
+def take_steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:
+    """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from where the bodies are."""
     act = None
     if load is not None:
         load.begin()
@@ -302,9 +212,10 @@ def _steps(scene: Scene, step: float, count: int, load: Load | None) -> list[flo
     return values if load is None else values + load.totals(step)
 
 
-def _unpack(
+def unpack(
     scene: Scene, state: State, duration: float, values: list[float], error: float, failed: bool = False
 ) -> Advance:
+    """Return the values of :func:`take_steps` as the result of an interval."""
     size = len(scene.links)
     angles = tuple(angle + scene.turned for angle in values[:size])
     end = State(state.time + duration, angles, tuple(values[size : 2 * size]))

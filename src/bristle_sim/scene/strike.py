@@ -15,7 +15,8 @@ from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import WorkpartObstacle
-from bristle_sim.scene.tool import contact_in_si, contact_law
+from bristle_sim.scene.results import contact_in_si
+from bristle_sim.scene.tool import contact_law
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord

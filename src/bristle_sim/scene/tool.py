@@ -5,9 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
 
 from bristle_sim.parameters import Bristle, Contact, Tool
 from bristle_sim.quantity import quantity, shown, validate
@@ -16,15 +13,16 @@ from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
-from bristle_sim.scene.plan import Plan, Recording
+from bristle_sim.scene.plan import Plan
+from bristle_sim.scene.results import note_absences, trajectory_in_si
 from bristle_sim.scene.run import run
-from bristle_sim.scene.time_scales import longest_interval, motion_scale, stepper_for
+from bristle_sim.scene.time_scales import longest_interval, stepper_for
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import EVENTS, StopReason, checked_event
-from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
+from bristle_sim.stop_reason import EVENTS, checked_event
+from bristle_sim.trajectory import Trajectory
 
-__all__ = ["build_tool", "contact_in_si", "contact_law", "refuse_endless", "simulate"]
+__all__ = ["build_tool", "contact_law", "refuse_endless", "simulate"]
 
 METHOD = "pymunk"
 """Says in a trajectory's parameters that the scene was simulated."""
@@ -116,33 +114,16 @@ def simulate(
         ValueError: if the start is out of range or overlaps an obstacle, no event has that name, a fixed step is too long
             for this tool, rounding hides the accuracy, or a contact resolved in time comes to no end.
     """
-    if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: a Tool is allowed")
-    if not isinstance(settings, Settings | None):
-        raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
-    settings = settings or Settings()
+    settings, stop_after = _checked(tool, settings, stop_after)
     begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
-    if stop_after is not None:
-        stop_after = checked_event("stop_after", stop_after, EVENTS)
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
-    _check_start(scene, tool, begin.hub_angle + begin.relative_angle)
-    start = State(
-        0.0,
-        (begin.hub_angle + begin.relative_angle,),
-        (scene.mechanism.hub_speed + begin.relative_rate * units.time,),
-    )
-    speed = scene.mechanism.hub_speed
-    plan = Plan(
-        end=_end(settings, speed),
-        accuracy=settings.accuracy,
-        stop_after=stop_after,
-        longest_interval=longest_interval(scene, settings.samples_per_period),
-        maximum_steps=settings.maximum_steps,
-        retraction_limit=RETRACTION_LIMIT,
-    )
+    angle, speed = begin.hub_angle + begin.relative_angle, scene.mechanism.hub_speed
+    _check_start(scene, tool, angle)
+    start = State(0.0, (angle,), (speed + begin.relative_rate * units.time,))
+    plan = _plan(scene, settings, stop_after)
     stepper = stepper_for(scene, settings, units, start, plan.end)
     recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
-    _note_absences(recording, tool)
+    note_absences(recording, tool)
     parameters = {
         "method": METHOD,
         "tool": dataclasses.asdict(tool),
@@ -150,7 +131,28 @@ def simulate(
         "start": dataclasses.asdict(begin),
         "stop_after": stop_after,
     }
-    return _trajectory(parameters, settings, scene, units, recording)
+    return trajectory_in_si(recording, scene, units, parameters, with_estimate=settings.step is None)
+
+
+def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Settings, str | None]:
+    """Return the settings, and the name of the event to stop after."""
+    if not isinstance(tool, Tool):
+        raise ValueError(f"tool = {shown(tool)}: a Tool is allowed")
+    if not isinstance(settings, Settings | None):
+        raise ValueError(f"settings = {shown(settings)}: Settings or None are allowed")
+    name = None if stop_after is None else checked_event("stop_after", stop_after, EVENTS)
+    return settings or Settings(), name
+
+
+def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
+    return Plan(
+        end=_end(settings, scene.mechanism.hub_speed),
+        accuracy=settings.accuracy,
+        stop_after=stop_after,
+        longest_interval=longest_interval(scene, settings.samples_per_period),
+        maximum_steps=settings.maximum_steps,
+        retraction_limit=RETRACTION_LIMIT,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,85 +230,3 @@ def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLa
         duration = None if contact.duration is None else contact.duration / units.time
         return CompliantLaw(duration, settings.accuracy, maximum_steps=max(settings.maximum_steps, ONE_CONTACT))
     return EngineLaw() if contact.law == "engine" else EnergeticLaw()
-
-
-def _note_absences(recording: Recording, tool: Tool) -> None:
-    """Give a name to what never happened."""
-    end = recording.states[-1].time
-    names = {event.name for event in recording.events}
-    if tool.bar is not None and "bar touch" not in names:
-        recording.events.append(Event("bar not touched", end))
-    if tool.workpart is not None and "strike" not in names:
-        recording.events.append(Event("workpart not reached", end))
-
-
-def _trajectory(
-    parameters: dict[str, Any], settings: Settings, scene: Scene, units: Units, recording: Recording
-) -> Trajectory:
-    states = recording.states
-    time = np.array([state.time for state in states])
-    angles = np.array([state.angles for state in states])
-    rates = np.array([state.rates for state in states])
-    hub = np.asarray(scene.mechanism.hub_start + scene.mechanism.hub_speed * time)
-    poses = [scene.mechanism.poses(state)[-1] for state in states]
-    velocity = np.array([pose.centre_velocity for pose in poses])
-    height = np.array([pose.centre[1] for pose in poses])
-    centre_line, centre_line_velocity = scene.mechanism.centre_line(time, angles, rates)
-    kinetic = 0.5 * (velocity**2).sum(axis=1) + 0.5 * scene.mechanism.links[-1].inertia * rates[:, 0] ** 2
-    potential = 0.5 * (scene.effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2 + scene.effects.gravity * height
-    return Trajectory(
-        time=time * units.time,
-        hub_angle=hub,
-        angles=angles,
-        rates=rates / units.time,
-        centre_line=centre_line * units.length,
-        centre_line_velocity=centre_line_velocity * units.velocity,
-        kinetic_energy=kinetic * units.energy,
-        potential_energy=potential * units.energy,
-        normal_force=np.array(recording.forces) * units.force,
-        hub_speed=parameters["tool"]["hub"]["speed"],
-        events=tuple(Event(event.name, event.time * units.time) for event in recording.events),
-        contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
-        stop_reason=recording.stop_reason or StopReason.END,
-        cost=Cost(
-            recording.wall_s,
-            recording.cpu_s,
-            recording.steps,
-            recording.error / motion_scale(scene, states[0]) if settings.step is None else None,
-        ),
-        parameters=parameters,
-        contact_at_end=recording.contact_at_end,
-    )
-
-
-def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
-    """A contact record turned from engine units to SI."""
-
-    def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
-        return None if pair is None else (pair[0] * unit, pair[1] * unit)
-
-    return dataclasses.replace(
-        contact,
-        time=contact.time * units.time,
-        duration=contact.duration * units.time,
-        impulse=scaled(contact.impulse, units.impulse),
-        compressive_impulse=scaled(contact.compressive_impulse, units.impulse),
-        compressive_work=scaled(contact.compressive_work, units.energy),
-        restitutive_work=scaled(contact.restitutive_work, units.energy),
-        velocity_before=scaled(contact.velocity_before, units.velocity),
-        velocity_after=scaled(contact.velocity_after, units.velocity),
-        rates_before=tuple(rate / units.time for rate in contact.rates_before),
-        rates_after=tuple(rate / units.time for rate in contact.rates_after),
-        history=None if contact.history is None else _history_in_si(contact.history, units),
-    )
-
-
-def _history_in_si(history: ContactHistory, units: Units) -> ContactHistory:
-    return ContactHistory(
-        time=history.time * units.time,
-        normal_force=history.normal_force * units.force,
-        tangential_force=history.tangential_force * units.force,
-        penetration=history.penetration * units.length,
-        normal_velocity=history.normal_velocity * units.velocity,
-        tangential_velocity=history.tangential_velocity * units.velocity,
-    )

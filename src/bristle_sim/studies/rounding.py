@@ -12,7 +12,8 @@ from typing import Any
 
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_map import Place, named, placed, radial_place, simulation
+from bristle_sim.studies.bar_search import Place, placed, radial_place, simulation
+from bristle_sim.studies.cue_map import named
 from bristle_sim.studies.strike_point import keys_of, tool_of_keys
 from bristle_sim.theory import cueing
 
@@ -57,7 +58,7 @@ def rounding_rows(tool: Tool, settings: Settings) -> list[dict[str, Any]]:
     values["retraction_deg"] = RETRACTION_DEG
     ways: dict[str, Callable[..., Outputs]] = {
         "formula": lambda **keys: _by_formula(cueing.cue, keys),
-        "formula with centrifugal stiffening": lambda **keys: _by_formula(cueing.stiffened_cue, keys),
+        "stiffened formula": lambda **keys: _by_formula(cueing.stiffened_cue, keys),
         "simulated pass": _simulation(tool, settings),
     }
     rows = []

@@ -17,27 +17,21 @@ from concurrent.futures import Executor
 from contextlib import closing
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, cast
+from typing import Any
 
 import joblib
 import numpy as np
 import xarray as xr
 import zarr
 from joblib.parallel import AutoBatchingMixin, ParallelBackendBase, get_active_backend
-from numpy.typing import NDArray
 
 from bristle_sim.quantity import shown
 from bristle_sim.studies.sweep_point import Outcome, check_arguments, described, identity_of, outcome_of
+from bristle_sim.studies.sweep_store import FAILURE, opened, write
 
 __all__ = ["FAILURE", "sweep"]
 
 Outcomes = Generator[Outcome, None, None]
-
-FAILURE = "failure"
-"""Variable that says why a point has no results."""
-
-BLOCK = 4096
-"""Points that are written to disk together, and so held in memory at most; some megabytes for small arrays."""
 
 ATTEMPTS = 3
 """Losses of a worker in a row, with no result between them, after which it is the point's doing and not chance."""
@@ -89,25 +83,20 @@ def sweep(
     if store is None:
         in_memory = zarr.storage.MemoryStore()
         outcomes = _outcomes(functools.partial(outcome_of, function, identity), grid, workers)
-        _write(in_memory, grid, units, _counted(outcomes, grid, progress))
-        return _opened(in_memory).load()
+        write(in_memory, grid, units, _counted(outcomes, grid, progress))
+        return opened(in_memory).load()
     results = Path(store) / f"{joblib.hash((identity, grid.to_dict(), units))}.zarr"
     if not results.is_dir():
         cached = joblib.Memory(store, verbose=0).cache(outcome_of, ignore=["function"])
         # The cache notes the source of outcome_of here, before there are workers that would do so at the same time.
         cached.check_call_in_cache(function, identity, **next(_points(grid)))
-        with TemporaryDirectory(dir=store) as folder:
+        with TemporaryDirectory(dir=store, prefix="unfinished-") as folder:
             partial = Path(folder) / results.name
             outcomes = _outcomes(functools.partial(cached, function, identity), grid, workers)
-            _write(partial, grid, units, _counted(outcomes, grid, progress))
-            partial.rename(results)
-    return _opened(results)
-
-
-def _opened(store: Any) -> xr.Dataset:
-    """The stored results, read when they are used; without chunks Dask has no part in it."""
-    found: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=False)
-    return found
+            write(partial, grid, units, _counted(outcomes, grid, progress))
+            if not results.is_dir():  # as another program that runs the same sweep may have made it
+                partial.rename(results)
+    return opened(results)
 
 
 def _grid(space: Mapping[str, Any]) -> xr.Dataset:
@@ -129,6 +118,7 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _check_workers(workers: Any) -> None:
+    """Raise ValueError for what is no way to run calls."""
     number = isinstance(workers, int) and not isinstance(workers, bool) and workers != 0
     if not number and not isinstance(workers, Executor | None):
         raise ValueError(f"workers = {shown(workers)}: must be a whole number other than 0, an Executor or None")
@@ -166,14 +156,16 @@ def _outcomes(call: Callable[..., Outcome], grid: xr.Dataset, workers: int | Exe
 
 
 def _parallel(workers: int | Executor | None) -> joblib.Parallel:
-    """joblib's scheduler for that many processes, for an executor or, for None, for the active backend."""
+    """joblib's scheduler for that many processes, for an executor or, for None, for the active backend.
+
+    It puts as many points into a batch as take some tenths of a second.
+    """
     client = getattr(get_active_backend()[0], "client", None) if workers is None else None
     if client is not None:  # joblib's backend for Dask would wait for ever for points that the cluster has given up
         workers = client.get_executor()
     if isinstance(workers, Executor):
-        slots = _slots(workers)
         backend = _ExecutorBackend(workers)
-        return joblib.Parallel(n_jobs=slots, backend=backend, return_as="generator", pre_dispatch="8 * n_jobs")
+        return joblib.Parallel(_slots(workers), backend=backend, return_as="generator", pre_dispatch="8 * n_jobs")
     return joblib.Parallel(n_jobs=workers, return_as="generator")
 
 
@@ -216,86 +208,3 @@ def _counted(outcomes: Outcomes, grid: xr.Dataset, progress: bool | None) -> Out
 
     total = math.prod(grid.sizes.values())
     return (each for each in tqdm(outcomes, total=total, unit="point", file=sys.stderr))
-
-
-def _write(target: Any, grid: xr.Dataset, units: Mapping[str, str], outcomes: Outcomes) -> None:
-    """Write the outcomes of all points to a zarr store, one chunk of the grid after the other.
-
-    Regions of xarray's to_zarr need all variables at first; here each is created when its first result comes.
-    """
-    for name, coordinate in grid.coords.items():
-        coordinate.attrs = _attributes(str(name), units)
-    grid.to_zarr(target, mode="w", zarr_format=3, consolidated=False)
-    group, shape = zarr.open_group(target, mode="r+"), tuple(grid.sizes.values())
-    chunk = _chunk(shape)
-    group.create_array(
-        FAILURE, shape=shape, chunks=chunk, dtype=str, fill_value="", dimension_names=[*map(str, grid.sizes)]
-    )
-    with closing(outcomes):
-        for region in _regions(shape, chunk):
-            points = math.prod(part.stop - part.start for part in region)
-            block = list(itertools.islice(outcomes, points))
-            for name in dict.fromkeys(name for values, _ in block for name in values):
-                if name in grid.coords or name == FAILURE:
-                    raise ValueError(f"function: its result {name} must not have the name of a parameter or {FAILURE}")
-                if name not in group:
-                    inner = next(values[name].shape for values, _ in block if name in values)
-                    _create(group, name, inner, _attributes(name, units), grid.sizes)
-                array = cast("zarr.Array[Any]", group[name])
-                _put(array, region, _column(name, block, array.shape[len(shape) :]))
-            _put(group[FAILURE], region, np.array([reason for _, reason in block], dtype=object))
-        next(outcomes, None)  # lets workers and progress come to their end
-
-
-def _create(
-    group: Any, name: str, inner: tuple[int, ...], attributes: Mapping[str, str], sizes: Mapping[Any, int]
-) -> None:
-    """Create the array of one result on the grid, with the axes of its own at the end."""
-    shape = tuple(sizes.values())
-    group.create_array(
-        name,
-        shape=shape + inner,
-        chunks=_chunk(shape) + inner,
-        dtype=float,
-        fill_value=math.nan,
-        dimension_names=[*sizes, *(f"{name}_{axis}" for axis in range(len(inner)))],
-        attributes=attributes,
-    )
-
-
-def _column(name: str, block: list[Outcome], inner: tuple[int, ...]) -> NDArray[np.float64]:
-    """One result at every point of a block; a point whose array has another shape than at the first point has failed."""
-    column = np.full((len(block), *inner), math.nan)
-    for number, (values, _) in enumerate(block):
-        if name in values and values[name].shape == inner:
-            column[number] = values[name]
-        elif name in values:
-            reason = f"ValueError: {name} has the shape {values[name].shape}, at other points {inner}"
-            block[number] = (values, reason)
-    return column
-
-
-def _put(array: Any, region: tuple[slice, ...], values: NDArray[Any]) -> None:
-    """Write the values of a region's points."""
-    size = tuple(part.stop - part.start for part in region)
-    array[region] = values.reshape(size + array.shape[len(region) :])
-
-
-def _attributes(name: str, units: Mapping[str, str]) -> dict[str, str]:
-    return {"units": units[name]} if name in units else {}
-
-
-def _chunk(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Shape of a chunk: of at most BLOCK points that follow each other."""
-    sizes, room = [], BLOCK
-    for size in reversed(shape):
-        sizes.append(min(size, room))
-        room //= sizes[-1]
-    return tuple(reversed(sizes))
-
-
-def _regions(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
-    """Where the chunks lie, in the order of their points."""
-    edges = [range(0, size, step) for size, step in zip(shape, chunk, strict=True)]
-    for corner in itertools.product(*edges):
-        yield tuple(slice(i, min(i + n, size)) for i, n, size in zip(corner, chunk, shape, strict=True))

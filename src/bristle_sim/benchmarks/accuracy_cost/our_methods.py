@@ -10,8 +10,9 @@ from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.parameters import Contact
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.stepping import Extrapolation, Stepper, SymmetricSteps
+from bristle_sim.scene.stepping import Stepper, SymmetricSteps
 from bristle_sim.scene.strike import strike
 from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.scene.units import Units

@@ -11,8 +11,9 @@ import numpy as np
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, both, refusal, within, worst
 from bristle_sim.parameters import Contact, DoublePendulum, Surface
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import Extrapolation, PlainSteps
+from bristle_sim.scene.stepping import PlainSteps
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.theory.pendulums import double_pendulum_impact

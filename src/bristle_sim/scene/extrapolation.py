@@ -1,0 +1,110 @@
+"""Extrapolation of engine steps to zero step, with an estimate of the error.
+
+The engine moves positions by the old velocities and then changes the velocities, so its error over an interval without
+events is smooth in the step h, of first order. Repeating the interval with n = 4, 5, 6, 7 ... steps and extrapolating the
+results to h = 0 (Richardson; Bulirsch and Stoer 1966) removes one power of h per repetition. The difference between
+the last two extrapolates estimates the error; step and number of repetitions follow from it as in Hairer, Norsett and
+Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
+"""
+
+from __future__ import annotations
+
+import math
+from operator import mul
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.repetitions import CLOSE, LEAST_ROWS, Repetitions
+from bristle_sim.scene.stepping import Advance, Load, take_steps, unpack
+
+__all__ = ["Extrapolation"]
+
+
+class Extrapolation:
+    """Engine steps extrapolated to zero step, to a tolerance for each interval.
+
+    Args:
+        tolerance: of the error of an interval, relative to ``scale``.
+        scale: size of the motion: angles in rad and rates per time unit.
+        repetitions: in how many steps an interval is repeated.
+        longest: no interval will be longer, whatever is proposed; more accuracy than that needs is then not paid for.
+    """
+
+    def __init__(
+        self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
+    ) -> None:
+        """Start with an interval of about a radian of the scene's motion."""
+        self.repetitions = repetitions
+        self.longest = longest
+        self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
+        # More repetitions amplify rounding beyond the tolerance.
+        self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.limit)
+        self.rows = LEAST_ROWS
+        self.length = 1.5
+
+    @property
+    def noise(self) -> float:
+        """The error that an interval may have."""
+        return self.limit
+
+    def propose(self, remaining: float) -> float:
+        """The interval that costs least per time; what is left is cut evenly rather than into a stub."""
+        return remaining / max(1, math.ceil(remaining / self.length - 0.1))
+
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+        """Repeat the interval with finer steps until the estimate is within the tolerance."""
+        runs: list[list[float]] = []
+        known: dict[int, float] = {}
+        size, table = len(scene.links), self.repetitions
+        error = math.inf
+        for row, count in enumerate(table.counts[: self.most_rows]):
+            runs.append(_run(scene, state, duration, count, load))
+            if load is not None and load.fails(runs[-1][3 * size :]):
+                return unpack(scene, state, duration, runs[-1], math.inf, failed=True)._replace(errors=known)
+            if row + 2 >= self.rows and row:
+                columns = list(zip(*runs, strict=True))[: 2 * size]
+                differences = table.differences[row]
+                errors = [abs(sum(map(mul, differences, column))) for column in columns]
+                # The largest of numbers one of which is NaN depends on their order.
+                error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
+                if row + 1 >= self.rows and error <= self.limit:
+                    break
+        best = [sum(map(mul, table.weights[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
+        return unpack(scene, state, duration, best, error)._replace(errors=known)
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """Whether the estimate is within the tolerance; the next interval follows what was learnt either way."""
+        self.length, self.rows = self.learnt(result, duration)
+        return result.error <= self.limit
+
+    def learnt(self, result: Advance, duration: float) -> tuple[float, int]:
+        """Return the length and the repetitions of the next interval that cost least per time, by the estimates so far."""
+        costs = self.repetitions.costs
+        lengths, prices = {}, {}
+        for row, error in result.errors.items():
+            ratio = 0.5 * self.limit / max(error, 1e-3 * self.limit)
+            lengths[row] = min(self.longest, duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1)))))
+            prices[row] = costs[row] / lengths[row]
+        last = max(prices)
+        best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
+        length, rows = lengths[best], best + 1
+        if best == last < self.most_rows - 1 and prices[best] < 0.9 * prices.get(best - 1, math.inf):
+            # Still getting cheaper: one more repetition, with the interval that would keep the price.
+            length *= costs[best + 1] / costs[best]
+            rows += 1
+        return (length if result.error <= self.limit else min(length, 0.5 * duration)), rows
+
+    def begin_afresh(self) -> None:
+        """Begin with few repetitions again, whose weights amplify rounding least."""
+        self.rows = LEAST_ROWS
+
+    def interpolation_error(self, start: State, end: State) -> float:
+        """Nothing to speak of beside the cubic's own error."""
+        del start, end
+        return 0.0
+
+
+def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:
+    """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from a state."""
+    scene.place(state)
+    return take_steps(scene, duration / count, count, load)

@@ -1,0 +1,101 @@
+"""Results of a run, turned from the scene's units to SI."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.parameters import Tool
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.plan import Recording
+from bristle_sim.scene.time_scales import motion_scale
+from bristle_sim.scene.units import Units
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
+
+__all__ = ["contact_in_si", "note_absences", "trajectory_in_si"]
+
+
+def note_absences(recording: Recording, tool: Tool) -> None:
+    """Record by name what never happened."""
+    end = recording.states[-1].time
+    names = {event.name for event in recording.events}
+    if tool.bar is not None and "bar touch" not in names:
+        recording.events.append(Event("bar not touched", end))
+    if tool.workpart is not None and "strike" not in names:
+        recording.events.append(Event("workpart not reached", end))
+
+
+def trajectory_in_si(
+    recording: Recording, scene: Scene, units: Units, parameters: dict[str, Any], *, with_estimate: bool
+) -> Trajectory:
+    """Return what a run of one link has recorded, in SI units; a method without an error estimate leaves it out."""
+    states = recording.states
+    time = np.array([state.time for state in states])
+    angles = np.array([state.angles for state in states])
+    rates = np.array([state.rates for state in states])
+    hub = np.asarray(scene.mechanism.hub_start + scene.mechanism.hub_speed * time)
+    poses = [scene.mechanism.poses(state)[-1] for state in states]
+    velocity = np.array([pose.centre_velocity for pose in poses])
+    height = np.array([pose.centre[1] for pose in poses])
+    kinetic = 0.5 * (velocity**2).sum(axis=1) + 0.5 * scene.mechanism.links[-1].inertia * rates[:, 0] ** 2
+    potential = 0.5 * (scene.effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2 + scene.effects.gravity * height
+    centre_line, centre_line_velocity = scene.mechanism.centre_line(time, angles, rates)
+    return Trajectory(
+        time=time * units.time,
+        hub_angle=hub,
+        angles=angles,
+        rates=rates / units.time,
+        centre_line=centre_line * units.length,
+        centre_line_velocity=centre_line_velocity * units.velocity,
+        kinetic_energy=kinetic * units.energy,
+        potential_energy=potential * units.energy,
+        normal_force=np.array(recording.forces) * units.force,
+        hub_speed=parameters["tool"]["hub"]["speed"],
+        events=tuple(Event(event.name, event.time * units.time) for event in recording.events),
+        contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
+        stop_reason=recording.stop_reason or StopReason.END,
+        cost=Cost(
+            recording.wall_s,
+            recording.cpu_s,
+            recording.steps,
+            recording.error / motion_scale(scene, states[0]) if with_estimate else None,
+        ),
+        parameters=parameters,
+        contact_at_end=recording.contact_at_end,
+    )
+
+
+def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:
+    """A contact record turned from engine units to SI."""
+
+    def scaled(pair: tuple[float, float] | None, unit: float) -> Any:
+        return None if pair is None else (pair[0] * unit, pair[1] * unit)
+
+    return dataclasses.replace(
+        contact,
+        time=contact.time * units.time,
+        duration=contact.duration * units.time,
+        impulse=scaled(contact.impulse, units.impulse),
+        compressive_impulse=scaled(contact.compressive_impulse, units.impulse),
+        compressive_work=scaled(contact.compressive_work, units.energy),
+        restitutive_work=scaled(contact.restitutive_work, units.energy),
+        velocity_before=scaled(contact.velocity_before, units.velocity),
+        velocity_after=scaled(contact.velocity_after, units.velocity),
+        rates_before=tuple(rate / units.time for rate in contact.rates_before),
+        rates_after=tuple(rate / units.time for rate in contact.rates_after),
+        history=None if contact.history is None else _history_in_si(contact.history, units),
+    )
+
+
+def _history_in_si(history: ContactHistory, units: Units) -> ContactHistory:
+    return ContactHistory(
+        time=history.time * units.time,
+        normal_force=history.normal_force * units.force,
+        tangential_force=history.tangential_force * units.force,
+        penetration=history.penetration * units.length,
+        normal_velocity=history.normal_velocity * units.velocity,
+        tangential_velocity=history.tangential_velocity * units.velocity,
+    )

@@ -1,0 +1,197 @@
+"""Directions of the bar found on the simulation: that of a radial strike, a root, and that of the fastest tip, a maximum.
+
+The bar moves around the hub at its distance S = hypot(S_H, S_V), so that the retraction at release stays, and its direction
+from the workpart's normal decides when the bristle is released. The lag at the strike falls as the direction grows.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import itertools
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from scipy.optimize import minimize_scalar, toms748
+
+from bristle_sim.parameters import Tool
+from bristle_sim.settings import Settings
+from bristle_sim.studies.strike_point import NotCuedError, simulated_strike, start_angle, strike_measures
+from bristle_sim.theory import cueing
+
+__all__ = [
+    "FINEST_MAXIMUM",
+    "Measures",
+    "Place",
+    "Strike",
+    "fastest_place",
+    "placed",
+    "radial_place",
+    "reference_solution",
+    "retraction",
+    "simulation",
+    "stiffened_direction",
+]
+
+Measures = dict[str, float | None]
+Strike = Callable[[Tool], Measures]
+"""Measures of the strike of a tool; raises NotCuedError where there is none."""
+
+FINEST_DIRECTION = 1e-11
+"""Interval in which a root is left, rad: errors of the lag at the finest accuracy are of this size."""
+
+FINEST_MAXIMUM = 1e-5
+"""Interval in which a maximum is left, rad: the speed changes by the square of it, below any accuracy."""
+
+FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
+"""Steps by which a root is enclosed: a degree is what the formulas miss it by, and no answer is as narrow as eight."""
+
+JUMP = 1e-4
+"""Lag in deg at a root, beyond which it is a jump of the lag from one sign to the other: a bar that is just missed."""
+
+SWUNG = 0.01
+"""Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A direction of the bar from the workpart's normal, rad, and the strike that it gives."""
+
+    direction: float
+    strike: Measures
+
+
+def placed(tool: Tool, direction: float) -> Tool:
+    """The tool with its bar in another direction at the same distance, rad."""
+    if tool.bar is None or tool.workpart is None:
+        raise ValueError("bar, workpart: must both be there, or nothing is cued")
+    distance = math.hypot(tool.bar.horizontal, tool.bar.vertical)
+    horizontal, vertical = distance * math.sin(direction), distance * math.cos(direction)
+    return dataclasses.replace(tool, bar=dataclasses.replace(tool.bar, horizontal=horizontal, vertical=vertical))
+
+
+def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Place:
+    """The direction of the bar for which the bristle strikes radially, by toms748 between directions that enclose it.
+
+    Raises:
+        NotCuedError: if there is none, with what happens instead.
+    """
+
+    @functools.cache
+    def at(direction: float) -> Measures:
+        return strike(placed(tool, direction))
+
+    def lag(direction: float) -> float:
+        return at(direction)["lag_deg_at_contact"] or 0.0
+
+    low, high = _enclosed(lag, stiffened_direction(tool) if guess is None else guess)
+    direction = float(toms748(lag, low, high, xtol=FINEST_DIRECTION, rtol=4e-15))
+    found = at(direction)
+    if abs(found["lag_deg_at_contact"] or 0.0) > JUMP:
+        raise NotCuedError(
+            f"bar_horizontal, bar_vertical: no direction at this distance gives a radial strike; at"
+            f" {math.degrees(direction):.6g} deg the lag jumps from one sign to the other"
+        )
+    return Place(direction, found)
+
+
+def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float]:
+    """Two directions between which the lag falls through zero: outwards from a guess, first to where that is likely."""
+    lags: dict[float, float] = {}
+    reasons: list[str] = []
+    forwards, backwards = [*_outwards(guess, math.pi)], [*_outwards(guess, 0.0)]
+    waiting = [guess]
+    while waiting:
+        direction = waiting.pop(0)
+        try:
+            lags[direction] = lag(direction)
+        except ValueError as error:
+            reasons.append(str(error))
+        if direction == guess:
+            first = lags.get(guess, 0.0)
+            near, far = (forwards, backwards) if first >= 0.0 else (backwards, forwards)
+            waiting = near + far if abs(first) > SWUNG else [near[0], far[0], *near[1:], *far[1:]]
+        if lags and min(lags.values()) < -SWUNG:
+            for low, high in itertools.pairwise(sorted(lags)):
+                if lags[low] >= 0.0 >= lags[high] and high - low <= LARGEST_STEP * 1.001:
+                    return low, high
+    if not lags:
+        raise NotCuedError(
+            f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {reasons[0]}"
+        )
+    least, most = min(lags.values()), max(lags.values())
+    raise NotCuedError(
+        "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike; the bristle strikes with a lag"
+        f" of {least:.4g} to {most:.4g} deg"
+    )
+
+
+def _outwards(guess: float, end: float) -> Iterator[float]:
+    """Directions from a guess to an end, near the guess in smaller steps, rad."""
+    sign, step, offset = math.copysign(1.0, end - guess), FIRST_STEP, FIRST_STEP
+    while offset < abs(end - guess):
+        yield guess + sign * offset
+        step = min(2.0 * step, LARGEST_STEP)
+        offset += step
+    yield end
+
+
+def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
+    """The direction of the bar for which the tip strikes fastest, by Brent's method about a start, rad.
+
+    Raises:
+        NotCuedError: if the bar cues no strike at the start.
+    """
+
+    def slowness(direction: float) -> float:
+        try:
+            return -(strike(placed(tool, direction))["tip_speed_at_contact"] or 0.0)
+        except ValueError:  # no strike there
+            return 0.0
+
+    step = 2.0 * FIRST_STEP
+    middle, best = start, slowness(start)
+    while True:  # walk uphill until both neighbours are slower; the directions end at 0 and pi
+        sides = [each for each in (middle - step, middle + step) if 0.0 < each < math.pi]
+        values = [slowness(each) for each in sides]
+        if min(values) >= best:
+            break
+        best, middle = min(zip(values, sides, strict=True))
+    bounds = (max(middle - step, 0.0), min(middle + step, math.pi))
+    found = minimize_scalar(slowness, bounds=bounds, method="bounded", options={"xatol": FINEST_MAXIMUM})
+    return Place(float(found.x), strike(placed(tool, float(found.x))))
+
+
+def simulation(settings: Settings) -> Strike:
+    """The strike by the simulation."""
+
+    def strike(tool: Tool) -> Measures:
+        return strike_measures(tool, simulated_strike(tool, settings))
+
+    return strike
+
+
+def reference_solution(settings: Settings) -> Strike:
+    """The same by the independent solution."""
+    from bristle_sim.reference import simulate_reference
+
+    def strike(tool: Tool) -> Measures:
+        accuracy = max(1e-10, 0.1 * settings.accuracy)
+        run = simulate_reference(tool, start_hub_angle=start_angle(tool), accuracy=accuracy, stop_after="strike")
+        return strike_measures(tool, run)
+
+    return strike
+
+
+def retraction(tool: Tool) -> float:
+    """Retraction at which the bristle slips off the bar, rad."""
+    if tool.bar is None or tool.workpart is None:
+        raise ValueError("bar, workpart: must both be there, or nothing is cued")
+    geometry = (tool.hub.radius, tool.bristle.length)
+    return float(cueing.retraction_at_bar(tool.bar.horizontal, tool.bar.vertical, tool.bar_reach, *geometry))
+
+
+def stiffened_direction(tool: Tool) -> float:
+    """The stiffened formula's direction, rad."""
+    return cueing.stiffened_cue(tool, retraction(tool)).bar_direction
