@@ -41,8 +41,8 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Whether friction holds it."""
-        return self.slip == STICK and self.friction > 0.0
+        """Whether friction holds it; the contact of a single link keeps that at rest, and friction idles."""
+        return self.slip == STICK and self.friction > 0.0 and len(self.touch.normal_row) > 1
 
     @property
     def ratio(self) -> float:
@@ -119,11 +119,16 @@ def _consistent(
         if normal < 0.0:
             return False
         terms = (*each.touch.tangential_row * found.accelerations, each.touch.bias[1])
-        rounding = EDGE * float(np.abs(terms).max())
+        cancelled = each.touch.tangential_row * np.linalg.solve(mass, forces)
+        rounding = EDGE * float(np.abs([*terms, *cancelled]).max())
+        if each.slip and each.push is None and freedom(mass, each.touch, each.ratio) <= 0.0:
+            return False
         if each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal:
             return False
         begins = each.slip and each.friction and abs(each.touch.velocity[1]) <= still
         if begins and each.slip * sum(terms) < -rounding:
+            return False
+        if each.slip == STICK and each.friction and not each.sticks and abs(sum(terms)) > rounding:
             return False
     others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
     return all(touch.normal_row @ found.accelerations + touch.bias[0] >= 0.0 for touch in others)

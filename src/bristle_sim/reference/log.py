@@ -3,76 +3,66 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.reference.contacts import Point, Touch
 from bristle_sim.reference.mechanics import Chain
+from bristle_sim.reference.system import State, Sustained
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["LARGEST_RETRACTION", "PEAK", "STRIKE", "ChainLog", "ChainState", "Finished"]
+__all__ = ["LARGEST_RETRACTION", "PEAK", "STRIKE", "Finished", "Log"]
 
 STRIKE, PEAK, LARGEST_RETRACTION = "strike", "highest relative speed", "largest retraction"
 
 Reals = NDArray[np.float64]
 
 
-class ChainState(NamedTuple):
-    """Time, and absolute angles and rates of the links; s, rad, rad/s."""
-
-    time: float
-    angles: Reals
-    rates: Reals
-
-
 class Finished(Exception):
-    """Ends a run."""
+    """Ends a run at a state."""
 
-    def __init__(self, reason: StopReason) -> None:
+    def __init__(self, reason: StopReason, state: State) -> None:
         """For a reason."""
         super().__init__(reason)
         self.reason = reason
+        self.state = state
 
 
-class ChainLog:
+class Log:
     """The record of a run; ``interval`` is the time between samples, s."""
 
     def __init__(self, chain: Chain, interval: float, stop_after: str | None) -> None:
         self.chain = chain
         self.interval = interval
         self.stop_after = stop_after
-        self.size = chain.hub_radius + chain.length
-        self.fastest = chain.fastest_rate
         self.events: list[Event] = []
         self.contacts: list[ContactRecord] = []
         self.impacts = 0
-        self._rows: list[tuple[Reals, Reals, Reals, Reals]] = []
-        self._turned: list[ChainState] = []
+        self.samples: list[tuple[State, tuple[float, float]]] = []
+        self._turned: list[State] = []
         self._marks: list[float] = []
+
+    # Samples
+
+    def sample(self, state: State, forces: tuple[float, float]) -> None:
+        """Store a state with its normal and tangential force, N, unless it was stored last."""
+        last = self.samples[-1] if self.samples else None
+        if last is None or (last[0].time, last[1]) != (state.time, forces) or (last[0].rates != state.rates).any():
+            self.samples.append((state, forces))
+
+    def times(self, start: float, end: float) -> list[float]:
+        """Return the multiples of the sampling interval and the marked instants between two instants, ascending."""
+        count = np.arange(math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float)
+        return [each for each in np.union1d(count * self.interval, self._marks).tolist() if start < each < end]
 
     def mark(self, time: float) -> None:
         """Request a sample at an instant of the motion that is stored next."""
         self._marks.append(time)
 
-    def turned(self, state: ChainState) -> None:
-        """Note where the relative rate rises through zero: retraction may be largest."""
-        self._turned.append(state)
-        self.mark(state.time)
-
-    def largest_retraction(self) -> None:
-        """Note where retraction is largest before the strike, if that is at an instant of no relative rate."""
-        strike = min((each.time for each in self.events if each.name == "strike"), default=math.inf)
-        time, angles = (np.concatenate(column) for column in list(zip(*self._rows, strict=True))[:2])
-        reached = (angles[:, 0] - self.chain.hub_angle(time))[time <= strike]
-        candidates = [(each.angles[0] - self.chain.hub_angle(each.time), each.time) for each in self._turned]
-        angle, at = min((each for each in candidates if each[1] <= strike), default=(0.0, 0.0))
-        if angle < 0.0 and angle <= min(reached[0], reached[-1]):
-            self.event("largest retraction", float(at))
+    # Events
 
     def event(self, name: str, time: float) -> None:
         """Note an event."""
@@ -82,55 +72,53 @@ class ChainLog:
         """Whether an event of that name has been noted."""
         return any(each.name == name for each in self.events)
 
-    def check_stop(self) -> None:
+    def check_stop(self, state: State) -> None:
         """End the run if the event that it was to stop after has happened.
 
         Raises:
             Finished: if it has.
         """
         if self.stop_after is not None and self.seen(self.stop_after):
-            raise Finished(StopReason.EVENT)
+            raise Finished(StopReason.EVENT, state)
 
-    def touch(self, point: Point, state: ChainState) -> None:
+    def touch(self, obstacle: str, state: State) -> None:
         """Note a touch; the first one of the workpart is the strike."""
-        strike = point.obstacle == "workpart" and not self.seen("strike")
-        self.event("strike" if strike else f"{point.obstacle} touch", state.time)
+        strike = obstacle == "workpart" and not self.seen(STRIKE)
+        self.event(STRIKE if strike else f"{obstacle} touch", state.time)
 
-    def release(self, point: Point, state: ChainState) -> None:
+    def release(self, obstacle: str, state: State) -> None:
         """Note the end of a contact."""
-        self.event(f"{point.obstacle} release", state.time)
+        self.event(f"{obstacle} release", state.time)
 
-    def sample(self, state: ChainState, force: float) -> None:
-        """Store one state."""
-        row = np.array([state.time]), state.angles[None], state.rates[None], np.array([max(force, 0.0)])
-        self._rows.append(row)
+    def turned(self, state: State) -> None:
+        """Note a state at which retraction may be largest: the relative rate rises through zero."""
+        self._turned.append(state)
+        self.mark(state.time)
 
-    def samples(
-        self,
-        motion: Callable[[Reals], Reals],
-        start: float,
-        end: float,
-        force: Callable[[Reals, Reals], Reals] | None,
-    ) -> None:
-        """Store the motion at multiples of the sampling interval after ``start`` and before ``end``, and at the end."""
-        first, last = math.floor(start / self.interval), math.ceil(end / self.interval)
-        times = np.arange(first, last + 1, dtype=float) * self.interval
-        times = np.union1d(times, self._marks)
-        times = np.append(times[(times > start) & (times < end)], end)
-        self._marks = [each for each in self._marks if each > end]
-        values, count = motion(times), self.chain.links
-        forces = np.zeros_like(times) if force is None else np.maximum(force(times, values), 0.0)
-        self._rows.append((times, values[:count].T, values[count : 2 * count].T, forces))
+    def note_largest_retraction(self) -> None:
+        """Note where retraction is largest before the strike, if that is at an instant of no relative rate."""
+        strike = min((each.time for each in self.events if each.name == STRIKE), default=math.inf)
 
-    def impact(self, point: Point, state: ChainState, after: ChainState, touch: Touch, hit: Impact) -> None:
-        """Record an impact, with samples before and after it."""
+        def relative(state: State) -> float:
+            return float(state.angles[0] - self.chain.hub_angle(state.time))
+
+        reached = [state for state, _ in self.samples if state.time <= strike]
+        lowest = min(relative(reached[0]), relative(reached[-1]), 0.0)
+        candidates = [(relative(each), each.time) for each in self._turned if each.time <= strike]
+        angle, time = min(candidates, default=(0.0, 0.0))
+        if angle < 0.0 and angle <= lowest:
+            self.event(LARGEST_RETRACTION, time)
+
+    # Contacts
+
+    def impact(self, obstacle: str, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
+        """Record an impact between the states before and after it."""
         self.impacts += 1
-        self.sample(after, 0.0)
-        if self.chain.links == 1 and state.rates[0] < self.chain.speed < after.rates[0]:
-            self._turned.append(state)
+        if state.rates[0] < self.chain.speed < after.rates[0]:
+            self.turned(state)
         self.contacts.append(
             ContactRecord(
-                obstacle=point.obstacle,
+                obstacle=obstacle,
                 law="energetic",
                 outcome=hit.outcome_name,
                 time=state.time,
@@ -139,7 +127,7 @@ class ChainLog:
                 compressive_impulse=_pair(hit.compressive_impulse_normal, hit.compressive_impulse_tangential),
                 compressive_work=_pair(hit.compressive_work_normal, hit.compressive_work_tangential),
                 restitutive_work=_pair(hit.restitutive_work_normal, hit.restitutive_work_tangential),
-                velocity_before=touch.velocity,
+                velocity_before=velocity,
                 velocity_after=_pair(hit.velocity_normal, hit.velocity_tangential),
                 angles=tuple(state.angles.tolist()),
                 rates_before=tuple(state.rates.tolist()),
@@ -148,38 +136,25 @@ class ChainLog:
             )
         )
 
-    def lasting(
-        self,
-        point: Point,
-        ending: tuple[str, str],
-        states: tuple[ChainState, ChainState],
-        sums: Reals,
-        compression: Reals | None,
-        velocities: tuple[tuple[float, float], tuple[float, float]],
-    ) -> None:
-        """Record a contact that lasted from one state to another.
-
-        ``ending`` are the law and the outcome, ``sums`` the impulses and the works (normal, tangential); ``compression`` those of compression.
-        """
-        law, outcome = ending
-        first, last = states
+    def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
+        """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
+        first, sums = each.since, each.sums
         if last.time <= first.time:
             return
-        compression = sums if compression is None else compression
-        rest = (sums - compression).tolist()
+        compression = sums if each.compression is None else each.compression
         self.contacts.append(
             ContactRecord(
-                obstacle=point.obstacle,
-                law=law,
+                obstacle=each.point.obstacle,
+                law="hold" if each.spring is None else "compliant",
                 outcome=outcome,
                 time=first.time,
                 duration=last.time - first.time,
                 impulse=_pair(*sums[:2]),
                 compressive_impulse=_pair(*compression[:2]),
                 compressive_work=_pair(*compression[2:]),
-                restitutive_work=_pair(*rest[2:]),
-                velocity_before=velocities[0],
-                velocity_after=velocities[1],
+                restitutive_work=_pair(*(sums - compression)[2:]),
+                velocity_before=each.velocity_before,
+                velocity_after=velocity,
                 angles=tuple(first.angles.tolist()),
                 rates_before=tuple(first.rates.tolist()),
                 rates_after=tuple(last.rates.tolist()),
@@ -188,8 +163,8 @@ class ChainLog:
 
     def trajectory(self, stop_reason: StopReason, cost: Cost, parameters: dict[str, Any]) -> Trajectory:
         """Return the finished result."""
-        time, angles, rates, force = (np.concatenate(column) for column in zip(*self._rows, strict=True))
         chain = self.chain
+        time, angles, rates = (np.array(column) for column in zip(*(state for state, _ in self.samples), strict=True))
         corners, velocities = chain.centre_line(time, angles, rates)
         return Trajectory(
             time=time,
@@ -200,7 +175,7 @@ class ChainLog:
             centre_line_velocity=np.stack([velocities.real, velocities.imag], axis=-1),
             kinetic_energy=chain.kinetic_energy(time, angles, rates),
             potential_energy=chain.potential_energy(time, angles),
-            normal_force=force,
+            normal_force=np.array([max(forces[0], 0.0) for _, forces in self.samples]),
             hub_speed=chain.speed,
             events=tuple(sorted(self.events, key=lambda each: each.time)),
             contacts=tuple(sorted(self.contacts, key=lambda each: each.time)),

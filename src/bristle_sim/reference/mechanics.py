@@ -139,9 +139,8 @@ class Chain:
         matrix = (np.conj(turn)[..., :, None] * self.products * turn[..., None, :]).real
         return np.asarray(matrix + np.diag(self.inertias))
 
-    def forces(self, time: Any, angles: Reals, rates: Reals) -> Reals:
-        """Return the generalized forces of inertia, belt, hinges and gravity, shape (..., n), N m."""
-        turn = np.exp(1j * angles)
+    def forces(self, time: Any, angles: Reals, rates: Reals, turn: Complexes) -> Reals:
+        """Return the generalized forces of inertia, belt, hinges and gravity, shape (..., n), N m; turn is e^{i theta}."""
         # c_i'' holds -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
         inertia = -(1j * np.conj(turn) * ((turn * rates**2) @ self.products.T)).real
         carried = -(self.speed**2) * self.root(time) + 1j * self.gravity

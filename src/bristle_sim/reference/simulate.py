@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import time as clock
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,9 +14,10 @@ import numpy as np
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import quantity, validate
 from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
-from bristle_sim.reference.log import PEAK, STRIKE, ChainLog, ChainState
+from bristle_sim.reference.log import PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
-from bristle_sim.reference.run import ChainRun
+from bristle_sim.reference.run import Run
+from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Cost, Trajectory
 
@@ -112,22 +114,22 @@ def simulate_reference(
     )
     chain = Chain.of(tool, request.start_hub_angle)
     obstacles = obstacles_of(tool)
-    start = ChainState(
+    start = State(
         0.0,
         np.full(chain.links, request.start_hub_angle + request.start_relative_angle),
         np.full(chain.links, chain.speed + request.start_relative_rate),
     )
     _check_start(chain, obstacles, start)
     end, interval = _span(chain, request)
-    log = ChainLog(chain, interval, request.stop_after)
-    one_run = ChainRun(chain, obstacles, log, start, end, max(request.accuracy / 100.0, FINEST))
+    log = Log(chain, interval, request.stop_after)
+    one_run = Run(System(chain, obstacles), log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = one_run.run()
-    _note_absences(one_run)
+    _note_absences(obstacles, log, one_run.state.time)
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_run.evaluations)
     return log.trajectory(reason, cost, _parameters(tool, request))
 
 
-def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: ChainState) -> None:
+def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
     motion = chain.kinematics(*start)
     for name, each in obstacles.items():
         gap = float(each.gaps(chain, motion).min())
@@ -165,13 +167,12 @@ def _period(chain: Chain) -> float:
     return 2.0 * math.pi / fastest if fastest else math.inf
 
 
-def _note_absences(one_run: ChainRun) -> None:
-    """Record what never happened."""
-    log, last = one_run.log, one_run.state.time
-    log.largest_retraction()
-    if "bar" in one_run.obstacles and not log.seen("bar touch"):
+def _note_absences(obstacles: Iterable[str], log: Log, last: float) -> None:
+    """Note what never happened up to the last instant."""
+    log.note_largest_retraction()
+    if "bar" in obstacles and not log.seen("bar touch"):
         log.event("bar not touched", last)
-    if "workpart" in one_run.obstacles and not log.seen(STRIKE) and log.stop_after != PEAK:
+    if "workpart" in obstacles and not log.seen(STRIKE) and log.stop_after != PEAK:
         log.event("workpart not reached", last)
 
 
