@@ -89,7 +89,7 @@ def _roots(series: Reals, left: float, right: float) -> list[float]:
     found = chebyshev.chebroots(chebyshev.chebtrim(series, np.finfo(float).eps * sizes.max()))
     # A double root splits into a pair that is off the real axis by the root of rounding.
     real = found.real[(np.abs(found.imag) < 1e-6) & (np.abs(found.real) < 1.0)]
-    return (0.5 * (left + right) + 0.5 * (right - left) * real).tolist()
+    return [float(each) for each in 0.5 * (left + right) + 0.5 * (right - left) * real]
 
 
 def _sign_changes(function: Function, probes: Reals, values: Reals) -> Iterator[tuple[float, int]]:

@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 from scipy.optimize import newton
 
 from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart
-from bristle_sim.reference.crossing import crossings, nodes, of_one_sign
+from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
 from bristle_sim.reference.forces import freedom
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
+
+Reals = NDArray[np.float64]
 
 __all__ = ["INSIDE", "Event", "Follow", "events_of", "first_event"]
 
@@ -195,22 +197,30 @@ def _place_events(system: System, each: Sustained) -> list[Event]:
 
 
 def first_event(
-    system: System, events: list[Event], motion: Callable[[float], State], start: float, end: float
+    system: System,
+    events: list[Event],
+    motion: Callable[[Reals], list[State]],
+    instants: list[Instant],
+    step: tuple[float, float],
 ) -> tuple[float, Follow] | None:
-    """Return the time of the first event on a step of the integrator, and what follows it."""
-    first = None
-    times = nodes(start, end)
-    instants = [system.at(system.closed(motion(time))) for time in times.tolist()]
+    """Return the time of the first event on a step of the integrator, and what follows it.
+
+    Args:
+        system, events: what moves, and what can end its interval.
+        motion: times -> states.
+        instants: those at the step's nodes, see the module ``crossing``.
+        step: its start and end, s.
+    """
+    first, (start, end) = None, step
     near = _near(system, instants[-1], end - start)
     for event in events:
         if event.place is not None and event.place not in near:
             continue
 
-        def along(at: NDArray[np.float64], value: Callable[[Instant], float] = event.value) -> NDArray[np.float64]:
-            return np.array([value(system.at(system.closed(motion(time)))) for time in at.tolist()])
+        def along(at: Reals, value: Callable[[Instant], float] = event.value) -> Reals:
+            return np.array([value(system.at(each)) for each in motion(at)])
 
-        values = np.array([event.value(each) for each in instants])
-        if of_one_sign(values, event.resolution) == -event.direction:
+        if of_one_sign(np.array([event.value(each) for each in instants]), event.resolution) == -event.direction:
             continue
         if event.direction * along(np.array([start]))[0] > 0.0:
             return start, event.follow

@@ -8,44 +8,53 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.reference.contacts import Bar
-from bristle_sim.reference.crossing import crossings, nodes, of_one_sign
+from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
-from bristle_sim.reference.system import State, System
+from bristle_sim.reference.system import Instant, State, System
 
 __all__ = ["note_extremes"]
 
-Reals = NDArray[np.float64]
+Motion = Callable[[NDArray[np.float64]], list[State]]
+"""Times, s -> states."""
 
 ROUNDING = 1e-13
+"""Rounding of a rate, as a fraction of the fastest one."""
+
+IDLE = 1e-12
+"""A highest relative rate below this fraction of the fastest one is no motion."""
 
 
 def note_extremes(
-    system: System, log: Log, motion: Callable[[float], State], step: tuple[float, float], tolerance: float
+    system: System, log: Log, motion: Motion, instants: list[Instant], step: tuple[float, float]
 ) -> float | None:
     """Note where the first link lags most and its highest relative rate; return the time at which the run ends there.
 
     The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    ``instants`` are those at the nodes of the integrator's step; the motion is looked at in ``step``, s.
     """
     chain = system.chain
 
-    def at(time: float) -> State:
-        return system.closed(motion(time))
+    def rate(at: Instant) -> float:
+        return float(at.state.rates[0] - chain.speed)
 
-    def rate(times: Reals) -> Reals:
-        return np.array([at(time).rates[0] - chain.speed for time in times.tolist()])
+    def acceleration(at: Instant) -> float:
+        return float(at.balance.accelerations[0])
 
-    def acceleration(times: Reals) -> Reals:
-        return np.array([system.at(at(time)).balance.accelerations[0] for time in times.tolist()])
+    def changes(value: Callable[[Instant], float], resolution: float) -> list[tuple[float, int]]:
+        if step[1] <= step[0] or of_one_sign(np.array([value(each) for each in instants]), resolution):
+            return []
+        along = lambda times: np.array([value(system.at(each)) for each in motion(times)])  # noqa: E731
+        return crossings(along, *step, resolution)
 
-    for time, direction in _changes(rate, step, ROUNDING * system.fastest):
+    for time, direction in changes(rate, ROUNDING * system.fastest):
         if direction > 0:
-            log.turned(at(time))
+            log.turned(motion(np.array([time]))[0])
             if log.stop_after == LARGEST_RETRACTION:
                 return time
     if chain.links > 1 or system.sustained or log.seen(PEAK) or log.seen(STRIKE) or _bar_ahead(system, log, step[0]):
         return None
-    for time, direction in _changes(acceleration, step, ROUNDING * system.fastest**2):
-        if direction < 0 and rate(np.array([time]))[0] > tolerance * system.fastest:
+    for time, direction in changes(acceleration, ROUNDING * system.fastest**2):
+        if direction < 0 and rate(system.at(motion(np.array([time]))[0])) > IDLE * system.fastest:
             log.event(PEAK, time)
             log.mark(time)
             return time if log.stop_after == PEAK else None
@@ -58,13 +67,3 @@ def _bar_ahead(system: System, log: Log, time: float) -> bool:
     if not isinstance(bar, Bar) or log.seen("bar touch") or not system.chain.speed:
         return False
     return bool((bar.centre / system.chain.root(time)).imag > 0.0)
-
-
-def _changes(
-    function: Callable[[Reals], Reals], step: tuple[float, float], resolution: float
-) -> list[tuple[float, int]]:
-    """Return the changes of sign on a step; most steps have none, which the values at the nodes tell at once."""
-    start, end = step
-    if end <= start or of_one_sign(function(nodes(start, end)), resolution):
-        return []
-    return crossings(function, start, end, resolution)

@@ -84,7 +84,7 @@ def balance(mass: Reals, forces: Reals, contacts: Sequence[Acting]) -> Balance:
     tangential = np.array(
         [next(stuck) if each.sticks else each.ratio * push for each, push in zip(contacts, normal, strict=True)]
     )
-    return Balance(found[:size], normal, tangential)
+    return Balance(np.asarray(found[:size]), normal, tangential)
 
 
 def acting(mass: Reals, forces: Reals, contacts: Sequence[Acting], still: float) -> tuple[tuple[int, int], ...] | None:
@@ -115,23 +115,29 @@ def _consistent(
         found = balance(mass, forces, tuple(chosen.values()))
     except np.linalg.LinAlgError:  # more contacts than the links can keep closed
         return False
-    for each, normal, tangential in zip(chosen.values(), found.normal, found.tangential, strict=True):
-        if normal < 0.0:
-            return False
-        terms = (*each.touch.tangential_row * found.accelerations, each.touch.bias[1])
-        cancelled = each.touch.tangential_row * np.linalg.solve(mass, forces)
-        rounding = EDGE * float(np.abs([*terms, *cancelled]).max())
-        if each.slip and each.push is None and freedom(mass, each.touch, each.ratio) <= 0.0:
-            return False
-        if each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal:
-            return False
-        begins = each.slip and each.friction and abs(each.touch.velocity[1]) <= still
-        if begins and each.slip * sum(terms) < -rounding:
-            return False
-        if each.slip == STICK and each.friction and not each.sticks and abs(sum(terms)) > rounding:
-            return False
+    pushes = zip(chosen.values(), found.normal, found.tangential, strict=True)
+    if not all(_pushes(mass, forces, found.accelerations, *each, still) for each in pushes):
+        return False
     others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
     return all(touch.normal_row @ found.accelerations + touch.bias[0] >= 0.0 for touch in others)
+
+
+def _pushes(
+    mass: Reals, forces: Reals, accelerations: Reals, each: Acting, normal: float, tangential: float, still: float
+) -> bool:
+    """Whether a contact that stays pushes, and sticks or slips consistently."""
+    if normal < 0.0 or (each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal):
+        return False
+    if each.slip and each.push is None and freedom(mass, each.touch, each.ratio) <= 0.0:
+        return False
+    if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
+        return True
+    # From rest, slip begins in its own sense; a single link's contact at rest stays at rest.
+    terms = (*each.touch.tangential_row * accelerations, each.touch.bias[1])
+    cancelled = each.touch.tangential_row * np.linalg.solve(mass, forces)
+    rounding = EDGE * float(np.abs([*terms, *cancelled]).max())
+    begins = float(sum(terms))
+    return each.slip * begins >= -rounding if each.slip else abs(begins) <= rounding
 
 
 def freedom(mass: Reals, touch: Touch, ratio: float) -> float:

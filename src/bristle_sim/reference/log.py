@@ -54,7 +54,7 @@ class Log:
             self.samples.append((state, forces))
 
     def times(self, start: float, end: float) -> list[float]:
-        """Return the multiples of the sampling interval and the marked instants between two instants, ascending."""
+        """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
         count = np.arange(math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float)
         return [each for each in np.union1d(count * self.interval, self._marks).tolist() if start < each < end]
 

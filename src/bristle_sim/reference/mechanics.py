@@ -137,7 +137,7 @@ class Chain:
     def mass_matrix(self, turn: Complexes) -> Reals:
         """Return the mass matrix at the links' directions e^{i theta}, shape (..., n, n), kg m^2."""
         matrix = (np.conj(turn)[..., :, None] * self.products * turn[..., None, :]).real
-        return np.asarray(matrix + np.diag(self.inertias))
+        return np.asarray(matrix + self.inertias * np.eye(self.links))
 
     def forces(self, time: Any, angles: Reals, rates: Reals, turn: Complexes) -> Reals:
         """Return the generalized forces of inertia, belt, hinges and gravity, shape (..., n), N m; turn is e^{i theta}."""
@@ -216,19 +216,21 @@ class Chain:
         The fastest hinge mode of the straight chain (by the trace of stiffness against mass), damping and the hub.
         """
         chain = self.mass_matrix(np.ones(self.links, dtype=complex))
-        spring, damper = (self._tridiagonal(each) for each in (self.stiffness, self.damping))
+        spring, damper = (_coupling(each) for each in (self.stiffness, self.damping))
         field = self.masses.sum() * self.length * (self.hub_radius * self.speed**2 + self.gravity)
         inverse = np.linalg.inv(chain)
         squares = float(np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max())
         return math.sqrt(squares) + float(np.abs(np.linalg.eigvals(inverse @ damper)).max()) + self.speed
 
-    def _tridiagonal(self, springs: Reals) -> Reals:
-        matrix = np.diag(springs)
-        for hinge in range(1, self.links):
-            pair = slice(hinge - 1, hinge + 1)
-            matrix[hinge, hinge] -= springs[hinge]
-            matrix[pair, pair] += springs[hinge] * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        return matrix
+
+def _coupling(springs: Reals) -> Reals:
+    """Return the stiffness matrix of torsion springs between each link and the one before it, the first one on the hub."""
+    matrix = np.diag(springs)
+    for hinge in range(1, len(springs)):
+        pair = slice(hinge - 1, hinge + 1)
+        matrix[hinge, hinge] -= springs[hinge]
+        matrix[pair, pair] += springs[hinge] * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return matrix
 
 
 def _twists(values: Reals, first: Any) -> Reals:

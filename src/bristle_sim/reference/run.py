@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
+from bristle_sim.reference.crossing import nodes
 from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Follow, events_of, first_event
 from bristle_sim.reference.extremes import note_extremes
@@ -62,25 +63,29 @@ class Run:
             solver.step()
             if solver.status == "failed":
                 raise Finished(StopReason.ACCURACY, self.state)
-            values = solver.dense_output()
+            values, step = solver.dense_output(), (solver.t_old, solver.t)
             self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0
 
-            def motion(time: float, values: Callable[[float], Reals] = values) -> State:
-                return self._state(time, values(time))
+            def motion(times: Reals, values: Callable[[Reals], Reals] = values) -> list[State]:
+                return [
+                    self.system.closed(self._state(*each)) for each in zip(times.tolist(), values(times).T, strict=True)
+                ]
 
-            first = first_event(self.system, events, motion, solver.t_old, solver.t)
-            until = solver.t if first is None else first[0]
-            stop = note_extremes(self.system, self.log, motion, (solver.t_old, until), self.tolerance)
+            instants = [self.system.at(each) for each in motion(nodes(*step))]
+            first = first_event(self.system, events, motion, instants, step)
+            until = step[1] if first is None else first[0]
+            stop = note_extremes(self.system, self.log, motion, instants, (step[0], until))
             until = until if stop is None else stop
-            for time in self.log.times(solver.t_old, until):
-                self._sample(self.system.closed(motion(time)))
-            self.state = self.system.closed(motion(until))
-            for number, each in enumerate(self.system.sustained):
-                each.sums = values(until)[2 * self.system.chain.links + 4 * number :][:4].copy()
-            self._sample(self.state)
+            *between, self.state = motion(np.array([*self.log.times(step[0], until), until]))
+            for each in between:
+                self._sample(each)
+            sums = values(until)[2 * self.system.chain.links :].reshape(-1, 4)
+            for contact, reached in zip(self.system.sustained, sums, strict=True):
+                contact.sums = reached
             if stop is not None:
                 raise Finished(StopReason.EVENT, self.state)
             if first is not None:
+                self._sample(self.state)
                 return first[1]
             self._project(solver)
         return lambda state: state
@@ -111,8 +116,10 @@ class Run:
 
     def _derivative(self, time: float, values: Reals) -> Reals:
         instant = self.system.at(self._state(time, values))
+        if not instant.contacts:
+            return np.concatenate([instant.state.rates, instant.balance.accelerations])
         normal, tangential = instant.balance.normal, instant.balance.tangential
-        velocities = np.array([each.touch.velocity for each in instant.contacts]).reshape(-1, 2)
+        velocities = np.array([each.touch.velocity for each in instant.contacts])
         powers = normal * velocities[:, 0], tangential * velocities[:, 1]
         sums = np.column_stack([normal, tangential, *powers]).ravel()
         return np.concatenate([instant.state.rates, instant.balance.accelerations, sums])

@@ -75,10 +75,10 @@ def simulate_reference(
 ) -> Trajectory:
     """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
-    Flight of a straight bristle obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
+    A wire of several links moves as the module ``mechanics`` says. Flight of a straight rigid bristle obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
     + m g (L/2) sin(psi + alpha) = 0; a knee moves the centre of mass. A touch obeys the energetic impact law, and a
-    sustained touch gap = 0 with a force that pushes. A rebound too low to be told from rounding (1e-10 of hub radius
-    and length) counts as none, so that ever smaller taps become a sustained touch.
+    sustained contact gap = 0 with a force that pushes. A rebound too low to be told from rounding (1e-10 of hub radius
+    and length) counts as none, so that ever smaller taps become a sustained contact.
 
     Args:
         tool: what is simulated; its bar and workpart may be None.

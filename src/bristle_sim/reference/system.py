@@ -95,6 +95,11 @@ class Instant:
         self.state = state
 
     @cached_property
+    def turn(self) -> NDArray[np.complex128]:
+        """Directions of the links, e^{i theta}."""
+        return np.asarray(np.exp(1j * self.state.angles))
+
+    @cached_property
     def motion(self) -> Kinematics:
         """Kinematics of the links."""
         return self.system.chain.kinematics(*self.state)
@@ -102,12 +107,12 @@ class Instant:
     @cached_property
     def mass(self) -> Reals:
         """Mass matrix, kg m^2."""
-        return self.system.chain.mass_matrix(self.motion.turn)
+        return self.system.chain.mass_matrix(self.turn)
 
     @cached_property
     def forces(self) -> Reals:
         """Generalized forces without contacts, N m."""
-        return self.system.chain.forces(*self.state, self.motion.turn)
+        return self.system.chain.forces(*self.state, self.turn)
 
     def touch(self, point: Point) -> Touch:
         """Return the kinematics of a contact."""
