@@ -18,8 +18,11 @@ __all__ = ["decide", "jam", "meet", "move", "part", "record", "turn"]
 LOWEST_REBOUND = 1e-10
 """A rebound that the forces end below this fraction of hub radius and length is taken for a sustained contact."""
 
-MOST_IMPACTS, MOST_AT_ONCE = 20_000, 400
-"""The number of impacts in a run, and at one instant, after which it gives up."""
+MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
+"""The number of impacts in a run after which it gives up, and at one instant after which the wire is wedged."""
+
+AT_ONCE = 1e-10
+"""Impacts are at one instant within this fraction of a radian of the fastest motion."""
 
 
 def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:
@@ -137,13 +140,13 @@ def move(system: System, each: Sustained, point: Point, state: State) -> State:
 
 def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) -> State:
     """Resolve the impacts at an instant one after the other, the fastest approach first."""
-    for _ in range(MOST_AT_ONCE):
+    while points:
         instant = system.at(state)
         approaches = [instant.touch(point).velocity[0] for point in points]
-        if not points or min(approaches) >= -system.still(state):
-            return state
+        if min(approaches) >= -system.still(state):
+            break
         state = _hit(system, log, state, points[int(np.argmin(approaches))])
-    jam(log, state)
+    return state
 
 
 def _hit(system: System, log: Log, state: State, point: Point) -> State:
@@ -154,7 +157,11 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     log.impact(point.obstacle, state, after, touch.velocity, hit)
     if hit.outcome_name == "jam":
         jam(log, after)
-    if log.impacts > MOST_IMPACTS:
+    recent = log.impacts[-MOST_AT_ONCE:]
+    fastest = max(system.fastest, float(np.abs(after.rates).max()))
+    if len(recent) == MOST_AT_ONCE and (recent[-1] - recent[0]) * fastest < AT_ONCE:
+        jam(log, after)
+    if len(log.impacts) > MOST_IMPACTS:
         raise Finished(StopReason.MOST_CONTACTS, after)
     return after
 

@@ -40,7 +40,7 @@ class Log:
         self.stop_after = stop_after
         self.events: list[Event] = []
         self.contacts: list[ContactRecord] = []
-        self.impacts = 0
+        self.impacts: list[float] = []
         self.samples: list[tuple[State, tuple[float, float]]] = []
         self._turned: list[State] = []
         self._marks: list[float] = []
@@ -113,7 +113,7 @@ class Log:
 
     def impact(self, obstacle: str, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
         """Record an impact between the states before and after it."""
-        self.impacts += 1
+        self.impacts.append(state.time)
         if state.rates[0] < self.chain.speed < after.rates[0]:
             self.turned(state)
         self.contacts.append(
