@@ -11,8 +11,7 @@ from scipy.special import ellipj, ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
 from bristle_sim.reference import simulate_reference
-from bristle_sim.reference.crossing import crossings, integral
-from bristle_sim.reference.watch import Happening, Watch, happenings
+from bristle_sim.reference.crossing import crossings
 from bristle_sim.stop_reason import StopReason
 
 FREE = Tool(bar=None, workpart=None)
@@ -760,17 +759,3 @@ class TestCrossings:
         np.testing.assert_allclose([time for time, _ in kink], [0.3 - 1e-7, 0.3 + 1e-7], rtol=1e-15)
         jump = crossings(lambda time: np.where(time < 1.0 / 3.0, -1.0, 1.0), 0.0, 1.0, 1e-15)
         assert [(pytest.approx(1.0 / 3.0, rel=1e-14), 1)] == jump
-
-    def test_an_end_found_passed_already_is_not_missed(self):
-        """Between two steps a value may change sign by rounding: the second step starts on the far side."""
-
-        def motion(time):
-            return np.stack([-np.ones_like(time), np.zeros_like(time)])
-
-        ends = Watch("end", lambda _time, angle, _rate: angle, -1, 0.0)
-        note = ends._replace(name="note", ends=False)
-        assert happenings([ends, note], motion, 0.0, 1.0) == [Happening("end", 0.0)]
-
-    def test_integral(self):
-        # As promised.
-        assert integral(lambda time: np.abs(np.sin(time)), 0.0, 5.0) == pytest.approx(3.0 + math.cos(5.0), rel=1e-10)

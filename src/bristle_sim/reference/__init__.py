@@ -1,14 +1,15 @@
-"""The bristle's pass in one generalized coordinate, integrated with scipy: the scene's independent referee.
+"""The pass of a wire of rigid links, integrated with scipy: an independent solution that the scene is compared with.
 
-The bristle's angle alpha relative to the radial direction is all that moves; the hub's angle is psi = psi_0 + omega t.
+The links' absolute angles are all that moves; the hub's angle is psi = psi_0 + omega t. One link is the rigid bristle.
 With the scene it shares the parameters, the result's type and the impact law, and nothing else.
 
-Files: ``mechanics`` the equation of motion, ``touch`` kinematics where the bristle touches, ``bar`` and ``obstacles``
-what can be touched and where, ``crossing`` where a function of time changes sign, ``watch`` what is watched for,
-``flight`` and ``hold`` the two kinds of motion, ``run`` flight, impact and hold in turn, ``log`` the ledger,
-``simulate`` the entry.
+Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch, ``forces`` forces of sustained contacts and
+impacts, ``system`` a state with its contacts, ``crossing`` where a function of time changes sign, ``events`` what ends an
+interval of smooth motion, ``decisions`` what follows, ``extremes`` largest retraction and highest speed, ``run`` the loop,
+``log`` the record, ``simulate`` the entry, ``strike`` one compliant strike.
 """
 
 from bristle_sim.reference.simulate import simulate_reference
+from bristle_sim.reference.strike import strike_reference
 
-__all__ = ["simulate_reference"]
+__all__ = ["simulate_reference", "strike_reference"]

@@ -1,23 +1,24 @@
 """Where a function of time changes sign, without stepping over a short dip.
 
-A smooth function on a short interval *is* its Chebyshev series to rounding, and a companion matrix gives all the roots
-of the series at once. Where 17 points do not resolve the function (a kink, a jump) the interval is halved. The roots
-only separate intervals of one sign; the crossing itself is bracketed and located on the function.
+A smooth function on a short interval is its Chebyshev series to rounding, and a companion matrix gives all the roots of the
+series at once. Where 17 points do not resolve the function (a kink, a jump) the interval is halved. The roots only separate
+intervals of one sign; the crossing itself is bracketed and located on the function.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-__all__ = ["Piece", "crossings", "integral", "nodes"]
+__all__ = ["crossings", "nodes", "of_one_sign"]
 
-Function = Callable[[Any], Any]
+Reals = NDArray[np.float64]
+
+Function = Callable[[Reals], Reals]
 """Times of shape (n,) -> values of shape (n,)."""
 
 DEGREE = 16
@@ -32,73 +33,28 @@ MOST_PIECES = 400
 """Pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding would take them all."""
 
 ROUNDING = 1e-13
-"""Share of a function's size below which the series' last coefficients count as resolved."""
-
-ENOUGH = 1e-10
-"""The same for integrals: forces near a jam are differences that keep no more digits."""
+"""The series' last coefficients are rounding below this fraction of the function's size."""
 
 
-class Piece(NamedTuple):
-    """A Chebyshev series on an interval."""
-
-    start: float
-    end: float
-    coefficients: NDArray[np.float64]
-
-    @classmethod
-    def through(cls, values: NDArray[np.float64], start: float, end: float) -> Piece:
-        """The series through a function's values at :func:`nodes`."""
-        return cls(start, end, WEIGHTS @ values)
-
-    @property
-    def sign(self) -> float:
-        """Sign of the whole series where its constant outweighs all else, otherwise 0."""
-        first, others = self.coefficients[0], np.abs(self.coefficients[1:]).sum()
-        return float(np.sign(first)) if abs(first) > others else 0.0
-
-    def resolved(self, values: NDArray[np.float64], resolution: float, share: float = ROUNDING) -> bool:
-        """Whether the last coefficients are rounding, so that the series is the function."""
-        return bool(np.abs(self.coefficients[-3:]).max() <= max(resolution, share * np.abs(values).max()))
-
-    def roots(self) -> list[float]:
-        """Real roots in the interval."""
-        sizes = np.abs(self.coefficients)
-        if self.sign or not sizes.any():
-            return []
-        found = chebyshev.chebroots(chebyshev.chebtrim(self.coefficients, np.finfo(float).eps * sizes.max()))
-        # A double root splits into a pair that is off the real axis by the root of rounding.
-        real = found.real[(np.abs(found.imag) < 1e-6) & (np.abs(found.real) < 1.0)]
-        return [float(each) for each in 0.5 * (self.start + self.end) + 0.5 * (self.end - self.start) * real]
-
-    def integral(self) -> float:
-        """Integral over the interval."""
-        orders = np.arange(0, DEGREE + 1, 2)
-        return float((self.end - self.start) * (self.coefficients[::2] / (1.0 - orders**2)).sum())
-
-
-def nodes(start: float, end: float) -> NDArray[np.float64]:
-    """The 17 times of an interval at which a series takes a function's values."""
+def nodes(start: float, end: float) -> Reals:
+    """Return the 17 times of an interval, ascending, at which a series takes a function's values."""
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
-def _pieces(function: Function, start: float, end: float, resolution: float, share: float = ROUNDING) -> list[Piece]:
-    """Chebyshev series on intervals short enough that the last coefficients are rounding."""
-    done: list[Piece] = []
-    waiting = [(start, end, DEEPEST)]
-    while waiting:
-        left, right, depth = waiting.pop()
-        values = function(nodes(left, right))
-        piece = Piece.through(values, left, right)
-        if depth and len(done) + len(waiting) < MOST_PIECES and not piece.resolved(values, resolution, share):
-            middle = 0.5 * (left + right)
-            waiting += [(middle, right, depth - 1), (left, middle, depth - 1)]
-        else:
-            done.append(piece)
-    return done
+def of_one_sign(values: Reals, resolution: float) -> int:
+    """Return the sign that a function has on a whole interval, from its values at the nodes; 0 if it may change."""
+    series = WEIGHTS @ values
+    first, others = series[0], np.abs(series[1:]).sum()
+    return int(np.sign(first)) if abs(first) > others and _resolved(series, values, resolution) else 0
+
+
+def _resolved(series: Reals, values: Reals, resolution: float) -> bool:
+    """Whether the last coefficients are rounding, so that the series is the function."""
+    return bool(np.abs(series[-3:]).max() <= max(resolution, ROUNDING * np.abs(values).max()))
 
 
 def crossings(function: Function, start: float, end: float, resolution: float) -> list[tuple[float, int]]:
-    """Every change of sign in [start, end], in order.
+    """Return every change of sign in [start, end], in order.
 
     Args:
         function: of an array of times.
@@ -109,16 +65,34 @@ def crossings(function: Function, start: float, end: float, resolution: float) -
         (time in s, direction): +1 from negative to positive, -1 from positive to negative.
     """
     edges = {start, end}
-    for piece in _pieces(function, start, end, resolution):
-        edges.update((piece.start, *piece.roots()))
+    waiting, done = [(start, end, DEEPEST)], 0
+    while waiting:
+        left, right, depth = waiting.pop()
+        values = function(nodes(left, right))
+        series = WEIGHTS @ values
+        if depth and done + len(waiting) < MOST_PIECES and not _resolved(series, values, resolution):
+            middle = 0.5 * (left + right)
+            waiting += [(middle, right, depth - 1), (left, middle, depth - 1)]
+        else:
+            done += 1
+            edges.update((left, *_roots(series, left, right)))
     ordered = np.array(sorted(edges))
     probes = np.concatenate(([start], 0.5 * (ordered[1:] + ordered[:-1]), [end]))
-    return list(_sign_changes(function, probes, np.asarray(function(probes))))
+    return list(_sign_changes(function, probes, function(probes)))
 
 
-def _sign_changes(
-    function: Function, probes: NDArray[np.float64], values: NDArray[np.float64]
-) -> Iterator[tuple[float, int]]:
+def _roots(series: Reals, left: float, right: float) -> list[float]:
+    """Return the real roots of a series in its interval."""
+    sizes = np.abs(series)
+    if sizes[0] > sizes[1:].sum() or not sizes.any():
+        return []
+    found = chebyshev.chebroots(chebyshev.chebtrim(series, np.finfo(float).eps * sizes.max()))
+    # A double root splits into a pair that is off the real axis by the root of rounding.
+    real = found.real[(np.abs(found.imag) < 1e-6) & (np.abs(found.real) < 1.0)]
+    return [float(each) for each in 0.5 * (left + right) + 0.5 * (right - left) * real]
+
+
+def _sign_changes(function: Function, probes: Reals, values: Reals) -> Iterator[tuple[float, int]]:
     """Locate the root in each pair of neighbours of opposite sign; a zero takes the sign that went before."""
     sign, last = 0.0, probes[0]
     for probe, value in zip(probes, values, strict=True):
@@ -129,9 +103,3 @@ def _sign_changes(
 
 def _root(function: Function, low: float, high: float) -> float:
     return float(brentq(lambda time: float(function(np.array([time]))[0]), low, high, xtol=1e-300, maxiter=400))
-
-
-def integral(function: Function, start: float, end: float) -> float:
-    """Integral of a piecewise smooth function, to 1e-10 of its size or better."""
-    size = float(np.abs(function(nodes(start, end))).max())
-    return sum(piece.integral() for piece in _pieces(function, start, end, ENOUGH * size, ENOUGH))

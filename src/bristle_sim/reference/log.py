@@ -1,39 +1,68 @@
-"""What a run leaves behind: samples, events and the contacts' ledger."""
+"""What a run of a chain records: samples, events and contact records."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.reference.hold import Hold
-from bristle_sim.reference.mechanics import Mechanics, Motion, State
-from bristle_sim.reference.watch import Happening
+from bristle_sim.reference.mechanics import Chain
+from bristle_sim.reference.system import State, Sustained
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["JAM", "Log"]
+__all__ = ["LARGEST_RETRACTION", "PEAK", "STRIKE", "Finished", "Log"]
 
-Array = NDArray[np.float64]
+STRIKE, PEAK, LARGEST_RETRACTION = "strike", "highest relative speed", "largest retraction"
 
-JAM = "jam"
+Reals = NDArray[np.float64]
+
+
+class Finished(Exception):
+    """Ends a run at a state."""
+
+    def __init__(self, reason: StopReason, state: State) -> None:
+        """For a reason."""
+        super().__init__(reason)
+        self.reason = reason
+        self.state = state
 
 
 class Log:
-    """Collects a run; ``stationary`` holds the instants at which retraction could be largest."""
+    """The record of a run; ``interval`` is the time between samples, s."""
 
-    def __init__(self, mechanics: Mechanics, interval: float) -> None:
-        self.mechanics = mechanics
+    def __init__(self, chain: Chain, interval: float, stop_after: str | None) -> None:
+        self.chain = chain
         self.interval = interval
+        self.stop_after = stop_after
         self.events: list[Event] = []
         self.contacts: list[ContactRecord] = []
-        self.stationary: list[State] = []
-        self._rows: list[Array] = []
+        self.impacts: list[float] = []
+        self.samples: list[tuple[State, tuple[float, float]]] = []
+        self._turned: list[State] = []
         self._marks: list[float] = []
+
+    # Samples
+
+    def sample(self, state: State, forces: tuple[float, float]) -> None:
+        """Store a state with its normal and tangential force, N, unless it was stored last."""
+        last = self.samples[-1] if self.samples else None
+        if last is None or (last[0].time, last[1]) != (state.time, forces) or (last[0].rates != state.rates).any():
+            self.samples.append((state, forces))
+
+    def times(self, start: float, end: float) -> list[float]:
+        """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
+        count = np.arange(math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float)
+        return [each for each in np.union1d(count * self.interval, self._marks).tolist() if start < each < end]
+
+    def mark(self, time: float) -> None:
+        """Request a sample at an instant of the motion that is stored next."""
+        self._marks.append(time)
+
+    # Events
 
     def event(self, name: str, time: float) -> None:
         """Note an event."""
@@ -43,30 +72,50 @@ class Log:
         """Whether an event of that name has been noted."""
         return any(each.name == name for each in self.events)
 
-    def mark(self, time: float) -> None:
-        """Ask for a sample at an instant of the motion that is stored next."""
-        self._marks.append(time)
+    def check_stop(self, state: State) -> None:
+        """End the run if the event that it was to stop after has happened.
 
-    def sample(self, state: State, force: float = 0.0) -> None:
-        """Store one state, unless it is the one stored last: only an impact makes two of an instant."""
-        if self._rows:
-            time, _, rate, _ = self._rows[-1][-1]
-            if time == state.time and math.isclose(rate, state.rate, rel_tol=1e-9, abs_tol=1e-12):
-                return
-        self._rows.append(np.array([[*state, max(force, 0.0)]]))
+        Raises:
+            Finished: if it has.
+        """
+        if self.stop_after is not None and self.seen(self.stop_after):
+            raise Finished(StopReason.EVENT, state)
 
-    def samples(self, motion: Motion, start: float, end: float, force: Callable[[Array], Array] | None = None) -> None:
-        """Store the motion at marks and multiples of the sampling interval after ``start`` and up to ``end``."""
-        first, last = math.floor(start / self.interval), math.ceil(end / self.interval)
-        times = np.union1d(np.arange(first, last + 1, dtype=np.float64) * self.interval, self._marks)
-        times = times[(times > start) & (times <= end)]
-        if times.size:
-            forces = np.zeros_like(times) if force is None else np.maximum(force(times), 0.0)
-            self._rows.append(np.column_stack([times, *motion(times), forces]))
-        self._marks = [each for each in self._marks if each > end]
+    def touch(self, obstacle: str, state: State) -> None:
+        """Note a touch; the first one of the workpart is the strike."""
+        strike = obstacle == "workpart" and not self.seen(STRIKE)
+        self.event(STRIKE if strike else f"{obstacle} touch", state.time)
 
-    def impact(self, obstacle: str, state: State, rate_after: float, before: tuple[float, float], hit: Impact) -> None:
-        """Add an impact to the ledger."""
+    def release(self, obstacle: str, state: State) -> None:
+        """Note the end of a contact."""
+        self.event(f"{obstacle} release", state.time)
+
+    def turned(self, state: State) -> None:
+        """Note a state at which retraction may be largest: the relative rate rises through zero."""
+        self._turned.append(state)
+        self.mark(state.time)
+
+    def note_largest_retraction(self) -> None:
+        """Note where retraction is largest before the strike, if that is at an instant of no relative rate."""
+        strike = min((each.time for each in self.events if each.name == STRIKE), default=math.inf)
+
+        def relative(state: State) -> float:
+            return float(state.angles[0] - self.chain.hub_angle(state.time))
+
+        reached = [state for state, _ in self.samples if state.time <= strike]
+        lowest = min(relative(reached[0]), relative(reached[-1]), 0.0)
+        candidates = [(relative(each), each.time) for each in self._turned if each.time <= strike]
+        angle, time = min(candidates, default=(0.0, 0.0))
+        if angle < 0.0 and angle <= lowest:
+            self.event(LARGEST_RETRACTION, time)
+
+    # Contacts
+
+    def impact(self, obstacle: str, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
+        """Record an impact between the states before and after it."""
+        self.impacts.append(state.time)
+        if state.rates[0] < self.chain.speed < after.rates[0]:
+            self.turned(state)
         self.contacts.append(
             ContactRecord(
                 obstacle=obstacle,
@@ -78,82 +127,62 @@ class Log:
                 compressive_impulse=_pair(hit.compressive_impulse_normal, hit.compressive_impulse_tangential),
                 compressive_work=_pair(hit.compressive_work_normal, hit.compressive_work_tangential),
                 restitutive_work=_pair(hit.restitutive_work_normal, hit.restitutive_work_tangential),
-                velocity_before=_pair(*before),
+                velocity_before=velocity,
                 velocity_after=_pair(hit.velocity_normal, hit.velocity_tangential),
-                **self._rates(state, rate_after),
+                angles=tuple(state.angles.tolist()),
+                rates_before=tuple(state.rates.tolist()),
+                rates_after=tuple(after.rates.tolist()),
                 phases=hit.phases,
             )
         )
 
-    def hold(self, hold: Hold, start: float, last: Happening) -> None:
-        """Sample a sustained touch and add it to the ledger; it does no normal work, and nothing is restituted."""
-        if last.time <= start:
+    def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
+        """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
+        first, sums = each.since, each.sums
+        if last.time <= first.time:
             return
-        # Towards a jam the force grows beyond bounds, and its impulse as the logarithm of the time that is left.
-        jammed = last.name == JAM
-        until = last.time - 1e-6 * (last.time - start) if jammed else last.time
-        first, end = hold.state(start), hold.state(last.time)
-        self.sample(first, float(hold.force(np.array([start]))[0]))
-        self.samples(hold.motion, start, end.time, hold.force)
-        self.sample(end, 0.0 if jammed else float(hold.force(np.array([end.time]))[0]))
-        impulse = hold.impulse(start, until)
+        compression = sums if each.compression is None else each.compression
         self.contacts.append(
             ContactRecord(
-                obstacle=hold.obstacle.name,
-                law="sustained",
-                outcome=last.name,
-                time=start,
-                duration=end.time - start,
-                impulse=impulse,
-                compressive_impulse=impulse,
-                compressive_work=(0.0, hold.friction_work(start, until)),
-                restitutive_work=(0.0, 0.0),
-                velocity_before=_pair(0.0, hold.slip(np.array([start]))[0]),
-                velocity_after=_pair(0.0, hold.slip(np.array([end.time]))[0]),
-                **self._rates(first, end.rate),
+                obstacle=each.point.obstacle,
+                law="sustained" if each.spring is None else "compliant",
+                outcome=outcome,
+                time=first.time,
+                duration=last.time - first.time,
+                impulse=_pair(*sums[:2]),
+                compressive_impulse=_pair(*compression[:2]),
+                compressive_work=_pair(*compression[2:]),
+                restitutive_work=_pair(*(sums - compression)[2:]),
+                velocity_before=each.velocity_before,
+                velocity_after=velocity,
+                angles=tuple(first.angles.tolist()),
+                rates_before=tuple(first.rates.tolist()),
+                rates_after=tuple(last.rates.tolist()),
             )
         )
 
-    def largest_retraction(self) -> None:
-        """Note where retraction is largest before the strike, if it is at an instant of no relative rate."""
-        strike = min((each.time for each in self.events if each.name == "strike"), default=math.inf)
-        rows = np.concatenate(self._rows)
-        reached = rows[rows[:, 0] <= strike, 1]
-        candidates = [each for each in self.stationary if each.time <= strike]
-        deepest = min(candidates, key=lambda each: each.angle, default=None)
-        if deepest is not None and deepest.angle < 0.0 and deepest.angle <= min(reached[0], reached[-1]):
-            self.event("largest retraction", deepest.time)
-
     def trajectory(self, stop_reason: StopReason, cost: Cost, parameters: dict[str, Any]) -> Trajectory:
-        """The finished result."""
-        time, angle, rate, force = np.concatenate(self._rows).T
-        hub_angle = self.mechanics.hub_angle(time)
-        corners, velocities = self.mechanics.centre_line(hub_angle, angle, rate)
+        """Return the finished result."""
+        chain = self.chain
+        time, angles, rates = (np.array(column) for column in zip(*(state for state, _ in self.samples), strict=True))
+        corners, velocities = chain.centre_line(time, angles, rates)
         return Trajectory(
             time=time,
-            hub_angle=hub_angle,
-            angles=(hub_angle + angle)[:, np.newaxis],
-            rates=(self.mechanics.speed + rate)[:, np.newaxis],
+            hub_angle=np.asarray(chain.hub_angle(time)),
+            angles=angles,
+            rates=rates,
             centre_line=np.stack([corners.real, corners.imag], axis=-1),
             centre_line_velocity=np.stack([velocities.real, velocities.imag], axis=-1),
-            kinetic_energy=self.mechanics.kinetic_energy(angle, rate),
-            potential_energy=self.mechanics.potential_energy(hub_angle, angle),
-            normal_force=force,
-            hub_speed=self.mechanics.speed,
+            kinetic_energy=chain.kinetic_energy(time, angles, rates),
+            potential_energy=chain.potential_energy(time, angles),
+            normal_force=np.array([max(forces[0], 0.0) for _, forces in self.samples]),
+            hub_speed=chain.speed,
             events=tuple(sorted(self.events, key=lambda each: each.time)),
-            contacts=tuple(self.contacts),
+            contacts=tuple(sorted(self.contacts, key=lambda each: each.time)),
             stop_reason=stop_reason,
             cost=cost,
             parameters=parameters,
         )
-
-    def _rates(self, state: State, rate_after: float) -> dict[str, Any]:
-        speed = self.mechanics.speed
-        return {
-            "angles": (float(self.mechanics.hub_angle(state.time) + state.angle),),
-            "rates_before": (float(speed + state.rate),),
-            "rates_after": (float(speed + rate_after),),
-        }
 
 
 def _pair(normal: float, tangential: float) -> tuple[float, float]:

@@ -1,168 +1,272 @@
-"""Equation of motion of one bristle on a hub that keeps its speed.
+"""Equations of motion of a wire of rigid links on a hub that keeps its speed, in the links' absolute angles.
 
-Points and vectors of the plane are complex numbers x + iy: multiplying by i turns counterclockwise by 90 degrees, so a
-point with the arm r from a centre that turns at the rate w moves with i w r. Points of the wire are seen from the root
-with the shank along -i, and turn with e^{i phi}. Every function broadcasts over arrays.
+Points of the plane are complex numbers x + iy. A vector that is fixed on a link is given as it is in the unstressed wire
+at angle 0, shank along -i, and turns with e^{i theta}. With u_k from a link's joint to the next one and g_k to its centre
+of mass, the centre of link i is at
+
+    c_i = z_0(t) + sum_k a_ik e^{i theta_k},    a_ik = u_k for k < i, g_i for k = i, 0 otherwise,
+
+and Lagrange's equations in the theta are, with W_jk = sum_i m_i conj(a_ij) a_ik and B_j = sum_i m_i a_ij,
+
+    sum_k [Re(conj(E_j) W_jk E_k) + J_j delta_jk] theta_k'' =
+        sum_k Im(conj(E_j) W_jk E_k) theta_k'^2 - Re(conj(i B_j E_j) (z_0'' + i g)) + springs,    E_k = e^{i theta_k}.
+
+The links are equally long along the wire; one that holds the wire's knee is bent. Belt and hinges are torsion springs and
+dampers; all are relaxed when every link has the hub's angle.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Bristle, Tool
+from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
-__all__ = ["Mechanics", "Motion", "State", "dot"]
+__all__ = ["Chain", "Kinematics", "Piece"]
 
-Number = Any
-"""A float or an array of floats."""
-
-Vector = Any
-"""A complex number or an array of them."""
-
-Motion = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""Times of shape (n,) -> relative angle and relative rate, shape (2, n)."""
+Reals = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
 
 
-class State(NamedTuple):
-    """Relative angle alpha and relative rate at an instant; s, rad, rad/s."""
+class Piece(NamedTuple):
+    """A straight piece of the wire's centre line: its link, and start and direction from that link's joint."""
 
-    time: float
-    angle: float
-    rate: float
+    link: int
+    start: complex
+    direction: complex
+    length: float
+
+    @property
+    def end(self) -> complex:
+        """Its end, from the link's joint."""
+        return self.start + self.length * self.direction
 
 
-def dot(first: Vector, second: Vector) -> Number:
-    """Scalar product of two plane vectors."""
-    return (np.conj(first) * second).real
+class Kinematics(NamedTuple):
+    """Where the links are and how they move; arrays of shape (..., n) over the links.
+
+    Attributes:
+        turn: e^{i theta}.
+        rates: theta', rad/s.
+        joint, velocity: of the links' first joints, m and m/s.
+        acceleration: of those joints if every theta'' were 0, m/s^2.
+    """
+
+    turn: Complexes
+    rates: Reals
+    joint: Complexes
+    velocity: Complexes
+    acceleration: Complexes
 
 
 @dataclass(frozen=True, slots=True)
-class Mechanics:
-    """A tool's bristle and hub as plain numbers, SI units.
-
-    Attributes:
-        corners: of the centre line after the root, the tip last.
-        centre_distance, centre_lead: of the centre of mass, its distance rho from the root, and the angle delta by which
-            it is ahead of the shank, 0 for a straight wire.
-        start_hub_angle: psi_0, rad.
-    """
+class Chain:
+    """The links, springs and hub of a tool as plain numbers, SI units; arrays over the links."""
 
     speed: float
     hub_radius: float
-    length: float
-    corners: tuple[complex, ...]
-    centre_distance: float
-    centre_lead: float
-    mass: float
-    inertia: float
-    stiffness: float
-    damping: float
-    gravity: float
     start_hub_angle: float
+    gravity: float
+    length: float
+    masses: Reals
+    inertias: Reals
+    ends: Complexes
+    centres: Complexes
+    pieces: tuple[Piece, ...]
+    stiffness: Reals
+    damping: Reals
+    products: Complexes
+    moments: Complexes
 
     @classmethod
-    def of(cls, tool: Tool, start_hub_angle: float) -> Mechanics:
-        """The mechanics of a tool."""
-        if tool.bristle.links != 1:
-            raise ValueError(
-                f"wire_links = {tool.bristle.links}: must be 1, as only a rigid bristle can be simulated (dimensionless)"
-            )
-        centre = complex(*tool.bristle.centre)
+    def of(cls, tool: Tool, start_hub_angle: float) -> Chain:
+        """Cut a tool's bristle into its links."""
+        bristle = tool.bristle
+        links = bristle.links
+        cut = _cut(bristle, links)
+        ends = np.array([each[-1].end for each in cut])
+        masses, centres, inertias = (
+            np.array(column) for column in zip(*(_mass(bristle, each) for each in cut), strict=True)
+        )
+        arms = np.where(np.tri(links, k=-1, dtype=bool), ends, 0.0) + np.diag(centres)
+        stiffness, damping = [tool.belt.stiffness], [tool.belt_damping]
+        if links > 1:
+            wire = (bristle.wire_diameter, bristle.length, bristle.modulus)
+            stiffness += [hinge_stiffness(*wire, links)] * (links - 1)
+            damper = 0.0
+            if bristle.bending_damping_ratio:
+                shape = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
+                damper = hinge_damping(*shape, bristle.bending_damping_ratio, links)
+            damping += [damper] * (links - 1)
         return cls(
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
-            length=tool.bristle.length,
-            corners=tuple(complex(*corner) for corner in tool.bristle.path),
-            centre_distance=abs(centre),
-            centre_lead=float(np.angle(1j * centre)),
-            mass=tool.bristle.mass,
-            inertia=tool.bristle.inertia_about_root,
-            stiffness=tool.belt.stiffness,
-            damping=tool.belt_damping,
-            gravity=tool.gravity,
             start_hub_angle=start_hub_angle,
+            gravity=tool.gravity,
+            length=bristle.length,
+            masses=masses,
+            inertias=inertias,
+            ends=ends,
+            centres=centres,
+            pieces=tuple(itertools.chain.from_iterable(cut)),
+            stiffness=np.array(stiffness),
+            damping=np.array(damping),
+            products=np.conj(arms).T @ (masses[:, None] * arms),
+            moments=masses @ arms,
         )
 
-    def hub_angle(self, time: Number) -> Number:
-        """Hub angle, psi = psi_0 + omega t, rad."""
+    @property
+    def links(self) -> int:
+        """How many links."""
+        return len(self.masses)
+
+    def hub_angle(self, time: Any) -> Any:
+        """Return the hub's angle, psi_0 + omega t, rad."""
         return self.start_hub_angle + self.speed * time
 
-    def torque(self, time: Number, angle: Number, rate: Number) -> Number:
-        """Torque on alpha without contact, N m.
+    def root(self, time: Any) -> Any:
+        """Return the root's position, m."""
+        return -1j * self.hub_radius * np.exp(1j * self.hub_angle(time))
 
-        With the centre of mass at the distance rho from the root, delta ahead of the shank, from
-        T = m r_h^2 omega^2/2 + m r_h rho omega phi' cos(alpha + delta) + I phi'^2/2, where phi = psi + alpha and I is the
-        inertia about the root, and V = k alpha^2/2 + m g y_centre, Lagrange's equation is
+    def mass_matrix(self, turn: Complexes) -> Reals:
+        """Return the mass matrix at the links' directions e^{i theta}, shape (..., n, n), kg m^2."""
+        matrix = (np.conj(turn)[..., :, None] * self.products * turn[..., None, :]).real
+        return np.asarray(matrix + self.inertias * np.eye(self.links))
 
-            I alpha'' = -k alpha - c alpha' - m r_h rho omega^2 sin(alpha + delta) - m g rho sin(psi + alpha + delta).
-        """
-        moment, lean = self.mass * self.centre_distance, angle + self.centre_lead
-        centrifugal = moment * self.hub_radius * self.speed**2 * np.sin(lean)
-        weight = moment * self.gravity * np.sin(self.hub_angle(time) + lean) if self.gravity else 0.0
-        return -self.stiffness * angle - self.damping * rate - centrifugal - weight
+    def forces(self, time: Any, angles: Reals, rates: Reals, turn: Complexes) -> Reals:
+        """Return the generalized forces of inertia, belt, hinges and gravity, shape (..., n), N m; turn is e^{i theta}."""
+        # c_i'' holds -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
+        inertia = -(1j * np.conj(turn) * ((turn * rates**2) @ self.products.T)).real
+        carried = -(self.speed**2) * self.root(time) + 1j * self.gravity
+        inertia -= (np.conj(1j * self.moments * turn) * np.asarray(carried)[..., None]).real
+        torques = self.stiffness * _twists(angles, self.hub_angle(time))
+        if self.damping.any():
+            torques += self.damping * _twists(rates, self.speed)
+        springs = -torques
+        springs[..., :-1] += torques[..., 1:]
+        return np.asarray(inertia + springs)
 
-    def right_hand_side(self, time: float, state: NDArray[np.float64]) -> tuple[float, float]:
-        """(alpha', alpha'') in flight."""
-        return state[1], self.torque(time, state[0], state[1]) / self.inertia
+    def kinematics(self, time: Any, angles: Reals, rates: Reals) -> Kinematics:
+        """Return positions and velocities of the joints, and their accelerations at theta'' = 0."""
+        turn = np.exp(1j * angles)
+        root = np.asarray(self.root(time))[..., None]
 
-    def root(self, hub_angle: Number) -> Vector:
-        """Position of the bristle's root, m."""
-        return self.hub_radius * self.direction(hub_angle)
+        def carried(steps: Complexes, first: Any) -> Complexes:
+            return np.concatenate([first, first + np.cumsum(steps[..., :-1], axis=-1)], axis=-1)
 
-    @staticmethod
-    def direction(angle: Number) -> Vector:
-        """Unit vector (sin, -cos) of an angle from -y."""
-        return -1j * np.exp(1j * angle)
+        arms = self.ends * turn
+        return Kinematics(
+            turn,
+            rates,
+            carried(arms, root),
+            carried(1j * rates * arms, 1j * self.speed * root),
+            carried(-(rates**2) * arms, -(self.speed**2) * root),
+        )
+
+    def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Reals:
+        """Return d(velocity along a direction)/d(theta') of the point at ``arm`` (in the plane) from a link's joint."""
+        row = np.zeros(self.links)
+        row[:link] = (np.conj(direction) * 1j * self.ends[:link] * motion.turn[:link]).real
+        row[link] = (np.conj(direction) * 1j * arm).real
+        return row
+
+    def centre_line(self, time: Any, angles: Reals, rates: Reals) -> tuple[Complexes, Complexes]:
+        """Return the root and the end of every piece, m, and their velocities, m/s; shape (..., pieces + 1)."""
+        motion = self.kinematics(time, angles, rates)
+        links = [0] + [each.link for each in self.pieces]
+        arms = np.array([0j] + [each.end for each in self.pieces]) * motion.turn[..., links]
+        return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates[..., links] * arms
+
+    def kinetic_energy(self, time: Any, angles: Reals, rates: Reals) -> Any:
+        """Return the kinetic energy of all links, J."""
+        motion = self.kinematics(time, angles, rates)
+        velocity = motion.velocity + 1j * rates * self.centres * motion.turn
+        return 0.5 * (self.masses * np.abs(velocity) ** 2 + self.inertias * rates**2).sum(axis=-1)
+
+    def potential_energy(self, time: Any, angles: Reals) -> Any:
+        """Return the energy of belt, hinges and gravity, J."""
+        twists = _twists(angles, self.hub_angle(time))
+        motion = self.kinematics(time, angles, np.zeros_like(angles))
+        height = (motion.joint + self.centres * motion.turn).imag
+        return (0.5 * self.stiffness * twists**2 + self.gravity * self.masses * height).sum(axis=-1)
 
     @property
-    def tip(self) -> complex:
-        """The centre line's end, seen from the root as ``corners``, m."""
-        return self.corners[-1]
-
-    def tip_position(self, hub_angle: Number, angle: Number) -> Vector:
-        """Position of the centre line's end, m."""
-        return self.root(hub_angle) + self.tip * np.exp(1j * (hub_angle + angle))
-
-    def centre_line(self, hub_angle: Number, angle: Number, rate: Number) -> tuple[Vector, Vector]:
-        """Corners of the centre line from the root to its end, m, and their velocities, m/s; corners on a last axis.
-
-        The root moves with i omega times its position, a corner with the arm r from it with i phi' r more, where phi' is
-        the wire's absolute rate omega + alpha'.
-        """
-        root = np.asarray(self.root(hub_angle))[..., np.newaxis]
-        arms = np.exp(1j * np.asarray(hub_angle + angle))[..., np.newaxis] * np.array([0.0, *self.corners])
-        swing = 1j * (self.speed + np.asarray(rate))[..., np.newaxis] * arms
-        return root + arms, 1j * self.speed * root + swing
-
-    def kinetic_energy(self, angle: Number, rate: Number) -> Number:
-        """Kinetic energy of the whole wire, J."""
-        absolute = self.speed + rate
-        root_speed = self.hub_radius * self.speed
-        coupling = self.mass * root_speed * self.centre_distance * absolute * np.cos(angle + self.centre_lead)
-        return 0.5 * self.mass * root_speed**2 + coupling + 0.5 * self.inertia * absolute**2
-
-    def potential_energy(self, hub_angle: Number, angle: Number) -> Number:
-        """Energy of belt and gravity, k alpha^2/2 + m g y_centre, J."""
-        lean = hub_angle + angle + self.centre_lead
-        height = -self.hub_radius * np.cos(hub_angle) - self.centre_distance * np.cos(lean)
-        return 0.5 * self.stiffness * angle**2 + self.mass * self.gravity * height
+    def swing_rate(self) -> float:
+        """Return the rate of small oscillations on the belt as if the hinges were rigid, rad/s."""
+        whole = np.ones(self.links, dtype=complex)
+        inertia = float(self.mass_matrix(whole).sum())
+        moment = abs(complex(self.moments.sum())) * (self.hub_radius * self.speed**2 + self.gravity)
+        return math.sqrt((float(self.stiffness[0]) + moment) / inertia)
 
     @property
-    def natural_rate(self) -> float:
-        """Rate of small undamped oscillations, belt, hub and gravity together, rad/s.
-
-        About the radial position for a straight wire, no more than this for one with a knee.
-        """
-        moment = self.mass * self.centre_distance * (self.hub_radius * self.speed**2 + self.gravity)
-        return math.sqrt((self.stiffness + moment) / self.inertia)
+    def decay_rate(self) -> float:
+        """Return the rate at which the belt's damper stops the wire as if the hinges were rigid, rad/s."""
+        return float(self.damping[0] / self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
 
     @property
     def fastest_rate(self) -> float:
-        """Upper bound of the rates at which the motion changes: oscillation, damping and hub, rad/s."""
-        return self.natural_rate + self.damping / self.inertia + self.speed
+        """Return an upper bound of the rates at which free motion changes, rad/s.
+
+        The fastest hinge mode of the straight chain (by the trace of stiffness against mass), damping and the hub.
+        """
+        chain = self.mass_matrix(np.ones(self.links, dtype=complex))
+        spring, damper = (_coupling(each) for each in (self.stiffness, self.damping))
+        field = self.masses.sum() * self.length * (self.hub_radius * self.speed**2 + self.gravity)
+        inverse = np.linalg.inv(chain)
+        squares = float(np.abs(np.linalg.eigvals(inverse @ (spring + field * np.eye(self.links)))).max())
+        return math.sqrt(squares) + float(np.abs(np.linalg.eigvals(inverse @ damper)).max()) + self.speed
+
+
+def _coupling(springs: Reals) -> Reals:
+    """Return the stiffness matrix of torsion springs between each link and the one before it, the first one on the hub."""
+    matrix = np.diag(springs)
+    for hinge in range(1, len(springs)):
+        pair = slice(hinge - 1, hinge + 1)
+        matrix[hinge, hinge] -= springs[hinge]
+        matrix[pair, pair] += springs[hinge] * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return matrix
+
+
+def _twists(values: Reals, first: Any) -> Reals:
+    """Return each link's value less that of the link before it, ``first`` for the first one."""
+    found = np.array(values)
+    found[..., 0] -= first
+    found[..., 1:] -= values[..., :-1]
+    return found
+
+
+def _cut(bristle: Bristle, links: int) -> list[list[Piece]]:
+    """Cut the centre line into links of equal length along the wire; each is a list of straight pieces."""
+    corners = [0j, *(complex(*corner) for corner in bristle.path)]
+    borders = [bristle.length * number / links for number in range(links + 1)]
+    cut: list[list[Piece]] = [[] for _ in range(links)]
+    passed = 0.0
+    for start, end in itertools.pairwise(corners):
+        size = abs(end - start)
+        direction = (end - start) / size
+        for link, (low, high) in enumerate(itertools.pairwise(borders)):
+            first, last = max(low, passed), min(high, passed + size)
+            if last - first > 1e-12 * bristle.length:
+                begun = cut[link][-1].end if cut[link] else 0j
+                cut[link].append(Piece(link, begun, direction, last - first))
+        passed += size
+    return cut
+
+
+def _mass(bristle: Bristle, pieces: list[Piece]) -> tuple[float, complex, float]:
+    """Return a link's mass, its centre of mass from its joint, and its moment of inertia about that centre."""
+    masses = [bristle.mass * each.length / bristle.length for each in pieces]
+    middles = [each.start + 0.5 * each.length * each.direction for each in pieces]
+    total = sum(masses)
+    centre = sum(mass * middle for mass, middle in zip(masses, middles, strict=True)) / total
+    inertia = sum(
+        mass * (each.length**2 / 12.0 + abs(middle - centre) ** 2)
+        for mass, each, middle in zip(masses, pieces, middles, strict=True)
+    )
+    return total, centre, inertia

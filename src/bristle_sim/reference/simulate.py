@@ -1,18 +1,23 @@
-"""The entry: checks what was asked for, runs the pass and writes the result."""
+"""The entry: checks what was requested, runs the pass and writes the result."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 import time as clock
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import quantity, validate
-from bristle_sim.reference.mechanics import Mechanics, State
-from bristle_sim.reference.obstacles import Obstacle, obstacles_of
-from bristle_sim.reference.run import PEAK, STRIKE, Pass, Plan
+from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
+from bristle_sim.reference.log import PEAK, STRIKE, Log
+from bristle_sim.reference.mechanics import Chain
+from bristle_sim.reference.run import Run
+from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Cost, Trajectory
 
@@ -35,19 +40,19 @@ LONGEST = 1e5
 
 @dataclass(frozen=True, slots=True)
 class _Request:
-    """What was asked for, checked."""
+    """What was requested, checked."""
 
-    start_hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="asked for")
+    start_hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
     start_relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-1.57, at_most=1.57, source="asked for: within a quarter turn"
+        0.0, "start_relative_angle", "rad", at_least=-1.57, at_most=1.57, source="requested: within a quarter turn"
     )
     start_relative_rate: float = quantity(
-        0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="asked for"
+        0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested"
     )
-    hub_turn: float = quantity(1.0, "hub_turn", "rad", above=0.0, at_most=1e6, source="asked for")
-    duration: float | None = quantity(None, "duration", "s", above=0.0, at_most=1e9, source="asked for")
-    accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=0.1, source="asked for")
-    sample_interval: float | None = quantity(None, "sample_interval", "s", above=0.0, at_most=1e9, source="asked for")
+    hub_turn: float = quantity(1.0, "hub_turn", "rad", above=0.0, at_most=1e6, source="requested")
+    duration: float | None = quantity(None, "duration", "s", above=0.0, at_most=1e9, source="requested")
+    accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=0.1, source="requested")
+    sample_interval: float | None = quantity(None, "sample_interval", "s", above=0.0, at_most=1e9, source="requested")
     stop_after: str | None = None
 
     def __post_init__(self) -> None:
@@ -70,10 +75,10 @@ def simulate_reference(
 ) -> Trajectory:
     """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
-    Flight of a straight bristle obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
+    A wire of several links moves as the module ``mechanics`` says. Flight of a straight rigid bristle obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
     + m g (L/2) sin(psi + alpha) = 0; a knee moves the centre of mass. A touch obeys the energetic impact law, and a
-    sustained touch gap = 0 with a force that pushes. A rebound too low to be told from rounding (1e-10 of hub radius
-    and length) counts as none, so that ever smaller taps become a sustained touch.
+    sustained contact gap = 0 with a force that pushes. A rebound too low to be told from rounding (1e-10 of hub radius
+    and length) counts as none, so that ever smaller taps become a sustained contact.
 
     Args:
         tool: what is simulated; its bar and workpart may be None.
@@ -81,7 +86,7 @@ def simulate_reference(
         start_relative_angle, start_relative_rate: alpha (rad, within a quarter turn) and its rate (rad/s) at t = 0.
         hub_turn: how far the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
         duration: length of the run instead, s.
-        accuracy: relative accuracy of the motion asked for; the integrator's tolerance is a hundredth of it.
+        accuracy: relative accuracy of the motion requested; the integrator's tolerance is a hundredth of it.
         stop_after: name of the event that ends the run, as for the scene's ``simulate``; a touch ends it just after the
             impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
@@ -107,59 +112,67 @@ def simulate_reference(
         sample_interval,
         stop_after,
     )
-    mechanics = Mechanics.of(tool, request.start_hub_angle)
-    obstacles = obstacles_of(tool, mechanics)
-    start = State(0.0, request.start_relative_angle, request.start_relative_rate)
-    _check_start(mechanics, obstacles, start)
-    one_pass = Pass(mechanics, obstacles, _plan(mechanics, request), start)
-    reason = one_pass.run()
-    _note_absences(one_pass)
-    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_pass.evaluations)
-    return one_pass.log.trajectory(reason, cost, _parameters(tool, request))
+    chain = Chain.of(tool, request.start_hub_angle)
+    obstacles = obstacles_of(tool)
+    start = State(
+        0.0,
+        np.full(chain.links, request.start_hub_angle + request.start_relative_angle),
+        np.full(chain.links, chain.speed + request.start_relative_rate),
+    )
+    _check_start(chain, obstacles, start)
+    end, interval = _span(chain, request)
+    log = Log(chain, interval, request.stop_after)
+    one_run = Run(System(chain, obstacles), log, start, end, max(request.accuracy / 100.0, FINEST))
+    reason = one_run.run()
+    _note_absences(obstacles, log, one_run.state.time)
+    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_run.evaluations)
+    return log.trajectory(reason, cost, _parameters(tool, request))
 
 
-def _check_start(mechanics: Mechanics, obstacles: tuple[Obstacle, ...], start: State) -> None:
-    length = mechanics.hub_radius + mechanics.length
-    for each in obstacles:
-        gap = float(each.gap(start.angle, mechanics.start_hub_angle))
-        if gap < -1e-12 * length:
+def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
+    motion = chain.kinematics(*start)
+    for name, each in obstacles.items():
+        gap = float(each.gaps(chain, motion).min())
+        if gap < -1e-12 * (chain.hub_radius + chain.length):
+            relative = start.angles[0] - chain.start_hub_angle
             raise ValueError(
-                f"start_hub_angle = {mechanics.start_hub_angle:g}, start_relative_angle = {start.angle:g}: angles at"
-                f" which the bristle is outside the {each.name} are allowed, it is {-gap:g} m inside (in rad)"
+                f"start_hub_angle = {chain.start_hub_angle:g}, start_relative_angle = {relative:g}: must be angles at"
+                f" which the bristle is outside the {name}; it is {-gap:g} m inside (in rad)"
             )
 
 
-def _plan(mechanics: Mechanics, request: _Request) -> Plan:
-    """End, tolerance and sampling interval of the run."""
+def _span(chain: Chain, request: _Request) -> tuple[float, float]:
+    """Return the end of the run and the time between samples, s."""
+    period = _period(chain)
     end = request.duration
     if end is None:
-        end = request.hub_turn / mechanics.speed if mechanics.speed else PERIODS_AT_REST * _period(mechanics)
-    if mechanics.fastest_rate and end * mechanics.fastest_rate > LONGEST:
+        end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
+    fastest = chain.swing_rate + chain.decay_rate + chain.speed
+    if fastest and end * fastest > LONGEST:
         raise ValueError(
-            f"duration = {end:g}: at most {LONGEST / mechanics.fastest_rate:g} is allowed, {LONGEST:g} radians of the"
+            f"duration = {end:g}: must be at most {LONGEST / fastest:g}, {LONGEST:g} radians of the"
             " fastest motion of hub and bristle on its belt (in s)"
         )
     if not math.isfinite(end):
-        raise ValueError("duration = None: a number is allowed, as hub, belt and gravity set no time scale (in s)")
-    interval = request.sample_interval or min(_period(mechanics) / SAMPLES_PER_PERIOD, end)
+        raise ValueError("duration = None: must be a number, as hub, belt and gravity set no time scale (in s)")
+    interval = request.sample_interval or min(period / SAMPLES_PER_PERIOD, end)
     if end / interval > MOST_SAMPLES:
-        raise ValueError(f"sample_interval = {interval:g}: at least {end / MOST_SAMPLES:g} is allowed (in s)")
-    return Plan(end, request.stop_after, max(request.accuracy / 100.0, FINEST), interval)
+        raise ValueError(f"sample_interval = {interval:g}: must be at least {end / MOST_SAMPLES:g} (in s)")
+    return end, interval
 
 
-def _period(mechanics: Mechanics) -> float:
-    """Period of the bristle or of the hub, whichever is shorter; infinite for a bristle that nothing moves, s."""
-    fastest = max(mechanics.natural_rate, mechanics.speed)
+def _period(chain: Chain) -> float:
+    """Return the period of the bristle as a rigid rod or of the hub, whichever is shorter; infinite if nothing moves it."""
+    fastest = max(chain.swing_rate, chain.speed)
     return 2.0 * math.pi / fastest if fastest else math.inf
 
 
-def _note_absences(one_pass: Pass) -> None:
-    """Record what never happened."""
-    log, last = one_pass.log, one_pass.state.time
-    log.largest_retraction()
-    if "bar" in one_pass.obstacles and not log.seen("bar touch"):
+def _note_absences(obstacles: Iterable[str], log: Log, last: float) -> None:
+    """Note what never happened up to the last instant."""
+    log.note_largest_retraction()
+    if "bar" in obstacles and not log.seen("bar touch"):
         log.event("bar not touched", last)
-    if "workpart" in one_pass.obstacles and not log.seen(STRIKE) and one_pass.plan.stop_after != PEAK:
+    if "workpart" in obstacles and not log.seen(STRIKE) and log.stop_after != PEAK:
         log.event("workpart not reached", last)
 
 

@@ -1,0 +1,196 @@
+"""Contacts of a wire of links with the bar and the workpart: gaps, and what a force at the contact does to the links.
+
+The normal n points from the obstacle to the wire, the tangent is t = -i n. A contact is on the flank of a straight piece,
+whose normal turns with its link, or on a corner (between two pieces, or the wire's end), whose normal turns as the corner
+slides around the bar. With the velocities of the wire's surface in contact,
+
+    v_n = J_n theta' + drift,    gap'' = J_n theta'' + bias_n,    v_t = J_t theta' + drift,    v_t' = J_t theta'' + bias_t.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.parameters import Tool
+from bristle_sim.reference.mechanics import Chain, Kinematics
+
+__all__ = ["Bar", "Point", "Spring", "Touch", "Workpart", "obstacles_of"]
+
+Reals = NDArray[np.float64]
+
+
+class Point(NamedTuple):
+    """Where an obstacle touches the wire: on the flank of a piece, or on the corner at a piece's end."""
+
+    obstacle: str
+    piece: int
+    corner: bool
+
+
+class Touch(NamedTuple):
+    """Kinematics of a contact at one instant."""
+
+    gap: float
+    normal_row: Reals
+    tangential_row: Reals
+    velocity: tuple[float, float]
+    bias: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """Friction in compression and in restitution, and the energetic coefficient of restitution."""
+
+    friction: float
+    friction_in_restitution: float
+    restitution: float
+
+
+@dataclass(slots=True)
+class Spring:
+    """A compliant contact with energetic restitution: stiff on the way out, so that it returns e*^2 of the work it took.
+
+    N = k delta while the penetration delta is larger than ever before, and k/e*^2 (delta - delta_r) with
+    delta_r = (1 - e*^2) delta_max otherwise, down to 0 at delta_r.
+    """
+
+    stiffness: float
+    restitution: float
+    deepest: float = 0.0
+    loading: bool = True
+
+    @property
+    def left(self) -> float:
+        """Penetration at which the force is back at zero, m."""
+        return (1.0 - self.restitution**2) * self.deepest
+
+    def force(self, penetration: float) -> float:
+        """Return the normal force, N."""
+        if self.loading:
+            return self.stiffness * penetration
+        return self.stiffness / self.restitution**2 * (penetration - self.left) if self.restitution else 0.0
+
+
+def _touch(
+    chain: Chain,
+    motion: Kinematics,
+    link: int,
+    gap: float,
+    normal: complex,
+    point: complex,
+    spin: float,
+    moving: complex,
+) -> Touch:
+    """Assemble a contact from its normal, the surface point, the normal's rate of turn and that point's own velocity.
+
+    ``moving`` is how the place of contact moves, which slides along the wire, unlike the wire's material.
+    """
+    joint, velocity, rate = motion.joint[link], motion.velocity[link], motion.rates[link]
+    arm, tangent = point - joint, -1j * normal
+    material = velocity + 1j * rate * arm
+    # d/dt of n.v and t.v, with n' = i spin n and arm' = moving - velocity, at theta'' = 0.
+    change = motion.acceleration[link] + 1j * rate * (moving - velocity)
+    return Touch(
+        gap,
+        chain.jacobian(motion, link, arm, normal),
+        chain.jacobian(motion, link, arm, tangent),
+        (_dot(normal, material), _dot(tangent, material)),
+        (
+            _dot(1j * spin * normal, material) + _dot(normal, change),
+            _dot(1j * spin * tangent, material) + _dot(tangent, change),
+        ),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A circle that touches the wire's pieces and corners from any side; ``reach`` is r_b + d/2."""
+
+    centre: complex
+    radius: float
+    wire_radius: float
+    surface: Surface
+    name: str = "bar"
+
+    @property
+    def reach(self) -> float:
+        """Distance of the centre line from the bar's centre in a contact, m."""
+        return self.radius + self.wire_radius
+
+    def feet(self, chain: Chain, motion: Kinematics) -> tuple[Reals, Reals]:
+        """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
+        links = [each.link for each in chain.pieces]
+        turn, joint = motion.turn[..., links], motion.joint[..., links]
+        origin = joint + np.array([each.start for each in chain.pieces]) * turn
+        along = np.array([each.direction for each in chain.pieces]) * turn
+        foot = (np.conj(along) * (self.centre - origin)).real
+        nearest = origin + np.clip(foot, 0.0, [each.length for each in chain.pieces]) * along
+        return foot, np.abs(nearest - self.centre) - self.reach
+
+    def gaps(self, chain: Chain, motion: Kinematics) -> Reals:
+        """Return the gap of every piece, m, shape (..., pieces)."""
+        return self.feet(chain, motion)[1]
+
+    def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
+        """Return the kinematics of a contact on a flank or a corner."""
+        piece = chain.pieces[point.piece]
+        link = piece.link
+        joint, turn = motion.joint[link], motion.turn[link]
+        along = piece.direction * turn
+        origin = joint + piece.start * turn
+        held = piece.length if point.corner else _dot(along, self.centre - origin)
+        outward = origin + held * along - self.centre
+        distance = abs(outward)
+        normal = outward / distance
+        spin = motion.rates[link]
+        if point.corner:
+            corner = motion.velocity[link] + 1j * spin * (origin + held * along - joint)
+            spin = _dot(1j * normal, corner) / distance
+        surface = self.centre + (distance - self.wire_radius) * normal
+        # The place of contact stays on the bar, whose normal turns at ``spin``.
+        moving = 1j * spin * normal * (distance - self.wire_radius)
+        return _touch(chain, motion, link, distance - self.reach, normal, surface, spin, moving)
+
+
+@dataclass(frozen=True, slots=True)
+class Workpart:
+    """The half-plane y < -depth, which the wire's end touches."""
+
+    depth: float
+    surface: Surface
+    name: str = "workpart"
+
+    def gaps(self, chain: Chain, motion: Kinematics) -> Reals:
+        """Return the height of the wire's end above the surface, m, shape (..., 1)."""
+        return np.asarray(self._tip(chain, motion).imag + self.depth)[..., None]
+
+    def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
+        """Return the kinematics of the wire's end at the surface."""
+        del point
+        tip, link = complex(self._tip(chain, motion)), chain.links - 1
+        moving = motion.velocity[link] + 1j * motion.rates[link] * (tip - motion.joint[link])
+        return _touch(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
+
+    @staticmethod
+    def _tip(chain: Chain, motion: Kinematics) -> NDArray[np.complex128]:
+        return np.asarray(motion.joint[..., -1] + chain.ends[-1] * motion.turn[..., -1])
+
+
+def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
+    """Return a tool's obstacles by name."""
+    found: dict[str, Bar | Workpart] = {}
+    if (bar := tool.bar) is not None:
+        surface = Surface(bar.friction, bar.friction, bar.restitution)
+        found["bar"] = Bar(complex(*bar.centre), bar.radius, tool.bristle.wire_diameter / 2.0, surface)
+    if (part := tool.workpart) is not None:
+        surface = Surface(part.friction, part.friction_in_restitution, part.restitution)
+        found["workpart"] = Workpart(tool.workpart_depth, surface)
+    return found
+
+
+def _dot(first: complex, second: complex) -> float:
+    return float((np.conj(first) * second).real)

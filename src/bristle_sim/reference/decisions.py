@@ -1,0 +1,180 @@
+"""What happens at an event: impacts, which of the closed contacts stay closed, how they slip, and what ends a run."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NoReturn
+
+import numpy as np
+
+from bristle_sim.reference.contacts import Point, Spring, Workpart
+from bristle_sim.reference.forces import Acting, acting, closed, resolve
+from bristle_sim.reference.log import Finished, Log
+from bristle_sim.reference.system import State, Sustained, System
+from bristle_sim.stop_reason import StopReason
+
+__all__ = ["decide", "jam", "meet", "move", "part", "record", "turn"]
+
+LOWEST_REBOUND = 1e-10
+"""A rebound that the forces end below this fraction of hub radius and length is taken for a sustained contact."""
+
+MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
+"""The number of impacts in a run after which it gives up, and at one instant after which the wire is wedged."""
+
+AT_ONCE = 1e-10
+"""Impacts are at one instant within this fraction of a radian of the fastest motion."""
+
+
+def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:
+    """A contact closes: impacts follow, and contacts that stay."""
+    new = _place(system, name, piece, state)
+    log.touch(new.obstacle, state)
+    return decide(system, log, state, new)
+
+
+def _place(system: System, name: str, piece: int, state: State) -> Point:
+    """Return where a piece is touched: on its flank, on the corner at its end, or on the corner before it."""
+    pieces = system.chain.pieces
+    if isinstance(system.obstacles[name], Workpart):
+        return Point(name, len(pieces) - 1, True)
+    foot = float(system.at(state).feet[piece])
+    if foot <= 0.0 and piece:
+        return Point(name, piece - 1, True)
+    return Point(name, piece, foot >= pieces[piece].length)
+
+
+def decide(system: System, log: Log, state: State, new: Point | None = None) -> State:
+    """Resolve impacts among the closed contacts, then find which of them stay closed; return the state after it.
+
+    Raises:
+        Finished: if the run ends here.
+    """
+    springs = [each for each in system.sustained if each.spring is not None]
+    points = system.rigid
+    if new is not None and new.obstacle == "workpart" and system.stiffness is not None:
+        springs.append(_compliant(system, system.stiffness, state, new))
+    elif new is not None and new not in points:
+        points.append(new)
+    state = _low_rebounds_stopped(system, _impacts(system, log, state, points), points)
+    instant, still = system.at(state), system.still(state)
+    resting = [point for point in points if abs(instant.touch(point).velocity[0]) <= still]
+    contacts = [Acting(instant.touch(point), system.friction(point), 0) for point in resting]
+    kept = acting(instant.mass, instant.forces, [*contacts, *instant.acting(springs)], still)
+    if kept is None:
+        jam(log, state)
+    slips = dict(kept)
+    for number, spring in enumerate(springs, len(resting)):
+        spring.slip = slips.pop(number)
+    staying = {resting[number]: slip for number, slip in slips.items()}
+    _end(system, log, state, staying, "release" if new is None else new.obstacle)
+    lasting = {each.point: each for each in system.sustained if each.spring is None}
+    for point, slip in staying.items():
+        if point in lasting:
+            lasting[point].slip = slip
+        else:
+            lasting[point] = Sustained(point, slip, state, (0.0, instant.touch(point).velocity[1]))
+    system.sustained = [*lasting.values(), *springs]
+    if new is not None and new in points and new not in staying:
+        log.release(new.obstacle, state)
+    log.check_stop(state)
+    return system.closed(state)
+
+
+def _end(system: System, log: Log, state: State, staying: dict[Point, int], outcome: str) -> None:
+    """Record the rigid sustained contacts that do not stay, then note their release if the run goes on."""
+    ending = [each for each in system.sustained if each.spring is None and each.point not in staying]
+    system.sustained = [each for each in system.sustained if each not in ending]
+    for each in ending:
+        record(system, log, state, each, outcome)
+    log.check_stop(state)
+    for each in ending:
+        log.release(each.point.obstacle, state)
+
+
+def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
+    """Record a sustained contact that ends."""
+    normal, tangential = system.at(state).touch(each.point).velocity
+    log.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
+
+
+def jam(log: Log, state: State) -> NoReturn:
+    """End a run that friction or geometry locks."""
+    log.event("jam", state.time)
+    raise Finished(StopReason.JAM, state)
+
+
+# Compliant contacts
+
+
+def _compliant(system: System, stiffness: float, state: State, point: Point) -> Sustained:
+    """Return a compliant contact that begins."""
+    spring = Spring(stiffness, system.obstacles[point.obstacle].surface.restitution)
+    return Sustained(point, 0, state, system.at(state).touch(point).velocity, spring)
+
+
+def turn(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
+    """Compression ends."""
+    spring.deepest, spring.loading = -system.at(state).touch(each.point).gap, False
+    if each.compression is None:
+        each.compression = each.sums
+    return state if spring.restitution else part(system, log, each, state)
+
+
+def part(system: System, log: Log, each: Sustained, state: State) -> State:
+    """A compliant contact's force is back at zero."""
+    record(system, log, state, each, "rebound")
+    system.sustained.remove(each)
+    log.release(each.point.obstacle, state)
+    log.check_stop(state)
+    return state
+
+
+def move(system: System, each: Sustained, point: Point, state: State) -> State:
+    """A contact passes from a flank to a corner or back."""
+    each.point = point
+    return system.closed(state)
+
+
+# Impacts
+
+
+def _impacts(system: System, log: Log, state: State, points: Sequence[Point]) -> State:
+    """Resolve the impacts at an instant one after the other, the fastest approach first."""
+    while points:
+        instant = system.at(state)
+        approaches = [instant.touch(point).velocity[0] for point in points]
+        if min(approaches) >= -system.still(state):
+            break
+        state = _hit(system, log, state, points[int(np.argmin(approaches))])
+    return state
+
+
+def _hit(system: System, log: Log, state: State, point: Point) -> State:
+    instant, surface = system.at(state), system.obstacles[point.obstacle].surface
+    touch = instant.touch(point)
+    change, hit = resolve(instant.mass, touch, surface.friction, surface.restitution, surface.friction_in_restitution)
+    after = state._replace(rates=state.rates + change)
+    log.impact(point.obstacle, state, after, touch.velocity, hit)
+    if hit.outcome_name == "jam":
+        jam(log, after)
+    recent = log.impacts[-MOST_AT_ONCE:]
+    fastest = max(system.fastest, float(np.abs(after.rates).max()))
+    if len(recent) == MOST_AT_ONCE and (recent[-1] - recent[0]) * fastest < AT_ONCE:
+        jam(log, after)
+    if len(log.impacts) > MOST_IMPACTS:
+        raise Finished(StopReason.MOST_CONTACTS, after)
+    return after
+
+
+def _low_rebounds_stopped(system: System, state: State, points: Sequence[Point]) -> State:
+    """Stop contacts that part so slowly that the forces would end their hop within rounding."""
+    if not points:
+        return state
+    instant = system.at(state)
+    free = np.linalg.solve(instant.mass, instant.forces)
+    low = []
+    for touch in (instant.touch(point) for point in points):
+        falling, parting = float(touch.normal_row @ free) + touch.bias[0], touch.velocity[0]
+        if falling < 0.0 < parting and parting**2 < -2.0 * falling * LOWEST_REBOUND * system.size:
+            low.append(touch)
+    return state._replace(rates=state.rates + closed(instant.mass, low)[1]) if low else state

@@ -1,0 +1,242 @@
+"""Events that end an interval of smooth motion: an obstacle is touched, or something about a sustained contact changes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import newton
+
+from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart
+from bristle_sim.reference.crossing import crossings, of_one_sign
+from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
+from bristle_sim.reference.forces import freedom
+from bristle_sim.reference.log import Finished, Log
+from bristle_sim.reference.system import Instant, State, Sustained, System
+from bristle_sim.stop_reason import StopReason
+
+Reals = NDArray[np.float64]
+
+__all__ = ["INSIDE", "Event", "Follow", "events_of", "first_event"]
+
+Follow = Callable[[State], State]
+"""What follows an event: the state before it -> the state after it."""
+
+INSIDE = 1e-13
+"""A touch is located where the gap is this fraction of hub radius and length below zero: a hundred roundings of a gap."""
+
+PAST = 1e-9
+"""A contact passes a corner when it is this fraction of the length beyond it, so that rounding does not bring it back."""
+
+ROUNDING = 1e-13
+"""Rounding of an event function, as a fraction of its size."""
+
+LOCKED = 1e-6
+"""Friction is about to lock a contact where it lowers the response to a normal force to this fraction.
+
+The force grows beyond all bounds from there, and the motion to the jam itself takes a millionth of its time scale.
+"""
+
+
+class Event(NamedTuple):
+    """A function of an instant whose change of sign in one direction ends an interval, and what follows.
+
+    The gap of an obstacle and a piece has a ``place``: it need not be looked at while it is far from closing.
+    """
+
+    value: Callable[[Instant], float]
+    direction: int
+    resolution: float
+    follow: Follow
+    place: tuple[str, int] | None = None
+
+
+def events_of(system: System, log: Log, state: State) -> list[Event]:
+    """Return the events that can end the interval which begins at a state."""
+    chain = system.chain
+
+    def upright(instant: Instant) -> float:
+        lean = float(instant.state.angles[0] - chain.hub_angle(instant.state.time))
+        return (0.5 * math.pi) ** 2 - lean**2
+
+    found = [*_touch_events(system, log, state), Event(upright, -1, ROUNDING, partial(_retraction_limit, log))]
+    for number, each in enumerate(system.sustained):
+        found += _force_events(system, log, state, number)
+        if isinstance(system.obstacles[each.point.obstacle], Bar):
+            found += _place_events(system, each)
+    return found
+
+
+def _retraction_limit(log: Log, state: State) -> State:
+    log.event("retraction limit", state.time)
+    raise Finished(StopReason.RETRACTION_LIMIT, state)
+
+
+def _touch_events(system: System, log: Log, state: State) -> list[Event]:
+    """An obstacle is touched where it is not touched yet; one that a compliant contact left indented is left."""
+    inside, found = INSIDE * system.size, []
+
+    def gap(name: str, piece: int, level: float, instant: Instant) -> float:
+        return float(instant.gaps[name][piece]) - level
+
+    for name, gaps in system.at(state).gaps.items():
+        for piece, now in enumerate(gaps.tolist()):
+            if _shadowed(system, name, piece):
+                continue
+            value = partial(gap, name, piece, min(now, 0.0) - inside)
+            found.append(Event(value, -1, 0.1 * inside, partial(meet, system, log, name, piece), (name, piece)))
+            if now < -10.0 * inside and system.stiffness is not None:
+                found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, (name, piece)))
+    return found
+
+
+def _shadowed(system: System, obstacle: str, piece: int) -> bool:
+    """Whether a piece's nearest point is in contact already, or the corner that is."""
+    points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
+    if isinstance(system.obstacles[obstacle], Workpart):
+        return bool(points)
+    return any(point.piece == piece or (point.corner and point.piece == piece - 1) for point in points)
+
+
+def _force_events(system: System, log: Log, state: State, number: int) -> list[Event]:
+    """The force of a sustained contact falls to zero, slip stops or begins, or friction locks it."""
+    each, go_on = system.sustained[number], partial(decide, system, log)
+    mu, slip, mass = system.friction(each.point), each.slip, float(system.chain.masses.sum())
+    largest, speed = mass * system.size * system.fastest**2, system.size * system.fastest
+    found = _spring_events(system, log, each, each.spring) if each.spring is not None else []
+    if each.spring is None:
+        # Beyond zero by rounding, so that the decision that follows finds the contact open.
+        acceleration = ROUNDING * system.size * system.fastest**2
+        pressing = lambda at: _pressing(number, at) + acceleration  # noqa: E731
+        found.append(Event(pressing, -1, acceleration, go_on))
+    if mu and slip:
+        # Slip that begins after stick may start from a velocity that is rounding, of either sign.
+        level = min(slip * system.at(state).touch(each.point).velocity[1], 0.0) - 1e-3 * system.still(state)
+        sliding = lambda at: slip * at.contacts[number].touch.velocity[1] - level  # noqa: E731
+        found.append(Event(sliding, -1, ROUNDING * speed, go_on))
+    if mu and slip and each.spring is None:
+        found.append(Event(partial(_free, number), -1, 1e-3 * LOCKED, partial(_lock, system, log, number)))
+    if mu and not slip:
+        cone = lambda at: float(mu * at.balance.normal[number] - abs(at.balance.tangential[number]))  # noqa: E731
+        found.append(Event(cone, -1, ROUNDING * largest, go_on))
+    return found
+
+
+def _pressing(number: int, instant: Instant) -> float:
+    """Return a contact's force times its response, m/s^2, which stays bounded where friction locks it."""
+    acting = instant.contacts[number]
+    response = freedom(instant.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
+    return float(instant.balance.normal[number]) * response
+
+
+def _free(number: int, instant: Instant) -> float:
+    """Return the response to a normal force with friction over that without, less the fraction that is about to lock."""
+    acting = instant.contacts[number]
+    return freedom(instant.mass, acting.touch, acting.ratio) / freedom(instant.mass, acting.touch, 0.0) - LOCKED
+
+
+def _lock(system: System, log: Log, number: int, state: State) -> State:
+    """Follow the motion to the instant at which friction locks a contact, and end the run there."""
+
+    def ahead(time: float) -> State:
+        return State(state.time + time, state.angles + time * state.rates, state.rates)
+
+    def response(time: float) -> float:
+        return _free(number, system.at(ahead(time))) + LOCKED
+
+    scale = LOCKED / system.fastest
+    time = float(newton(response, 0.0, x1=scale, tol=1e-6 * scale, disp=False))
+    jam(log, ahead(time) if 0.0 <= time <= 1e3 * scale else state)
+
+
+def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) -> list[Event]:
+    """Compression ends; on the way out the force falls to zero, or the penetration is as deep as before."""
+    speed, depth = ROUNDING * system.size * system.fastest, ROUNDING * spring.deepest
+
+    def opening(instant: Instant) -> float:
+        return instant.touch(each.point).velocity[0]
+
+    def above(level: float, instant: Instant) -> float:
+        return -instant.touch(each.point).gap - level
+
+    def reload(state: State) -> State:
+        spring.loading = True
+        return state
+
+    if spring.loading:
+        return [Event(opening, 1, speed, partial(turn, system, log, each, spring))]
+    deeper = partial(above, spring.deepest * (1.0 + 1e-13))
+    return [
+        Event(partial(above, spring.left), -1, depth, partial(part, system, log, each)),
+        Event(deeper, 1, depth, reload),
+    ]
+
+
+def _place_events(system: System, each: Sustained) -> list[Event]:
+    """A contact with the bar passes from a flank to a corner or back."""
+    (name, index, corner), pieces, past = each.point, system.chain.pieces, PAST * system.chain.length
+    length = pieces[index].length
+
+    def event(piece: int, level: float, direction: int, point: Point) -> Event:
+        foot = lambda instant: float(instant.feet[piece]) - level  # noqa: E731
+        return Event(foot, direction, ROUNDING * system.chain.length, partial(move, system, each, point))
+
+    if corner:
+        found = [event(index, length - past, -1, Point(name, index, False))]
+        if index < len(pieces) - 1:
+            found.append(event(index + 1, past, 1, Point(name, index + 1, False)))
+        return found
+    found = [event(index, length + past, 1, Point(name, index, True))]
+    if index:
+        found.append(event(index, -past, -1, Point(name, index - 1, True)))
+    return found
+
+
+def first_event(
+    system: System,
+    events: list[Event],
+    motion: Callable[[Reals], list[State]],
+    instants: list[Instant],
+    step: tuple[float, float],
+) -> tuple[float, Follow] | None:
+    """Return the time of the first event on a step of the integrator, and what follows it.
+
+    Args:
+        system, events: what moves, and what can end its interval.
+        motion: times -> states.
+        instants: those at the step's nodes, see the module ``crossing``.
+        step: its start and end, s.
+    """
+    first, (start, end) = None, step
+    near = _near(system, instants[-1], end - start)
+    for event in events:
+        if event.place is not None and event.place not in near:
+            continue
+
+        def along(at: Reals, value: Callable[[Instant], float] = event.value) -> Reals:
+            return np.array([value(system.at(each)) for each in motion(at)])
+
+        if of_one_sign(np.array([event.value(each) for each in instants]), event.resolution) == -event.direction:
+            continue
+        if event.direction * along(np.array([start]))[0] > 0.0:
+            return start, event.follow
+        for time, direction in crossings(along, start, end, event.resolution):
+            if direction == event.direction:
+                first, end = (time, event.follow), time
+                break
+    return first
+
+
+def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
+    """Return the obstacles and pieces that can touch in a step: no gap closes faster than the links' points move."""
+    chain = system.chain
+    reach = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(instant.state.rates))
+    return {
+        (name, int(piece))
+        for name, gaps in instant.gaps.items()
+        for piece in np.flatnonzero(gaps < 2.0 * reach * duration)
+    }

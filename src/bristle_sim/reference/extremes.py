@@ -1,0 +1,69 @@
+"""Instants of a motion that are worth an event: largest retraction and highest relative speed of a rigid bristle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.reference.contacts import Bar
+from bristle_sim.reference.crossing import crossings, of_one_sign
+from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
+from bristle_sim.reference.system import Instant, State, System
+
+__all__ = ["note_extremes"]
+
+Motion = Callable[[NDArray[np.float64]], list[State]]
+"""Times, s -> states."""
+
+ROUNDING = 1e-13
+"""Rounding of a rate, as a fraction of the fastest one."""
+
+IDLE = 1e-12
+"""A highest relative rate below this fraction of the fastest one is no motion."""
+
+
+def note_extremes(
+    system: System, log: Log, motion: Motion, instants: list[Instant], step: tuple[float, float]
+) -> float | None:
+    """Note where the first link lags most and its highest relative rate; return the time at which the run ends there.
+
+    The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    ``instants`` are those at the nodes of the integrator's step; the motion is looked at in ``step``, s.
+    """
+    chain = system.chain
+
+    def rate(at: Instant) -> float:
+        return float(at.state.rates[0] - chain.speed)
+
+    def acceleration(at: Instant) -> float:
+        return float(at.balance.accelerations[0])
+
+    def changes(value: Callable[[Instant], float], resolution: float) -> list[tuple[float, int]]:
+        if step[1] <= step[0] or of_one_sign(np.array([value(each) for each in instants]), resolution):
+            return []
+        along = lambda times: np.array([value(system.at(each)) for each in motion(times)])  # noqa: E731
+        return crossings(along, *step, resolution)
+
+    for time, direction in changes(rate, ROUNDING * system.fastest):
+        if direction > 0:
+            log.turned(motion(np.array([time]))[0])
+            if log.stop_after == LARGEST_RETRACTION:
+                return time
+    if chain.links > 1 or system.sustained or log.seen(PEAK) or log.seen(STRIKE) or _bar_ahead(system, log, step[0]):
+        return None
+    for time, direction in changes(acceleration, ROUNDING * system.fastest**2):
+        if direction < 0 and rate(system.at(motion(np.array([time]))[0])) > IDLE * system.fastest:
+            log.event(PEAK, time)
+            log.mark(time)
+            return time if log.stop_after == PEAK else None
+    return None
+
+
+def _bar_ahead(system: System, log: Log, time: float) -> bool:
+    """Whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
+    bar = system.obstacles.get("bar")
+    if not isinstance(bar, Bar) or log.seen("bar touch") or not system.chain.speed:
+        return False
+    return bool((bar.centre / system.chain.root(time)).imag > 0.0)

@@ -1,0 +1,164 @@
+"""Forces of sustained contacts on a wire of links, which of them act, and impacts.
+
+A sustained contact c keeps its gap closed with a force N_c >= 0; it slips with friction -mu sign(v_t) N_c, or sticks with a
+force T_c inside the friction cone. Accelerations and forces solve
+
+    M theta'' - sum_c (J_n + f_c J_t)^T N_c - sum_stick J_t^T T_c = forces,    J_n theta'' = -bias_n,    J_t theta'' = -bias_t,
+
+with f_c = -mu sign(v_t) in slip and 0 in stick. Which contacts act, and how, is the complementarity problem that every
+contact either pushes or opens; there are few of them, so all combinations are tried.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.reference.contacts import Touch
+from bristle_sim.theory.impact import Impact, energetic_impact
+
+__all__ = ["Acting", "Balance", "acting", "balance", "closed", "freedom", "resolve"]
+
+Reals = NDArray[np.float64]
+
+STICK = 0
+
+EDGE = 1e-10
+"""At the edge of the friction cone both stick and slip are consistent but for rounding; slip is then taken."""
+
+
+class Acting(NamedTuple):
+    """A closed contact: its kinematics, Coulomb's mu, the sign of its slip (0 sticks), and its force where that is known."""
+
+    touch: Touch
+    friction: float
+    slip: int
+    push: float | None = None
+
+    @property
+    def sticks(self) -> bool:
+        """Whether friction holds it; the contact of a single link keeps that at rest, and friction idles."""
+        return self.slip == STICK and self.friction > 0.0 and len(self.touch.normal_row) > 1
+
+    @property
+    def ratio(self) -> float:
+        """Tangential over normal force in slip, -mu sign(v_t)."""
+        return -self.friction * self.slip
+
+    @property
+    def pushed(self) -> Reals:
+        """What a unit normal force, with the friction of slip, does to the generalized forces."""
+        return self.touch.normal_row + self.ratio * self.touch.tangential_row
+
+
+class Balance(NamedTuple):
+    """Accelerations, rad/s^2, and the normal and tangential forces of the contacts, N."""
+
+    accelerations: Reals
+    normal: Reals
+    tangential: Reals
+
+
+def balance(mass: Reals, forces: Reals, contacts: Sequence[Acting]) -> Balance:
+    """Solve for the accelerations and the contact forces."""
+    size = len(forces)
+    rigid = [each for each in contacts if each.push is None]
+    sticking = [each for each in contacts if each.sticks]
+    known = sum((each.push * each.pushed for each in contacts if each.push is not None), np.zeros(size))
+    rows = [each.touch.normal_row for each in rigid] + [each.touch.tangential_row for each in sticking]
+    pushed = [each.pushed for each in rigid] + [each.touch.tangential_row for each in sticking]
+    biases = [each.touch.bias[0] for each in rigid] + [each.touch.bias[1] for each in sticking]
+    if not rows:
+        found = np.linalg.solve(mass, forces + known)
+    else:
+        matrix = np.zeros((size + len(rows), size + len(rows)))
+        matrix[:size, :size], matrix[:size, size:], matrix[size:, :size] = mass, -np.transpose(pushed), rows
+        found = np.linalg.solve(matrix, np.concatenate([forces + known, np.negative(biases)]))
+    solved = iter(found[size : size + len(rigid)])
+    normal = np.array([next(solved) if each.push is None else each.push for each in contacts])
+    stuck = iter(found[size + len(rigid) :])
+    tangential = np.array(
+        [next(stuck) if each.sticks else each.ratio * push for each, push in zip(contacts, normal, strict=True)]
+    )
+    return Balance(np.asarray(found[:size]), normal, tangential)
+
+
+def acting(mass: Reals, forces: Reals, contacts: Sequence[Acting], still: float) -> tuple[tuple[int, int], ...] | None:
+    """Return which closed contacts stay closed, as (index, sign of slip), or None if no combination is consistent.
+
+    Args:
+        mass, forces: of the links.
+        contacts: those that are closed and do not open with a velocity; their slip is found anew.
+        still: tangential velocity below which a contact may stick, m/s.
+    """
+    options: list[tuple[int | None, ...]] = []
+    for each in contacts:
+        may_stick = each.friction > 0.0 and abs(each.touch.velocity[1]) <= still
+        slips = (STICK, 1, -1) if may_stick else (int(np.sign(each.touch.velocity[1])) or 1,)
+        options.append(slips if each.push is not None else (*slips, None))
+    for modes in itertools.product(*options):
+        chosen = {i: contacts[i]._replace(slip=mode) for i, mode in enumerate(modes) if mode is not None}
+        if _consistent(mass, forces, contacts, chosen, still):
+            return tuple((i, each.slip) for i, each in chosen.items())
+    return None
+
+
+def _consistent(
+    mass: Reals, forces: Reals, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
+) -> bool:
+    """Whether every chosen contact pushes within its friction cone and every other one opens."""
+    try:
+        found = balance(mass, forces, tuple(chosen.values()))
+    except np.linalg.LinAlgError:  # more contacts than the links can keep closed
+        return False
+    pushes = zip(chosen.values(), found.normal, found.tangential, strict=True)
+    if not all(_pushes(mass, forces, found.accelerations, *each, still) for each in pushes):
+        return False
+    others = (each.touch for i, each in enumerate(contacts) if i not in chosen)
+    return all(touch.normal_row @ found.accelerations + touch.bias[0] >= 0.0 for touch in others)
+
+
+def _pushes(
+    mass: Reals, forces: Reals, accelerations: Reals, each: Acting, normal: float, tangential: float, still: float
+) -> bool:
+    """Whether a contact that stays pushes, and sticks or slips consistently."""
+    if normal < 0.0 or (each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal):
+        return False
+    if each.slip and each.push is None and freedom(mass, each.touch, each.ratio) <= 0.0:
+        return False
+    if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
+        return True
+    # From rest, slip begins in its own sense; a single link's contact at rest stays at rest.
+    terms = (*each.touch.tangential_row * accelerations, each.touch.bias[1])
+    cancelled = each.touch.tangential_row * np.linalg.solve(mass, forces)
+    rounding = EDGE * float(np.abs([*terms, *cancelled]).max())
+    begins = float(sum(terms))
+    return each.slip * begins >= -rounding if each.slip else abs(begins) <= rounding
+
+
+def freedom(mass: Reals, touch: Touch, ratio: float) -> float:
+    """Return J_n M^-1 (J_n + f J_t)^T, 1/kg; where it is not positive, friction locks the contact."""
+    return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
+
+
+def resolve(mass: Reals, touch: Touch, friction: float, restitution: float, later: float) -> tuple[Reals, Impact]:
+    """Return the change of the links' rates in an energetic impact, rad/s, and the impact."""
+    rows = np.array([touch.normal_row, touch.tangential_row])
+    response = np.linalg.solve(mass, rows.T)
+    inverse_mass = rows @ response
+    hit = energetic_impact(0.5 * (inverse_mass + inverse_mass.T), touch.velocity, friction, restitution, later)
+    impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
+    return np.asarray(response @ impulse), hit
+
+
+def closed(mass: Reals, touches: Sequence[Touch]) -> tuple[Reals, Reals]:
+    """Return the smallest changes of angles and rates, in the metric of the mass, that close gaps and stop their opening."""
+    rows = np.array([touch.normal_row for touch in touches])
+    response = np.linalg.solve(mass, rows.T)
+    amounts = np.array([[touch.gap, touch.velocity[0]] for touch in touches])
+    changes = -response @ np.linalg.solve(rows @ response, amounts)
+    return changes[:, 0], changes[:, 1]

@@ -1,0 +1,86 @@
+"""One strike of a wire of links on a compliant workpart, resolved in time."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+
+import numpy as np
+
+from bristle_sim.parameters import Tool
+from bristle_sim.reference.contacts import Point, obstacles_of
+from bristle_sim.reference.decisions import meet
+from bristle_sim.reference.log import Log
+from bristle_sim.reference.mechanics import Chain
+from bristle_sim.reference.run import Run
+from bristle_sim.reference.system import State, System
+from bristle_sim.trajectory import ContactHistory, ContactRecord
+
+__all__ = ["strike_reference"]
+
+AT_SURFACE = 1e-9
+"""The wire's end must be at the workpart's surface to this fraction of hub radius and length."""
+
+
+def strike_reference(
+    tool: Tool,
+    hub_angle: float,
+    angles: Sequence[float],
+    rates: Sequence[float],
+    stiffness: float,
+    *,
+    longest: float,
+    samples: int = 200,
+    accuracy: float = 1e-9,
+) -> ContactRecord:
+    """Return the first contact of a wire's end with a workpart of finite contact stiffness, with its history.
+
+    The normal force is that of a spring with energetic restitution, see :class:`bristle_sim.reference.contacts.Spring`.
+
+    Args:
+        tool: with a workpart; its bar is left out.
+        hub_angle: psi when the end touches, rad.
+        angles, rates: absolute angles and rates of the links then, rad and rad/s.
+        stiffness: of the contact, N/m.
+        longest: the contact must end within this time, s.
+        samples: in that time.
+        accuracy: relative accuracy requested; the integrator's tolerance is a hundredth of it.
+
+    Raises:
+        ValueError: if the wire's end is not at the workpart's surface or does not approach it, or if the contact lasts
+            longer than ``longest``.
+    """
+    chain = Chain.of(tool, hub_angle)
+    obstacles = obstacles_of(dataclasses.replace(tool, bar=None))
+    if "workpart" not in obstacles or not stiffness > 0.0:
+        raise ValueError(
+            f"stiffness = {stiffness:g}: must be larger than 0, and the tool must have a workpart (in N/m)"
+        )
+    start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
+    system, log = System(chain, obstacles, stiffness), Log(chain, longest / samples, "workpart release")
+    tip = len(chain.pieces) - 1
+    touch = system.at(start).touch(Point("workpart", tip, True))
+    if abs(touch.gap) > AT_SURFACE * system.size or touch.velocity[0] >= 0.0:
+        raise ValueError(
+            f"angles = {angles[-1]:g}: must bring the wire's end to the workpart, approaching it; its height is"
+            f" {touch.gap:g} m, its normal velocity {touch.velocity[0]:g} m/s (in rad)"
+        )
+    run = Run(system, log, meet(system, log, "workpart", 0, start), longest, accuracy / 100.0)
+    run.run()
+    if not log.seen("workpart release"):
+        raise ValueError(f"longest = {longest:g}: must be longer; the contact has not ended (in s)")
+    return dataclasses.replace(log.contacts[0], history=_history(system, log))
+
+
+def _history(system: System, log: Log) -> ContactHistory:
+    """Return the contact in time, from the samples."""
+    place = Point("workpart", len(system.chain.pieces) - 1, True)
+    touches = [system.at(state).touch(place) for state, _ in log.samples]
+    return ContactHistory(
+        time=np.array([state.time for state, _ in log.samples]),
+        normal_force=np.array([forces[0] for _, forces in log.samples]),
+        tangential_force=np.array([forces[1] for _, forces in log.samples]),
+        penetration=np.array([-each.gap for each in touches]),
+        normal_velocity=np.array([each.velocity[0] for each in touches]),
+        tangential_velocity=np.array([each.velocity[1] for each in touches]),
+    )

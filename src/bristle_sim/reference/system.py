@@ -1,0 +1,157 @@
+"""A chain among its obstacles: the contacts that are sustained, and what follows from a state: touches, forces, accelerations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, Workpart
+from bristle_sim.reference.forces import Acting, Balance, balance, closed
+from bristle_sim.reference.mechanics import Chain, Kinematics
+
+__all__ = ["Instant", "State", "Sustained", "System"]
+
+Reals = NDArray[np.float64]
+
+REST = 1e-10
+"""A velocity below this fraction of the fastest point's bound is rest: impacts between stiff hinges round this much."""
+
+
+class State(NamedTuple):
+    """Time, and absolute angles and rates of the links; s, rad, rad/s."""
+
+    time: float
+    angles: Reals
+    rates: Reals
+
+
+@dataclass(slots=True)
+class Sustained:
+    """A contact that lasts: its place, the sense of its slip (0 sticks), since when, and its spring if it is compliant.
+
+    ``sums`` are the normal and tangential impulse, N s, and the normal and tangential work, J; ``compression`` those up to
+    the first end of a compliant contact's compression.
+    """
+
+    point: Point
+    slip: int
+    since: State
+    velocity_before: tuple[float, float]
+    spring: Spring | None = None
+    sums: Reals = field(default_factory=lambda: np.zeros(4))
+    compression: Reals | None = None
+
+
+class System:
+    """A chain, its obstacles by name, and the contacts that are sustained now.
+
+    ``stiffness``, N/m, is that of the contact with the workpart; without one it is rigid.
+    """
+
+    def __init__(self, chain: Chain, obstacles: dict[str, Bar | Workpart], stiffness: float | None = None) -> None:
+        self.chain = chain
+        self.obstacles = obstacles
+        self.stiffness = stiffness
+        self.sustained: list[Sustained] = []
+        self.size = chain.hub_radius + chain.length
+        self.fastest = chain.fastest_rate
+
+    def at(self, state: State) -> Instant:
+        """Return a state with what follows from it."""
+        return Instant(self, state)
+
+    @property
+    def rigid(self) -> list[Point]:
+        """Places of the sustained contacts that are not compliant."""
+        return [each.point for each in self.sustained if each.spring is None]
+
+    def friction(self, point: Point) -> float:
+        """Return the coefficient of friction of a contact."""
+        return self.obstacles[point.obstacle].surface.friction
+
+    def still(self, state: State) -> float:
+        """Return the velocity that counts as rest, m/s."""
+        return REST * self.size * max(self.chain.speed, float(np.abs(state.rates).max()), self.fastest * 1e-3)
+
+    def closed(self, state: State) -> State:
+        """Return the nearest state at which the gaps of rigid sustained contacts are closed and do not open."""
+        if not (points := self.rigid):
+            return state
+        instant = self.at(state)
+        moved, changed = closed(instant.mass, [instant.touch(point) for point in points])
+        return State(state.time, state.angles + moved, state.rates + changed)
+
+
+class Instant:
+    """A state with its kinematics and balance of forces, each computed once where it is needed."""
+
+    def __init__(self, system: System, state: State) -> None:
+        self.system = system
+        self.state = state
+
+    @cached_property
+    def turn(self) -> NDArray[np.complex128]:
+        """Directions of the links, e^{i theta}."""
+        return np.asarray(np.exp(1j * self.state.angles))
+
+    @cached_property
+    def motion(self) -> Kinematics:
+        """Kinematics of the links."""
+        return self.system.chain.kinematics(*self.state)
+
+    @cached_property
+    def mass(self) -> Reals:
+        """Mass matrix, kg m^2."""
+        return self.system.chain.mass_matrix(self.turn)
+
+    @cached_property
+    def forces(self) -> Reals:
+        """Generalized forces without contacts, N m."""
+        return self.system.chain.forces(*self.state, self.turn)
+
+    def touch(self, point: Point) -> Touch:
+        """Return the kinematics of a contact."""
+        return self.system.obstacles[point.obstacle].touch(self.system.chain, self.motion, point)
+
+    def acting(self, sustained: Iterable[Sustained]) -> list[Acting]:
+        """Return sustained contacts with their kinematics."""
+        found = []
+        for each in sustained:
+            touch = self.touch(each.point)
+            push = None if each.spring is None else each.spring.force(-touch.gap)
+            found.append(Acting(touch, self.system.friction(each.point), each.slip, push))
+        return found
+
+    @cached_property
+    def contacts(self) -> list[Acting]:
+        """The contacts that are sustained."""
+        return self.acting(self.system.sustained)
+
+    @cached_property
+    def balance(self) -> Balance:
+        """Accelerations and contact forces."""
+        return balance(self.mass, self.forces, self.contacts)
+
+    @cached_property
+    def gaps(self) -> dict[str, Reals]:
+        """The gap of every piece of the wire to every obstacle, m."""
+        return {name: each.gaps(self.system.chain, self.motion) for name, each in self.system.obstacles.items()}
+
+    @cached_property
+    def feet(self) -> Reals:
+        """The foot of the bar's centre on every piece, m from its start."""
+        bar = self.system.obstacles["bar"]
+        assert isinstance(bar, Bar)
+        return bar.feet(self.system.chain, self.motion)[0]
+
+    @property
+    def total_forces(self) -> tuple[float, float]:
+        """Sum of all normal forces and of all tangential ones, N."""
+        if not self.system.sustained:
+            return 0.0, 0.0
+        return float(self.balance.normal.sum()), float(self.balance.tangential.sum())

@@ -1,0 +1,150 @@
+"""The reference's wire of links: Jacobians, conservation of energy, compliant strikes and whole passes."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import trapezoid
+
+from bristle_sim.parameters import Bristle, Hub, Tool, Workpart
+from bristle_sim.reference import simulate_reference, strike_reference
+from bristle_sim.reference.contacts import Point, obstacles_of
+from bristle_sim.reference.mechanics import Chain
+
+GAMMA, RATIO, RESTITUTION, SPEED = math.radians(23.4), 3.23, 0.42, 261.8
+
+
+def touches(chain, obstacle, point, angles, rates, accelerations, step):
+    """The contact a step before, at and after an instant of a motion of constant accelerations."""
+    return [
+        obstacle.touch(
+            chain,
+            chain.kinematics(1e-3 + at, angles + rates * at + 0.5 * accelerations * at**2, rates + accelerations * at),
+            point,
+        )
+        for at in (-step, 0.0, step)
+    ]
+
+
+class TestKinematics:
+    @pytest.mark.parametrize("seed", range(3))
+    @pytest.mark.parametrize(
+        "point", [Point("bar", 2, False), Point("bar", 3, True), Point("workpart", 5, True)], ids=str
+    )
+    def test_rows_and_biases_are_derivatives(self, point, seed):
+        """Central differences over 1e-7 s: their truncation is (1e3 rad/s 1e-7 s)^2 = 1e-8 of terms up to 1e6 m/s^2.
+
+        Rounding of a length of 0.05 m, or of 50 m/s, over 1e-7 s is 1e-10 m/s and 1e-7 m/s^2. A contact is in touch, so
+        its gap must not open, or its place would move along the normal.
+        """
+        rng = np.random.default_rng(seed)
+        tool = Tool(bristle=Bristle(links=5, knee_angle_deg=25.0))
+        chain, obstacle = Chain.of(tool, -1.0), obstacles_of(tool)[point.obstacle]
+        angles, rates = -1.0 + 0.3 * rng.normal(size=5), 300.0 * rng.normal(size=5)
+        accelerations = 1e5 * rng.normal(size=5)
+        touch = obstacle.touch(chain, chain.kinematics(1e-3, angles, rates), point)
+        rates = rates - touch.normal_row * touch.velocity[0] / (touch.normal_row @ touch.normal_row)
+        before, touch, after = touches(chain, obstacle, point, angles, rates, accelerations, 1e-7)
+        assert (after.gap - before.gap) / 2e-7 == pytest.approx(touch.velocity[0], abs=1e-5)
+        found = [(after.velocity[i] - before.velocity[i]) / 2e-7 for i in (0, 1)]
+        rows = (touch.normal_row, touch.tangential_row)
+        expected = [row @ accelerations + bias for row, bias in zip(rows, touch.bias, strict=True)]
+        assert found == pytest.approx(expected, rel=1e-6, abs=0.1)
+
+
+class TestFreeWire:
+    def test_energy_is_kept(self):
+        """A bent wire of four links on a hub at rest, under gravity, from a bent and moving state.
+
+        Nothing does work; a hundred times the accuracy of 1e-12, of the energy that swings to and fro.
+        """
+        bristle = Bristle(links=4, knee_angle_deg=20.0, modulus=1e9)
+        tool = Tool(hub=Hub(speed=0.0), bristle=bristle, bar=None, workpart=None, gravity=9.81)
+        run = simulate_reference(
+            tool,
+            start_hub_angle=-0.3,
+            start_relative_angle=-0.4,
+            start_relative_rate=200.0,
+            duration=0.01,
+            accuracy=1e-12,
+        )
+        assert np.ptp(run.total_energy) < 1e-10 * np.ptp(run.kinetic_energy)
+
+    def test_power_of_the_hub(self):
+        """Without gravity the drive's torque is h', h being the angular momentum about the hub's centre.
+
+        Its power is omega h', so that E - omega h is constant. A hundred times the accuracy of 1e-12, of the energy that
+        changes.
+        """
+        tool = Tool(bristle=Bristle(links=3, modulus=1e10), bar=None, workpart=None)
+        run = simulate_reference(tool, start_relative_angle=-0.5, duration=0.003, accuracy=1e-12)
+        chain = Chain.of(tool, -0.5 * math.pi)
+        motion = chain.kinematics(run.time, run.angles, run.rates)
+        arms = chain.centres * motion.turn
+        place, velocity = motion.joint + arms, motion.velocity + 1j * run.rates * arms
+        moment = (chain.masses * (np.conj(place) * velocity).imag + chain.inertias * run.rates).sum(axis=1)
+        balance = run.total_energy - SPEED * moment
+        assert np.ptp(balance) < 1e-10 * np.ptp(run.kinetic_energy)
+
+
+def strike(links, duration, friction=0.0, accuracy=1e-9):
+    """The radial wire that turns as one when it strikes, model of the rigid bristle's contact of a given duration."""
+    depth = 0.0545 * math.cos(GAMMA)
+    workpart = Workpart(friction=friction, restitution=RESTITUTION, penetration=0.0545 - depth)
+    tool = Tool(bristle=Bristle(links=links), bar=None, workpart=workpart)
+    inverse_mass = 3.0 * math.sin(GAMMA) ** 2 / tool.bristle.mass
+    stiffness = (math.pi * (1.0 + RESTITUTION) / (2.0 * duration)) ** 2 / inverse_mass
+    angles, rates = [-GAMMA] * links, [RATIO * SPEED] * links
+    return strike_reference(tool, -GAMMA, angles, rates, stiffness, longest=3.0 * duration, accuracy=accuracy)
+
+
+class TestCompliantStrike:
+    @pytest.mark.parametrize(
+        ("links", "impulse", "force", "duration"), [(1, 3.154e-3, 66.8, 73.7e-6), (8, 1.473e-3, 29.6, 104e-6)]
+    )
+    def test_rigid_bristle_gives_twice_the_impulse_of_the_wire(self, links, impulse, force, duration):
+        """Numbers of an independent prototype; half of their last digits, and the peak lies between two samples of 1 us."""
+        contact = strike(links, 71e-6)
+        assert contact.impulse[0] == pytest.approx(impulse, abs=0.51e-6)
+        assert contact.history.normal_force.max() == pytest.approx(force, abs=0.06)
+        assert contact.duration == pytest.approx(duration, rel=5e-3)
+
+    def test_history_gives_the_impulse(self):
+        """Trapezoids of h = 1.07 us leave (h w)^2/12 of a force that varies at the rate w, pi (1 + e*)/(2 T e*) = 7.5e4/s.
+
+        That is the rate of restitution of a rigid bristle, 5e-4; the struck link's mass is less than half as large. The
+        spring returns e*^2 of the work it took, as the integrator sums it up.
+        """
+        contact = strike(2, 71e-6)
+        history = contact.history
+        assert trapezoid(history.normal_force, history.time) == pytest.approx(contact.impulse[0], rel=1e-3)
+        assert history.penetration[0] == pytest.approx(0.0, abs=1e-16)
+        assert contact.restitutive_work[0] == pytest.approx(-(RESTITUTION**2) * contact.compressive_work[0], rel=1e-8)
+
+    def test_refuses_a_wire_off_the_surface(self):
+        tool = Tool(bar=None)
+        with pytest.raises(ValueError, match="must bring the wire's end to the workpart"):
+            strike_reference(tool, -1.0, [-1.0], [800.0], 1e5, longest=1e-4)
+
+
+class TestPass:
+    @pytest.mark.parametrize("links", [2, 4])
+    def test_energy_balance_up_to_the_strike(self, links):
+        """The drive's work is omega times the change of the angular momentum h: E - omega h is constant in free flight.
+
+        Here between the release of the bar and the strike. A hundred times the accuracy of 1e-10.
+        """
+        tool = replace(Tool(), bristle=Bristle(links=links))
+        run = simulate_reference(tool, stop_after="strike", sample_interval=1e-5)
+        assert run.first_contact("workpart") is not None
+        chain = Chain.of(tool, -0.5 * math.pi)
+        motion = chain.kinematics(run.time, run.angles, run.rates)
+        arms = chain.centres * motion.turn
+        place, velocity = motion.joint + arms, motion.velocity + 1j * run.rates * arms
+        moment = (chain.masses * (np.conj(place) * velocity).imag + chain.inertias * run.rates).sum(axis=1)
+        balance = run.total_energy - SPEED * moment
+        last = max(each.time + each.duration for each in run.contacts if each.obstacle == "bar")
+        flight = (run.time > last) & (run.time < run.event_time("strike"))
+        assert flight.sum() > 20
+        assert np.ptp(balance[flight]) < 1e-8 * run.kinetic_energy.max()
