@@ -116,7 +116,10 @@ def _interpolated(run: Trajectory, places: Array, slopes: Array, instants: Array
         inner = slice(*np.searchsorted(inner_time, run.time[[first, last]]))
         time = np.concatenate([run.time[rows], inner_time[inner]])
         # Every sample twice: the second time its row is the slope there.
-        columns = np.concatenate([places[rows], inner_places[inner]]), np.concatenate([slopes[rows], inner_slopes[inner]])
+        columns = (
+            np.concatenate([places[rows], inner_places[inner]]),
+            np.concatenate([slopes[rows], inner_slopes[inner]]),
+        )
         order = np.argsort(time)
         both = np.stack(columns, axis=1)[order].reshape(2 * time.size, -1)
         curve = KroghInterpolator(np.repeat(time[order], 2), both)
