@@ -69,7 +69,9 @@ def trajectory_in_si(
     )
 
 
-def _inner_samples(recording: Recording, scene: Scene, units: Units) -> InnerSamples:
+def _inner_samples(recording: Recording, scene: Scene, units: Units) -> InnerSamples | None:
+    if not recording.inner:
+        return None
     count, links = len(recording.inner), len(recording.states[0].angles)
     time = np.array([state.time for state in recording.inner])
     angles = np.array([state.angles for state in recording.inner]).reshape(count, links)

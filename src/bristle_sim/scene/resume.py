@@ -238,11 +238,13 @@ def _joined(
 
 
 def _inner_samples(first: Trajectory, rest: Trajectory, begin: float) -> InnerSamples | None:
-    """Return those of both parts; of neither if one part has none."""
+    """Return those of both parts."""
     one, other = first.inner_samples, rest.inner_samples
-    if one is None or other is None:
-        return None
+    if other is None:
+        return one
     other = dataclasses.replace(other, time=begin + other.time)
+    if one is None:
+        return other
     names = (each.name for each in dataclasses.fields(InnerSamples))
     return InnerSamples(*(np.concatenate([getattr(one, each), getattr(other, each)]) for each in names))
 
