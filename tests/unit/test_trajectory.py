@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Contact, Tool
+from bristle_sim.parameters import Bar, Contact, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
@@ -130,6 +130,28 @@ def test_motion_between_samples_is_as_accurate_as_the_samples(run: Trajectory):
     np.testing.assert_allclose(found.hub_angle, -0.5 * np.pi + 261.8 * time, rtol=1e-14, atol=1e-14)
 
 
+@pytest.mark.parametrize(
+    "tool",
+    [Tool(hub=Hub(speed=400.0)), Tool(bristle=dataclasses.replace(Tool().bristle, length=0.03))],
+    ids=["fast hub", "bar passes the wire's end"],
+)
+def test_motion_between_samples_is_that_of_a_run_stopped_there(tool: Tool):
+    """Both have accuracy 1e-6: of rates relative to the largest, of angles relative to a radian."""
+    run = simulate(tool)
+    strike = run.event_time("strike")
+    assert strike is not None
+    release = run.event_time("bar release", last=True, before=strike)
+    assert release is not None
+    close = np.random.default_rng(2).uniform(release - 3e-4, release, 8)
+    for time in (*close, 0.5 * release, release + 2e-5, 0.5 * (release + strike), strike - 1e-7, strike + 1e-7):
+        stopped = simulate(tool, Settings(hub_turn=tool.hub.speed * time))
+        found = run.at(stopped.time[-1])
+        np.testing.assert_allclose(found.angles, stopped.angles[-1], rtol=0.0, atol=1e-6)
+        np.testing.assert_allclose(found.rates, stopped.rates[-1], rtol=0.0, atol=1e-6 * np.abs(run.rates).max())
+        size = np.abs(run.centre_line).max()
+        np.testing.assert_allclose(found.centre_line, stopped.centre_line[-1], rtol=0.0, atol=1e-6 * size)
+
+
 def test_motion_at_an_impact_has_two_sides(run: Trajectory):
     strike = run.first_contact("workpart")
     assert strike is not None
@@ -235,6 +257,18 @@ def test_a_run_draws_itself(run: Trajectory):
     assert len(figure.axes) > 3
 
 
+def test_the_first_cell_of_a_notebook():
+    """A notebook asks the value that a cell returns for its picture; matplotlib's own way needs pyplot."""
+    pytest.importorskip("xarray")
+    run = simulate(Tool())
+    table = run.to_xarray().interp(time=[1e-3, 2e-3, 4e-3])
+    # Linear between samples h apart: rate h^2 |d2 rate/dt2|/8 off, some (2 pi/50)^2/8 = 2e-3 of the rates' range.
+    np.testing.assert_allclose(
+        table["rate"].sel(link=1), run.at([1e-3, 2e-3, 4e-3]).rates[:, 0], rtol=0.0, atol=5e-3 * np.ptp(run.rates)
+    )
+    assert run.plot()._repr_png_().startswith(b"\x89PNG")
+
+
 def test_a_run_is_filmed(run: Trajectory, tmp_path: Path):
     film = run.animate(tmp_path / "pass.gif", duration=0.2, fps=10, width=160, height=120)
     assert film.read_bytes().startswith(b"GIF8")
@@ -291,6 +325,14 @@ def test_a_run_without_contacts_is_saved_too(trajectory: Trajectory, tmp_path: P
     bare = dataclasses.replace(trajectory, contacts=(), events=(), cost=Cost(0.1, 0.1, 5), parameters={})
     bare.save(tmp_path / "run")
     assert_same(Trajectory.load(tmp_path / "run"), bare)
+
+
+def test_a_file_holds_the_inner_samples(run: Trajectory, tmp_path: Path):
+    run.save(tmp_path / "run.npz")
+    time = np.linspace(0.0, run.time[-1], 50)
+    assert run.inner_samples is not None
+    assert run.inner_samples.time.size
+    assert np.array_equal(Trajectory.load(tmp_path / "run.npz").at(time).rates, run.at(time).rates)
 
 
 def test_saving_again_replaces(trajectory: Trajectory, tmp_path: Path):

@@ -6,6 +6,7 @@ Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 poi
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
@@ -79,11 +80,20 @@ def styled() -> Iterator[None]:
         yield
 
 
+class NotebookFigure(Figure):
+    """A figure that a notebook shows without pyplot: matplotlib registers its own pictures only where that is imported."""
+
+    def _repr_png_(self) -> bytes:
+        picture = io.BytesIO()
+        self.savefig(picture, format="png", dpi=100)
+        return picture.getvalue()
+
+
 def blank_figure(width_cm: float, height_cm: float, dots_per_inch: float = 200.0) -> Figure:
     """Return an empty figure of a printed size in cm."""
     size = (width_cm / CENTIMETRES_PER_INCH, height_cm / CENTIMETRES_PER_INCH)
     with styled():
-        return Figure(figsize=size, dpi=dots_per_inch)
+        return NotebookFigure(figsize=size, dpi=dots_per_inch)
 
 
 def axes_at(figure: Figure, left: float, bottom: float, width: float, height: float, **options: Any) -> Axes:

@@ -35,10 +35,14 @@ class Plan:
 
 @dataclass(slots=True)
 class Recording:
-    """What a run leaves behind, in engine units; ``seconds`` are wall clock and processor time."""
+    """What a run leaves behind, in engine units; ``seconds`` are wall clock and processor time.
+
+    ``inner`` are states between ``states`` that a sustained contact's geometry gives.
+    """
 
     states: list[State] = field(default_factory=list)
     forces: list[float] = field(default_factory=list)
+    inner: list[State] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     contacts: list[ContactRecord] = field(default_factory=list)
     error: float = 0.0

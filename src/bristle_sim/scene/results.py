@@ -13,7 +13,7 @@ from bristle_sim.scene.plan import Recording
 from bristle_sim.scene.time_scales import motion_scale
 from bristle_sim.scene.units import Units
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
+from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, InnerSamples, Trajectory
 
 __all__ = ["contact_in_si", "note_absences", "trajectory_in_si"]
 
@@ -65,7 +65,19 @@ def trajectory_in_si(
         parameters=parameters,
         contact_at_end=recording.contact_at_end,
         stop_detail=recording.stop_detail,
+        inner_samples=_inner_samples(recording, scene, units),
     )
+
+
+def _inner_samples(recording: Recording, scene: Scene, units: Units) -> InnerSamples | None:
+    if not recording.inner:
+        return None
+    count, links = len(recording.inner), len(recording.states[0].angles)
+    time = np.array([state.time for state in recording.inner])
+    angles = np.array([state.angles for state in recording.inner]).reshape(count, links)
+    rates = np.array([state.rates for state in recording.inner]).reshape(count, links)
+    line, velocity = scene.mechanism.centre_line(time, angles, rates)
+    return InnerSamples(time * units.time, angles, rates / units.time, line * units.length, velocity * units.velocity)
 
 
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:

@@ -23,7 +23,7 @@ from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.tool import METHOD, build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
-from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
+from bristle_sim.trajectory import ContactRecord, Cost, Event, InnerSamples, Trajectory
 
 __all__ = ["resume", "simulated_with"]
 
@@ -232,8 +232,21 @@ def _joined(
         cost=_sum(first.cost, rest.cost),
         contact_at_end=rest.contact_at_end,
         stop_detail=rest.stop_detail,
+        inner_samples=_inner_samples(first, rest, begin),
         parameters={**first.parameters, "settings": dataclasses.asdict(settings), "stop_after": stop_after},
     )
+
+
+def _inner_samples(first: Trajectory, rest: Trajectory, begin: float) -> InnerSamples | None:
+    """Return those of both parts."""
+    one, other = first.inner_samples, rest.inner_samples
+    if other is None:
+        return one
+    other = dataclasses.replace(other, time=begin + other.time)
+    if one is None:
+        return other
+    names = (each.name for each in dataclasses.fields(InnerSamples))
+    return InnerSamples(*(np.concatenate([getattr(one, each), getattr(other, each)]) for each in names))
 
 
 def _later(contact: ContactRecord, begin: float) -> ContactRecord:

@@ -13,6 +13,8 @@ from bristle_sim.scene.engine_contact import (
     sustained_contact_record,
 )
 from bristle_sim.scene.event_functions import EventFunction, in_touch
+from bristle_sim.scene.events import interpolate
+from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
@@ -20,6 +22,12 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactAtEnd
 
 __all__ = ["InSustainedContact"]
+
+SHORTEST_SAMPLED = 2e-3
+"""Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
+
+CUBIC = 0.1
+"""Error of the cubic's rate, as a fraction of the requested one, above which the middle alone is not enough."""
 
 
 class InSustainedContact(ContactState):
@@ -73,7 +81,9 @@ class InSustainedContact(ContactState):
         self.sums = tuple(a + b for a, b in zip(self.sums, result.totals[1:], strict=True))
         if self.before is not None and length > 0.0:
             self.slope = (result.totals[0] - self.before.totals[0]) / length
-        progress.state = set_back(progress.mechanism, self.obstacle, result.state, self.contact.piece)
+        start, piece = progress.state, self.contact.piece
+        progress.state = set_back(progress.mechanism, self.obstacle, result.state, piece)
+        self._sample_between(start, progress.state, piece)
         self.before = result
         self._engage()
         progress.recording.error += result.error
@@ -81,6 +91,20 @@ class InSustainedContact(ContactState):
         near = self.ending and 0.0 < -self.slope * 4.0 * length > result.totals[0]
         self.limit = length if near else max(2.0 * length, 0.0 if self.ending else progress.first_interval)
         return None
+
+    def _sample_between(self, start: State, end: State, piece: int | None) -> None:
+        """Record states within an interval: those of a single link in touch follow from the geometry alone."""
+        length, progress = end.time - start.time, self.progress
+        if length < SHORTEST_SAMPLED or len(start.angles) > 1:
+            return
+
+        def state_at(fraction: float) -> State:
+            return set_back(progress.mechanism, self.obstacle, interpolate(start, end, fraction), piece)
+
+        guess, middle = interpolate(start, end, 0.5).angles[-1], state_at(0.5)
+        # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
+        near = 8.0 * abs(middle.angles[-1] - guess) <= CUBIC * progress.plan.accuracy * length * abs(middle.rates[-1])
+        progress.recording.inner += [middle] if near else [state_at(0.25), middle, state_at(0.75)]
 
     def _engage(self) -> None:
         """Have the engine's contact act from the state that was reached; stop where no force keeps the link on it."""

@@ -1,6 +1,6 @@
 """Trajectories, the results of runs: motion, events, contacts; saved, tabulated, interpolated and drawn."""
 
-from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event
+from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event, InnerSamples
 from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event", "Trajectory"]
+__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event", "InnerSamples", "Trajectory"]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event"]
+__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event", "InnerSamples"]
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,21 @@ class Cost:
     cpu_s: float
     steps: int
     error_estimate: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class InnerSamples:
+    """The motion between the samples of a run, where it is known from the geometry of a sustained contact.
+
+    Attributes:
+        time, angles, rates, centre_line, centre_line_velocity: as in Trajectory.
+    """
+
+    time: Array
+    angles: Array
+    rates: Array
+    centre_line: Array
+    centre_line_velocity: Array
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ import numpy as np
 
 from bristle_sim.files import complete_or_absent
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event
+from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event, InnerSamples
 
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
@@ -33,6 +33,9 @@ ARRAYS = (
     "normal_force",
 )
 
+INNER = tuple(each.name for each in dataclasses.fields(InnerSamples))
+"""Names of the inner samples' arrays, which a file may leave out."""
+
 
 def write(run: Trajectory, path: str | Path) -> None:
     """Write everything to one npz file of exactly that name, with no suffix added; it appears only when complete.
@@ -41,6 +44,9 @@ def write(run: Trajectory, path: str | Path) -> None:
         OSError: naming the file, if it cannot be written.
     """
     arrays: dict[str, Any] = {name: getattr(run, name) for name in ARRAYS}
+    if run.inner_samples is not None:
+        for name in INNER:
+            arrays[f"inner_{name}"] = getattr(run.inner_samples, name)
     contacts = []
     for number, contact in enumerate(run.contacts):
         row = dataclasses.asdict(dataclasses.replace(contact, history=None))
@@ -86,6 +92,9 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def _arguments(meta: dict[str, Any], stored: Any) -> dict[str, Any]:
+    inner = None
+    if "inner_time" in stored:
+        inner = InnerSamples(**{name: stored[f"inner_{name}"] for name in INNER})
     return {
         **{name: stored[name] for name in ARRAYS},
         "hub_speed": meta["hub_speed"],
@@ -96,6 +105,7 @@ def _arguments(meta: dict[str, Any], stored: Any) -> dict[str, Any]:
         "parameters": meta["parameters"],
         "contact_at_end": ContactAtEnd(**meta["contact_at_end"]),
         "stop_detail": meta.get("stop_detail", ""),
+        "inner_samples": inner,
     }
 
 

@@ -14,7 +14,7 @@ from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workp
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot
-from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event
+from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples
 from bristle_sim.trajectory.storage import read, write
 from bristle_sim.trajectory.summary import summary, summary_page
 from bristle_sim.trajectory.tables import to_dataframe, to_xarray
@@ -45,6 +45,7 @@ class Trajectory:
         parameters: what was simulated, as plain numbers and words.
         contact_at_end: see ContactAtEnd; the reference leaves it out.
         stop_detail: what a contact law that gave up said, with its remedy; empty for any other stop.
+        inner_samples: of sustained contacts, for ``at``; None where there are none, and of the reference.
     """
 
     time: Array
@@ -64,6 +65,7 @@ class Trajectory:
     parameters: dict[str, Any] = field(default_factory=dict)
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     stop_detail: str = ""
+    inner_samples: InnerSamples | None = None
 
     @property
     def tip(self) -> Array:
