@@ -20,7 +20,7 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
-import psutil
+import psutil  # type: ignore[import-untyped]
 import xarray as xr
 
 from bristle_sim.benchmarks.accuracy_cost.machine import surroundings
@@ -65,10 +65,10 @@ def _loky() -> Iterator[Any]:
 def _dask() -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
-    cluster = LocalCluster(
+    cluster = LocalCluster(  # type: ignore[no-untyped-call]
         n_workers=PROCESSES, threads_per_worker=1, protocol="tcp://", dashboard_address=None, silence_logs=50
     )
-    with cluster, Client(cluster) as client:
+    with cluster, Client(cluster) as client:  # type: ignore[no-untyped-call]
         yield client.get_executor()
 
 
@@ -98,7 +98,7 @@ def _cpu() -> float:
     """CPU time of this process and of all that it has started and that are alive, s."""
     own = psutil.Process()
     times = [each.cpu_times() for each in (own, *own.children(recursive=True))]
-    return sum(each.user + each.system for each in times)
+    return float(sum(each.user + each.system for each in times))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
