@@ -66,7 +66,7 @@ def _dask() -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
     cluster = LocalCluster(  # type: ignore[no-untyped-call]
-        n_workers=PROCESSES, threads_per_worker=1, protocol="tcp://", dashboard_address=None, silence_logs=50
+        n_workers=PROCESSES, threads_per_worker=1, protocol="tcp://", dashboard_address=":0", silence_logs=50
     )
     with cluster, Client(cluster) as client:  # type: ignore[no-untyped-call]
         yield client.get_executor()

@@ -182,8 +182,7 @@ class _ExecutorBackend(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[
     supports_retrieve_callback = True
 
     MIN_IDEAL_BATCH_DURATION, MAX_IDEAL_BATCH_DURATION = 2.0, 10.0
-    """Duration that the size of batches aims at, s; it includes the wait for the batches before, four to a process. A batch
-    costs some 10 ms of CPU in a Dask cluster's scheduler and client, so half a second of work keeps that at 2 %."""
+    """Duration that the size of batches aims at, s; it includes the wait for the batches before, four to a process."""
 
     def __init__(self, executor: Executor) -> None:
         super().__init__()
