@@ -171,8 +171,7 @@ PROMISES = {
         ),
         (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", "accuracy", "map_points"),
         lists={"moves": {"key", "value", "bar_direction_for_radial_strike_deg", "relative_speed_at_contact"}},
-        quick=("--set", "map_points=4"),
-        integrates=True,
+        quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-4"),
         strikes=False,
     ),
     "whole_tool": Promise(

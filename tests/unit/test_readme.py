@@ -33,6 +33,7 @@ def test_the_python_examples_run(
 ) -> None:
     """One after the other, as in a notebook."""
     pytest.importorskip("xarray")
+    pytest.importorskip("distributed")
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
     for block in PYTHON:
@@ -42,7 +43,9 @@ def test_the_python_examples_run(
     assert first.energy_change < 0.0
     assert first.phases[0] == "compression slip"
     assert names["found"]["impulse"].shape == (3, 2)
-    assert {path.name for path in tmp_path.iterdir()} == {"own.csv", "pass.npz", "tool.toml"}
+    assert names["on_cores"].load().identical(names["found"])
+    assert names["on_cluster"].identical(names["found"])
+    assert {path.name for path in tmp_path.iterdir()} == {"own.csv", "pass.npz", "tool.toml", "passes"}
     said = capsys.readouterr().out.splitlines()
     assert said[0].startswith("rebound at ")
     assert said[-1].startswith("rebound (")

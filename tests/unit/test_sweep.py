@@ -194,7 +194,7 @@ def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tm
     space = {"x": np.arange(24.0)}
     function = functools.partial(counted, folder=str(tmp_path), killed_at=11.0)
     cluster = distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, protocol="tcp://", dashboard_address=None, silence_logs=50
+        n_workers=2, threads_per_worker=1, protocol="tcp://", dashboard_address=":0", silence_logs=50
     )
     with cluster, distributed.Client(cluster) as client:
         with joblib.parallel_config(backend="dask"):

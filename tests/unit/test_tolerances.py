@@ -1,6 +1,7 @@
 """Sobol indices and error propagation, against models whose answers are known in closed form."""
 
 import math
+import re
 from functools import partial
 
 import numpy as np
@@ -130,6 +131,9 @@ def test_a_report_has_a_row_for_every_output():
     # A damping ratio cannot be negative: its interval is cut off at its value, 0.
     assert all(row["low"] <= row["mean"] <= row["high"] for row in report.extra["rows"])
     assert report.extra["rounding"] == []
+    told = "\n".join(report.remarks)
+    assert re.search(r"penetration +0\.0001 m +as given", told)
+    assert re.search(r"belt_damping_ratio +0\.01 1 +assumed: 0\.018 explains", told)
 
 
 def test_rounding_of_the_print():

@@ -165,7 +165,7 @@ def _parallel(workers: int | Executor | None) -> joblib.Parallel:
         workers = client.get_executor()
     if isinstance(workers, Executor):
         backend = _ExecutorBackend(workers)
-        return joblib.Parallel(_slots(workers), backend=backend, return_as="generator", pre_dispatch="8 * n_jobs")
+        return joblib.Parallel(_slots(workers), backend=backend, return_as="generator", pre_dispatch="4 * n_jobs")
     return joblib.Parallel(n_jobs=workers, return_as="generator")
 
 
@@ -180,6 +180,9 @@ class _ExecutorBackend(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[
     """An executor of concurrent.futures as a backend of joblib."""
 
     supports_retrieve_callback = True
+
+    MIN_IDEAL_BATCH_DURATION, MAX_IDEAL_BATCH_DURATION = 2.0, 10.0
+    """Duration that the size of batches aims at, s; it includes the wait for the batches before, four to a process."""
 
     def __init__(self, executor: Executor) -> None:
         super().__init__()

@@ -136,7 +136,7 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
         outcome=None,
         quantities=tuple(_quantities(rows)),
         wall_s=clock.perf_counter() - started,
-        remarks=_remarks(rows, rounding),
+        remarks=(*_remarks(rows, rounding), "", *_reasons(spreads)),
         extra={"rows": rows, "rounding": rounding},
         subject=study,
     )
@@ -166,6 +166,16 @@ def _quantities(rows: Sequence[Mapping[str, Any]]) -> list[Quantity]:
         found.append(Quantity(f"{row['output']}_mean", unit, row["mean"]))
         found.append(Quantity(f"{row['output']}_std", unit, row["std"], row["std_first_order"]))
     return found
+
+
+def _reasons(spreads: Spreads) -> list[str]:
+    """Say how far each input is spread, and why."""
+    lines = ["half-widths of the inputs' intervals:"]
+    for each in dataclasses.fields(spreads):
+        declared, half_width = each.metadata["declaration"], getattr(spreads, each.name)
+        reason = declared.source if half_width == each.default else "as given"
+        lines.append(f"{each.name:<20}{half_width:>9.3g} {declared.unit:<8} {reason}")
+    return lines
 
 
 def _remarks(rows: Sequence[Mapping[str, Any]], rounding: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
