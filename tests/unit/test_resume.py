@@ -207,12 +207,12 @@ REFUSED = {
         ("reference", "one that simulate() returned"),
         ("nothing", "one that simulate() returned"),
         ("stop", "stop_after = 'lunch': must be one of bar touch"),
-        ("settings", "settings = 1e-06: Settings or None are allowed"),
+        ("settings", "settings = 1e-06: must be Settings or None"),
         ("array", "stop_after = array([0., 0.]): must be one of"),
     ],
 )
 def test_what_cannot_be_resumed_says_why(name: str, words: str) -> None:
-    with pytest.raises(ValueError, match=r"allowed|must be") as refusal:
+    with pytest.raises(ValueError, match="must be") as refusal:
         REFUSED[name]()
     assert words in str(refusal.value)
     assert "\n" not in str(refusal.value)
