@@ -203,7 +203,7 @@ REFUSED = {
     ("name", "words"),
     [
         ("jam", "trajectory that stopped for jam"),
-        ("end", "hub_turn = 4.71239: more than the turn so far"),
+        ("end", "hub_turn = 4.71239: must be more than the turn so far"),
         ("reference", "one that simulate() returned"),
         ("nothing", "one that simulate() returned"),
         ("stop", "stop_after = 'lunch': must be one of bar touch"),
