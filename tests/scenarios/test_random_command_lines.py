@@ -37,6 +37,9 @@ LIMIT = 30.0
 LONG = {"accuracy_cost", "dissertation_audit", "dissertation_figures", "hard_cases"}
 """Scenarios whose keys choose among fixed work, of minutes in all; the suite runs them elsewhere, by their quick parts."""
 
+SMALL = {"tolerances": ("samples=2", "rounding=no"), "cue_map": ("map_points=2",)}
+"""Settings that keep scenarios short that take thousands of passes, with progress and time left, by default."""
+
 FEW = 4
 """Command lines of each scenario in the suite."""
 
@@ -91,8 +94,10 @@ def command_line(scenario: Scenario, number: int) -> list[str]:
     """One to four keys with random values; the same for the same number."""
     chance = random.Random(f"{SEED} {scenario.name} {number}")
     keys = scenario.keys()
+    small = SMALL.get(scenario.name, ())
+    keys = {key: each for key, each in keys.items() if not any(one.startswith(f"{key}=") for one in small)}
     chosen = chance.sample(sorted(keys), min(chance.choice((1, 1, 2, 3, 4)), len(keys)))
-    settings = [f"{key}={value(chance, *keys[key])}" for key in chosen if not reads_a_file(key)]
+    settings = [*small, *(f"{key}={value(chance, *keys[key])}" for key in chosen if not reads_a_file(key))]
     return ["--json", "-", *(part for setting in settings for part in ("--set", setting))]
 
 
