@@ -77,7 +77,7 @@ def simulate_reference(
 
     A wire of several links moves as the module ``mechanics`` says. Flight of a straight rigid bristle obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
     + m g (L/2) sin(psi + alpha) = 0; a knee moves the centre of mass. A touch obeys the energetic impact law, and a
-    sustained contact gap = 0 with a force that pushes. A rebound too low to be told from rounding (1e-10 of hub radius
+    sustained contact gap = 0 with a force that pushes. A rebound too low to be distinguished from rounding (1e-10 of hub radius
     and length) counts as none, so that ever smaller taps become a sustained contact.
 
     Args:

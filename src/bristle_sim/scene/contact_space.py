@@ -9,7 +9,7 @@ the part B' of B = M^-1/2 C^T that is orthogonal to the columns of A = M^-1/2 J^
 
 One orthogonal factorization [A B] = Q R gives both, B' = Q_2 R_22, so K = R_22^T R_22 is symmetric and positive
 semidefinite whatever the mass ratios. With the tangential column first, R_22 = ((t, c), (0, s)) also tells what K has lost
-to rounding where a heavy body leaves the tip hardly a way out of stick: the normal compliance in stick, s^2, which is
+to rounding where a heavy body leaves a sticking tip hardly any compliance: the normal compliance in stick, s^2, which is
 K_nn - K_nt^2/K_tt, to the square root of the error that this difference has. There the impulses are large, and their
 effects nearly cancel in dV; the same dV comes without cancellation from what they do to the tip,
 
@@ -41,10 +41,11 @@ CANCELS = 100.0
 does: two digits are kept in any case."""
 
 SINGULAR = 64.0 * sys.float_info.epsilon
-"""A way out of stick below this fraction of the normal column is rounding: the contact has one degree of freedom."""
+"""A compliance in stick whose root is below this fraction of the normal column is rounding: the contact has one degree of
+freedom."""
 
 WEAK = 1e-2
-"""A way out of stick below this fraction of the normal column has lost digits worth getting back."""
+"""A compliance in stick whose root is below this fraction of the normal column has lost digits worth getting back."""
 
 DEPENDENT = 1e-12
 """A joint whose scaled rows are shortened to this fraction by orthogonalization repeats what other joints already say."""
@@ -205,7 +206,7 @@ def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:
-    """Give the way out of stick, the last column of the basis, and its part of the normal column their digits back.
+    """Restore the digits of the motion left in stick, the last column of the basis, and of its part of the normal column.
 
     Nearly all of it is motion of the heavy bodies; what the light ones do is small beside rounding of the whole. It is
     what the joints and stick, the other columns, make of it, and that correction is accurate (iterative refinement).
