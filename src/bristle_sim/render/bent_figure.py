@@ -98,10 +98,15 @@ def _draw_in_touch(speeds: Axes, slides: Axes, shape: str, contact: ContactRecor
     time = MICROSECONDS * (history.time - history.time[0])
     path = MILLIMETRES * slide_path(history)
     deepest, farthest = int(np.argmax(history.penetration)), int(np.argmax(path))
+    # Slip that only stops, because the tip sticks, does not turn back.
+    turns = history.tangential_velocity.min() < -1e-3 * history.tangential_velocity.max()
     for axes, values in ((speeds, history.tangential_velocity), (slides, path)):
         axes.plot(time, values, color=colour, gid=f"in touch {shape}")
         axes.plot(time[deepest], values[deepest], "o", color=colour, markersize=4.5, zorder=3)
-        axes.plot(time[farthest], values[farthest], "D", color=colour, markersize=5.5, markerfacecolor="none", zorder=4)
+        if turns:
+            axes.plot(
+                time[farthest], values[farthest], "D", color=colour, markersize=5.5, markerfacecolor="none", zorder=4
+            )
 
 
 def _finish_places(wires: Axes, paths: Axes) -> None:
