@@ -122,6 +122,14 @@ def test_figure_ends_wires_and_paths_at_the_strike(knee: float) -> None:
     ]
 
 
+@pytest.mark.parametrize(("friction", "turning"), [(0.31, 3), (0.6, 0)])
+def test_figure_marks_slip_that_turns_back_and_not_slip_that_stops(friction: float, turning: int) -> None:
+    """Friction above tan(23.4 deg) = 0.43 stops the tip of a straight rod for good, and of these bent ones too."""
+    tool = dataclasses.replace(TOOL, workpart=Workpart(friction=friction))
+    speeds = bent_figure(bent_bristles(tool, Settings()).subject).axes[2]
+    assert [line.get_marker() for line in speeds.lines].count("D") == turning
+
+
 def test_figure_of_bristles_that_never_strike_says_so() -> None:
     tool = dataclasses.replace(TOOL, workpart=Workpart(penetration=-5e-3))
     figure = bent_figure(bent_bristles(tool, Settings()).subject)

@@ -100,7 +100,7 @@ def _draw_plies(axes: Axes, study: CraterStudy) -> None:
     axes.axhline(MICRO * limit, color=BLUE, dashes=(1, 1.5), linewidth=0.9, label=f"limit {MICRO * limit:.2f} µm")
     own = float(merchant_depth_sum(crater, crater.plies))
     axes.plot([crater.plies], [MICRO * own], label=f"{MICRO * own:.2f} µm with {crater.plies:g}", **OWN)
-    axes.legend(loc="lower right", labelspacing=0.3)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.05), labelspacing=0.3)
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
@@ -243,7 +243,7 @@ def _draw_constants(axes: Axes, study: CraterStudy) -> None:
     axes.set_xscale("log")
     axes.set_xticks(TICKS, [f"{each:g}" for each in TICKS])
     axes.minorticks_off()
-    axes.set(xlim=(LOWEST, HIGHEST), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (deg)")
+    axes.set(xlim=(LOWEST, HIGHEST), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (°)")
     axes.legend(loc="lower left", title="impact angle", labelspacing=0.3, title_fontsize=7.0)
     words = "solid: the shear\nplane comes out\nof the surface"
     note(axes, words, (0.97, 0.82), (0.0, 0.0), xycoords="axes fraction", ha="right", va="top")

@@ -202,13 +202,14 @@ def _formulas(tool: Tool) -> dict[str, float | None]:
 def _remarks(trajectory: Trajectory) -> tuple[str, ...]:
     cost = trajectory.cost
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    events = ", ".join(f"{event.name} {1e3 * event.time:.4f} ms" for event in trajectory.events[:8])
+    notable = trajectory.notable_events
+    events = ", ".join(f"{event.name} {1e3 * event.time:.4f} ms" for event in notable[:8])
     given_up = (
         f"given up at {1e3 * trajectory.time[-1]:.4f} ms: {trajectory.stop_reason}; {trajectory.stop_advice}; what"
         " happened before holds"
     )
     return (
-        f"events: {events}{', ...' if len(trajectory.events) > 8 else ''}",
+        f"events: {events}{', ...' if len(notable) > 8 else ''}",
         f"stopped: {trajectory.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
         *([given_up] if trajectory.stop_reason.gives_up else []),
     )

@@ -24,8 +24,9 @@ WIDTH = 260
 def summary(run: Trajectory) -> str:
     """Describe samples, strike, events, why the run stopped, and cost: one line each."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
-    events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in run.events[:SHOWN])
-    more = f" and {len(run.events) - SHOWN} more" if len(run.events) > SHOWN else ""
+    notable = run.notable_events
+    events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:SHOWN])
+    more = f" and {len(notable) - SHOWN} more" if len(notable) > SHOWN else ""
     cost, estimate = run.cost, run.cost.error_estimate
     error = "" if estimate is None else f", error estimate {estimate:.1e}"
     lines = (

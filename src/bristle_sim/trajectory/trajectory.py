@@ -23,6 +23,9 @@ __all__ = ["Trajectory"]
 
 Array = NDArray[np.float64]
 
+NOTABLE = 0.01
+"""Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""
+
 
 @dataclass(frozen=True, slots=True, repr=False)
 class Trajectory:
@@ -107,6 +110,22 @@ class Trajectory:
         name = checked_event("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
         times = [event.time for event in self.events if event.name == name and event.time <= before]
         return (times[-1] if last else times[0]) if times else None
+
+    @property
+    def notable_events(self) -> tuple[Event, ...]:
+        """Events but for extremes of the motion relative to the hub below a hundredth of the largest in the run.
+
+        A bent wire that the hub carries along swings by a tenth of a degree before it meets the bar.
+        """
+        extremes = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
+
+        def counts(event: Event) -> bool:
+            if event.name not in extremes:
+                return True
+            size = np.abs(extremes[event.name])
+            return bool(np.interp(event.time, self.time, size) >= NOTABLE * size.max())
+
+        return tuple(event for event in self.events if counts(event))
 
     @property
     def stop_advice(self) -> str:
