@@ -20,7 +20,7 @@ __all__ = ["CloseUp"]
 Array = NDArray[np.float64]
 
 WAY_ALONG, WAY_DOWN = 0.5, 0.26
-"""The most that the tip's ways along and into the surface may take of the drawing's width."""
+"""The most that the tip's displacements along and into the surface may take of the drawing's width."""
 
 LEAST_DOWN = 0.08
 """The depth of a grazing tip is stretched until it takes this much."""
@@ -33,7 +33,7 @@ ABOVE, BELOW = 0.55, 0.62
 
 
 class CloseUp:
-    """A drawing one unit wide, in which the tip's ways are ``scale`` units a metre, in depth ``stretch`` times more.
+    """A drawing one unit wide, in which the tip's displacements are ``scale`` units a metre, in depth ``stretch`` times more.
 
     Ways are to scale; rod and dent are not.
     """

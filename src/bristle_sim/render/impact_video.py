@@ -111,7 +111,7 @@ class ImpactScene(FilmScene):
         rods = whole.get_window_extent().height / float(np.ptp(whole.get_ylim()))
         ways = near.get_window_extent().width * self.close_up.scale
         deeper = f", depth {self.close_up.stretch:.2g} times more" if self.close_up.stretch > 1.0 else ""
-        words = f"the tip's ways are drawn {_rounded(ways / rods)} times larger than the rods{deeper}"
+        words = f"the tip's displacements are drawn {_rounded(ways / rods)} times larger than the rods{deeper}"
         figure.text(near.get_position().x0, 0.028, words, fontsize=0.58 * self.letters, color=GREY)
 
     def _describe(self, impacts: Impacts) -> None:
