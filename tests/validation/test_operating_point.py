@@ -210,7 +210,7 @@ class TestReturn:
 
 
 def test_accuracy_converges_on_one_answer() -> None:
-    """Relative speed at the strike: each accuracy asked for is met, against the reference at 1e-12."""
+    """Relative speed at the strike: each accuracy requested is met, against the reference at 1e-12."""
     reference = simulate_reference(Tool(), stop_after="strike", accuracy=1e-12).first_contact("workpart")
     assert reference is not None
     for accuracy in (1e-3, 1e-5, 1e-7, 1e-9):

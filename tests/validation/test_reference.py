@@ -140,7 +140,7 @@ class TestFlight:
     def test_belt_oscillation_is_a_complex_exponential(self, damping):
         """With the root on the hub's axis the centrifugal term vanishes: a damped harmonic oscillator.
 
-        Tolerance: a hundred times the accuracy asked for, of angles and rates of the order of 1 and the natural rate.
+        Tolerance: a hundred times the accuracy requested, of angles and rates of the order of 1 and the natural rate.
         """
         tool = replace(FREE, hub=Hub(radius=0.0), belt=Belt(damping_ratio=damping))
         angle, rate, natural = -0.6, 300.0, natural_rate(tool)
@@ -164,7 +164,7 @@ class TestFlight:
         _, cosine, delta, _ = ellipj(rate * run.time, modulus)
         swing = run.relative_angle if speed else run.angles[:, 0]
         expected = 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta)
-        # A hundred times the accuracy asked for.
+        # A hundred times the accuracy requested.
         np.testing.assert_allclose(swing, expected, rtol=0.0, atol=1e-10)
         quarter = ellipk(modulus) / rate
         assert run.event_time("highest relative speed") == pytest.approx(quarter, rel=1e-9)
@@ -175,7 +175,7 @@ class TestFlight:
         angle, rate = run.relative_angle, run.relative_rate
         kinetic = 0.5 * FREE.bristle.inertia_about_root * rate**2
         jacobi = kinetic + 0.5 * FREE.belt.stiffness * angle**2 - centrifugal_stiffness(FREE) * np.cos(angle)
-        # A hundred times the accuracy asked for, of the energy that swings to and fro.
+        # A hundred times the accuracy requested, of the energy that swings to and fro.
         assert np.ptp(jacobi) < 1e-10 * np.ptp(kinetic)
 
     def test_energies_are_those_of_the_rods_elements(self):
@@ -201,7 +201,7 @@ class TestFlight:
         drop = FREE.belt.stiffness * RETRACTED**2 + 2.0 * centrifugal_stiffness(FREE) * (1.0 - math.cos(RETRACTED))
         assert (run.stop_reason, run.events[-1].name) == (StopReason.EVENT, "highest relative speed")
         assert run.time[-1] == run.event_time("highest relative speed")
-        # A hundred times the accuracy asked for; the instant is where the acceleration, 1e6 rad/s^2 per rad, vanishes.
+        # A hundred times the accuracy requested; the instant is where the acceleration, 1e6 rad/s^2 per rad, vanishes.
         assert run.relative_rate[-1] == pytest.approx(math.sqrt(drop / FREE.bristle.inertia_about_root), rel=1e-8)
         assert run.relative_angle[-1] == pytest.approx(0.0, abs=1e-8)
 
@@ -220,7 +220,7 @@ class TestOperatingPoint:
     def test_numbers_of_two_other_integrations(self, cued):
         """Found with a rigid-body engine and with a stiff damped bar; tolerances are half of their last digits.
 
-        The last touch is ill-conditioned, the wire's end grazes the bar: two digits fewer are asked for.
+        The last touch is ill-conditioned, the wire's end grazes the bar: two digits fewer are required.
         """
         last_touch = cued.event_time("bar release", last=True)
         assert last_touch == pytest.approx(2.95e-3, abs=1e-5)
@@ -239,7 +239,7 @@ class TestOperatingPoint:
             assert each.velocity_after[0] == pytest.approx(-0.42 * each.velocity_before[0], rel=1e-12)
         # Half of the last digit.
         assert run.relative_rate[-2] == pytest.approx(911.9, abs=0.05)
-        # 1e-8: a hundred times the accuracy asked for, and as much for the plain integration.
+        # 1e-8: a hundred times the accuracy requested, and as much for the plain integration.
         expected = plain_pass(0.42)
         assert [each.time for each in run.contacts] == pytest.approx([state[0] for state in expected], rel=1e-8)
         np.testing.assert_allclose((run.relative_angle[-2], run.relative_rate[-2]), expected[-1][1:], rtol=1e-8)
@@ -255,7 +255,7 @@ class TestOperatingPoint:
         run = simulate_reference(replace(operating_point(), workpart=None))
         fastest = np.argmax(run.relative_rate)
         assert run.time[fastest] == run.event_time("highest relative speed")
-        # A hundred times the accuracy asked for.
+        # A hundred times the accuracy requested.
         assert run.relative_angle[fastest] == pytest.approx(0.0, abs=1e-8)
 
     def test_first_tap_lifts_the_wire_off_before_it_is_held(self, cued):
@@ -366,7 +366,7 @@ class TestImpact:
         assert (run.event_time("jam") is not None) == (outcome == "jam")
 
     def test_elastic_frictionless_bounces_keep_the_energy(self):
-        """Hub at rest, e = 1, mu = 0, no damping: nothing does work; a hundred times the accuracy asked for."""
+        """Hub at rest, e = 1, mu = 0, no damping: nothing does work; a hundred times the accuracy requested."""
         tool = Tool(
             hub=Hub(speed=0.0),
             belt=Belt(stiffness=1e-4),
@@ -624,7 +624,7 @@ class TestKnee:
         start = [0.4 - math.pi / 2, speed - 200.0]
         settings = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-12, "t_eval": run.time}
         expected = solve_ivp(motion, (0.0, run.time[-1]), start, **settings).y
-        # A hundred times the accuracy asked for, of angles of the order of 1 and the natural rate.
+        # A hundred times the accuracy requested, of angles of the order of 1 and the natural rate.
         np.testing.assert_allclose(run.angles[:, 0], expected[0], rtol=0.0, atol=1e-10)
         np.testing.assert_allclose(run.rates[:, 0], expected[1], rtol=0.0, atol=1e-10 * natural_rate(tool))
 
@@ -650,7 +650,7 @@ class TestKnee:
         arms = arms * np.exp(1j * run.relative_angle[:, np.newaxis])
         kinetic = 0.5 * np.abs(run.relative_rate[:, np.newaxis] * arms) ** 2 @ masses
         centrifugal = 0.5 * tool.hub.speed**2 * np.abs(arms - 1j * tool.hub.radius) ** 2 @ masses
-        # A hundred times the accuracy asked for, of the energy that swings to and fro.
+        # A hundred times the accuracy requested, of the energy that swings to and fro.
         assert np.ptp(kinetic + 0.5 * tool.belt.stiffness * run.relative_angle**2 - centrifugal) < 1e-10 * np.ptp(
             kinetic
         )
