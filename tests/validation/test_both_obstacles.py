@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bristle_sim.benchmarks.hard_cases.touching import between, contact_work, deepest, wedge_closes
+from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.contact_laws import contact_at
@@ -17,6 +17,7 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Touch
 from bristle_sim.scene.tool import build_tool, simulate, tool_units
 from bristle_sim.settings import Settings
+from stability.cases.touching import contact_work, deepest, wedge_closes
 
 FEW = Settings(maximum_steps=5000)
 

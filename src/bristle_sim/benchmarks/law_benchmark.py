@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from bristle_sim.benchmarks.accuracy_cost.machine import surroundings
+from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
 from bristle_sim.scene.strike import Chain, build_strike

@@ -23,7 +23,7 @@ import numpy as np
 import psutil  # type: ignore[import-untyped]
 import xarray as xr
 
-from bristle_sim.benchmarks.accuracy_cost.machine import surroundings
+from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import STRIKE_UNITS, strike_of_keys
 from bristle_sim.studies.sweep import sweep

@@ -16,21 +16,21 @@ from bristle_sim.quantity import choice, validate
 __all__ = ["TABLES", "HardCaseChoice", "cases_of", "hard_cases"]
 
 TABLES = {
-    "mass_ratio": "mass_ratio",
+    "mass_ratio": "impacts",
     "belt_stiffness": "motion",
     "damping": "motion",
-    "jam": "jam",
-    "grazing": "grazing",
+    "jam": "impacts",
+    "grazing": "impacts",
     "limits": "impacts",
-    "size": "similarity",
+    "size": "motion",
     "hub_speed": "motion",
-    "tunnelling": "tunnelling",
-    "long_run": "long_run",
-    "chatter": "chatter",
-    "touching": "touching",
-    "budget": "budget",
+    "tunnelling": "motion",
+    "long_run": "motion",
+    "chatter": "contact",
+    "touching": "contact",
+    "budget": "contact",
 }
-"""Module of this package with the table of each theme, which the function of the theme's name returns."""
+"""Module of this package with the rows of each theme, which the function of the theme's name returns."""
 
 
 @dataclass(frozen=True, slots=True)

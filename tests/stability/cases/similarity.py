@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, within, worst
-from bristle_sim.benchmarks.hard_cases.measures import Start, impacts_of
+from bristle_sim.benchmarks.hard_cases.measures import Start, impacts_of, scaled
+from bristle_sim.benchmarks.hard_cases.motion import SIZES
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Bristle, Contact, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.scene.units import Units
@@ -36,17 +37,6 @@ SLOW = 1e-2
 UNITY = Units(1.0, 1.0, 1.0)
 
 POWERS = {"0.82 um, 1.2e-12 kg": Units(2.0**-15, 2.0**-26, 2.0**-8), "14 m, 1.4e3 kg": Units(2.0**9, 2.0**24, 2.0**5)}
-
-SIZES = {
-    "1 um, 1e-12 kg": (1e-6, 1e-12, 1e-3),
-    "10 m, 1e3 kg": (10.0, 1e3, 30.0),
-    "1 um, 1e3 kg": (1e-6, 1e3, 1e3),
-    "10 m, 1e-12 kg": (10.0, 1e-12, 30.0),
-    "1 nm, 1e-30 kg": (1e-9, 1e-30, 1e-3),
-    "500 m, 9e5 kg": (500.0, 9e5, 1e4),
-}
-"""Length in m and mass in kg of a bristle, and a factor of time that keeps belt, hub, gravity and contact within their
-ranges."""
 
 TOOL = Tool(gravity=3e3)
 """A tool with gravity nearly as strong as the tip's centrifugal acceleration, so that it shows."""
@@ -78,26 +68,6 @@ def size() -> list[HardCase]:
         for motion in ("whole pass", "flight", "strike in time")
     ]
     return [*exact, *rounded]
-
-
-def _times(part: Any, **factors: float) -> Any:
-    """Return a part with some of its numbers multiplied; None remains None."""
-    values = {name: getattr(part, name) for name in factors}
-    return replace(part, **{name: value and value * factors[name] for name, value in values.items()})
-
-
-def scaled(tool: Tool, scale: Units) -> Tool:
-    """Return the similar tool."""
-    length, time = scale.length, scale.time
-    return Tool(
-        hub=_times(tool.hub, speed=1.0 / time, radius=length),
-        belt=_times(tool.belt, stiffness=scale.energy),
-        bristle=_times(tool.bristle, length=length, mass=scale.mass, wire_diameter=length),
-        bar=tool.bar and _times(tool.bar, radius=length, horizontal=length, vertical=length),
-        workpart=tool.workpart and _times(tool.workpart, penetration=length),
-        contact=_times(tool.contact, duration=time),
-        gravity=tool.gravity * scale.acceleration,
-    )
 
 
 def _same(motion: str, scale: Units, limit: float) -> Finding:

@@ -11,7 +11,7 @@ from typing import Any
 
 __all__ = ["PACKAGES", "installed", "surroundings"]
 
-PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn", "pybullet")
+PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn")
 
 
 def installed() -> set[str]:
