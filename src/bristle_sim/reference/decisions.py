@@ -115,8 +115,7 @@ def _compliant(system: System, stiffness: float, state: State, point: Point) -> 
 def turn(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
     """Compression ends."""
     spring.deepest, spring.loading = -system.at(state).touch(each.point).gap, False
-    if each.compression is None:
-        each.compression = each.sums
+    each.compression = each.sums
     return state if spring.restitution else part(system, log, each, state)
 
 

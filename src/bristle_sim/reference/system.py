@@ -35,7 +35,7 @@ class Sustained:
     """A contact that lasts: its place, the sense of its slip (0 sticks), since when, and its spring if it is compliant.
 
     ``sums`` are the normal and tangential impulse, N s, and the normal and tangential work, J; ``compression`` those up to
-    the first end of a compliant contact's compression.
+    the last end of a compliant contact's compression.
     """
 
     point: Point

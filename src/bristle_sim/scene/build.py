@@ -13,7 +13,9 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import pymunk
+from numpy.linalg import eigvalsh
 
 from bristle_sim.scene.engine import EngineSteps, placer
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
@@ -268,12 +270,15 @@ def _add_obstacle(
 def _flight_iterations(links: Sequence[Link]) -> int:
     """Return the number of iterations that solve the joints to rounding.
 
-    One joint is solved exactly at once. Along a link the joints at its ends share all of its response, so that each
-    iteration leaves 1/(1 + r) of the error, r being the link's mass over the next one's; errors cross longer chains link
-    by link.
+    The joints at the ends of a link share its response, most of it along a straight chain: 1/m of a link of mass m joins two
+    joints, each of which yields by the sum of it and that of its other link, the root's by its one link alone. Of the matrix
+    with these entries, divided by the roots of its diagonal, an iteration (Gauss and Seidel's) leaves the square of the
+    largest eigenvalue of what is off the diagonal: 1/(1 + r) for two links, r being the first one's mass over the second's.
     """
     if len(links) == 1:
         return 1
-    ratio = min(link.mass / after.mass for link, after in itertools.pairwise(links))
-    rounds = 2.0 - SOLVED / math.log1p(ratio) * (len(links) - 1) ** 2
-    return math.ceil(min(rounds, MOST_ITERATIONS))
+    yielding = 1.0 / np.array([link.mass for link in links])
+    diagonal = yielding + np.append(0.0, yielding[:-1])
+    shared = yielding[:-1] / np.sqrt(diagonal[:-1] * diagonal[1:])
+    largest = eigvalsh(np.diag(shared, 1) + np.diag(shared, -1))[-1]
+    return math.ceil(min(2.0 + SOLVED / math.log(min(largest**2, 1.0 - 1e-9)), MOST_ITERATIONS))

@@ -10,6 +10,7 @@ located. As the contact gets shorter the outcome tends to that of the rigid-body
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_integration import ContactIntegration
@@ -52,7 +53,10 @@ class CompliantLaw:
         duration: time in touch, engine units; None is short enough for the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
-        maximum_steps: engine steps after which a contact is given up.
+        maximum_steps: engine steps after which a contact is given up, each counted as the scene's ``work`` counts it.
+        stiffness: of the spring in compression, engine units; None is that of a rigid-body contact of the duration. With
+            one, the duration is only expected: ten times as long a contact is given up.
+        observe: called with the state at each sample of a contact.
     """
 
     name = "compliant"
@@ -63,9 +67,13 @@ class CompliantLaw:
         accuracy: float,
         plain_steps: int | None = None,
         maximum_steps: int = 1_000_000,
+        stiffness: float | None = None,
+        observe: Callable[[State], None] | None = None,
     ) -> None:
         """See the class."""
         self.duration = duration
+        self.stiffness = stiffness
+        self.observe = observe
         self.accuracy = accuracy
         self.plain_steps = plain_steps
         self.maximum_steps = maximum_steps
@@ -95,7 +103,9 @@ class CompliantLaw:
         duration = self.duration or self._shortest(scene, fastest, way_out)
         if -space.velocity[0] * duration * way_out < LEAST_DEPTH:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
-        stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
+        stiffness = self.stiffness
+        if stiffness is None:
+            stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
         load = SpringLoad(scene, touch, space.inverse_mass, stiffness, coefficients)
         longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_interval(scene))
         # Rounding of the normal velocity turns the lightest link, of inertia 1/3, by as much over the root of K_nn/3.
@@ -105,8 +115,8 @@ class CompliantLaw:
         if self.plain_steps is not None:
             stepper = PlainSteps(duration / self.plain_steps)
         expected = Expectation.of(duration, longest, rigid.outcome_name, len(scene.links))
-        contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected))
-        outcome = contact.run(scene.steps + self.maximum_steps)
+        contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected), self.observe)
+        outcome = contact.run(scene.work + self.maximum_steps)
         names, constant = (obstacle.name, self.name, outcome), None if expected.moves else space.inverse_mass
         after = contact.motion.state
         return after, contact.course.record(names, state, after, constant)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -60,9 +61,10 @@ class ContactIntegration:
         course: what is recorded.
     """
 
-    def __init__(self, motion: ContactMotion) -> None:
-        """Begin at the first touch."""
+    def __init__(self, motion: ContactMotion, observe: Callable[[State], None] | None = None) -> None:
+        """Begin at the first touch; ``observe`` is called with the state at each sample."""
         self.motion = motion
+        self.observe = observe
         self.expected = motion.expected
         self.outcome: str | None = None
         self.course = ContactCourse()
@@ -73,7 +75,7 @@ class ContactIntegration:
         self._sample()
 
     def run(self, last: int) -> str:
-        """Integrate until the contact is over, up to a number of steps of the scene, and return the outcome.
+        """Integrate until the contact is over, up to so much of the scene's ``work``, and return the outcome.
 
         Raises:
             ValueError: if the contact comes to no end.
@@ -92,7 +94,7 @@ class ContactIntegration:
         for _ in range(most):
             if self.outcome:
                 return
-            if self.motion.scene.steps > last:
+            if self.motion.scene.work > last:
                 raise ValueError(OUT_OF_STEPS)
             self._interval()
         raise ValueError(ENDLESS.format(most))
@@ -200,3 +202,5 @@ class ContactIntegration:
 
     def _sample(self) -> None:
         self.course.rows.append(self.motion.sample(touches=self.outcome != "rebound"))
+        if self.observe is not None:
+            self.observe(self.motion.state)

@@ -33,8 +33,11 @@ that the belt takes to forget an error, c/k, each spends less."""
 
 
 def damping_rate(scene: Scene) -> float:
-    """Return the engine's rate of damping: it sees the bristle as if free, about its centre, then the joint corrects."""
-    return scene.effects.damping / scene.mechanism.links[0].inertia
+    """Return the engine's rate of damping: it sees links as if free, about their centres, then the joints correct."""
+    links, hinges = scene.mechanism.links, scene.effects.hinges
+    belt = scene.effects.damping / links[0].inertia
+    joints = zip(hinges, links, links[1:], strict=False)
+    return max([belt, *(damping * (1.0 / a.inertia + 1.0 / b.inertia) for (_, damping), a, b in joints)])
 
 
 def damped_interval(scene: Scene) -> float:
