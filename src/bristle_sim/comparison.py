@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Quantity", "Report", "Unfinished", "cells", "finite", "table"]
-
 
 @dataclass(frozen=True, slots=True)
 class Quantity:

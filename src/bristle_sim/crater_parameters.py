@@ -9,8 +9,6 @@ from typing import Any
 
 from bristle_sim.quantity import ANY, Range, count, quantity, shown, validate
 
-__all__ = ["Crater", "ForceHistory", "Measurement", "Text"]
-
 
 @dataclass(frozen=True, slots=True)
 class Text:

@@ -16,8 +16,6 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-__all__ = ["ANY", "Choice", "Range", "check", "choice", "count", "declaration", "quantity", "shown", "validate"]
-
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
 

@@ -8,8 +8,6 @@ from enum import StrEnum
 
 from bristle_sim.quantity import shown
 
-__all__ = ["ABSENCES", "EVENTS", "StopReason", "checked_event"]
-
 EVENTS = (
     "bar touch",
     "bar release",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import inspect
 import math
 import random
@@ -20,7 +19,7 @@ from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 from stability.attempts import BAD, Tally, finite
-from stability.theory_samples import MODULES, WHOLE, samples_of
+from stability.theory_samples import MODULES, WHOLE, public_functions, samples_of
 
 __all__ = ["corner", "trials"]
 
@@ -155,10 +154,7 @@ def _any_answer(answer: object) -> bool:
 
 def _theory(name: str) -> Tally:
     tally = Tally()
-    module = importlib.import_module(f"bristle_sim.theory.{name}")
-    for function in (getattr(module, each) for each in module.__all__):
-        if not inspect.isfunction(function):
-            continue
+    for function in public_functions(name):
         good = samples_of(function)
         for argument in good:
             for value in BAD if argument not in WHOLE else ():

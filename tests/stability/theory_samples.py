@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +13,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES
 
-__all__ = ["MODULES", "WHOLE", "samples_of"]
+__all__ = ["MODULES", "WHOLE", "public_functions", "samples_of"]
 
 MODULES = (
     "cueing",
@@ -69,6 +70,13 @@ OWN: dict[str, dict[str, Any]] = {
 
 WHOLE: dict[str, Any] = {"tool": Tool(), "curve": BRISTLE, "angles": PRINTED_ANGLES}
 """Arguments that are no numbers; not spoilt."""
+
+
+def public_functions(module: str) -> list[Callable[..., Any]]:
+    """Return the functions that a module of the theory defines for others."""
+    loaded = importlib.import_module(f"bristle_sim.theory.{module}")
+    found = (each for name, each in vars(loaded).items() if not name.startswith("_") and inspect.isfunction(each))
+    return [each for each in found if each.__module__ == loaded.__name__]
 
 
 def samples_of(function: Callable[..., Any]) -> dict[str, Any]:

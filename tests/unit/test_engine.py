@@ -1,10 +1,9 @@
-"""The engine's bare calls do, bit for bit, what pymunk's documented ones do, and stand in for them only where they exist."""
+"""The engine's bare calls do, bit for bit, what pymunk's documented ones do."""
 
 import pymunk
 import pytest
 
 from bristle_sim.scene import engine
-from bristle_sim.scene.energetic_contact import EnergeticContact
 
 POINT = (0.1, -0.5)
 
@@ -49,40 +48,9 @@ def test_bare_calls_are_the_documented_ones() -> None:
     assert swing() == swing_by_pymunk()
 
 
-def test_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "lib", None)
-    space, body = pendulum()
-    assert engine.stepper(space) == space.step
-    assert engine.pusher(body) == body.apply_force_at_world_point
-    assert swing() == swing_by_pymunk()
-
-
 def test_the_first_step_is_checked_by_pymunk() -> None:
     """A body without mass would abort the process in the bare call."""
     space = pymunk.Space()
     space.add(pymunk.Body())
     with pytest.raises(AssertionError, match="mass"):
         engine.stepper(space)
-
-
-def bounces() -> list[float]:
-    """Heights of two balls that fall on each other and on a floor, under the energetic law."""
-    space = pymunk.Space()
-    space.gravity, floor = (0.0, -9.81), pymunk.Segment(space.static_body, (-9.0, -1.0), (9.0, -1.0), 1.0)
-    space.add(floor)
-    balls = []
-    for height, sideways in ((0.3, 0.02), (0.7, 0.0)):
-        body = pymunk.Body(1.0, 0.004)
-        body.position = (sideways, height)
-        space.add(body, pymunk.Circle(body, 0.1))
-        balls.append(body)
-    contact = EnergeticContact(space, 0, 0, friction=0.3, restitution=0.5)
-    for _ in range(300):
-        contact.step(1e-3)
-    return [each for body in balls for each in (*body.position, body.angle)]
-
-
-def test_contacts_are_read_alike_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
-    bare = bounces()
-    monkeypatch.setattr(engine, "lib", None)
-    assert bounces() == bare

@@ -114,7 +114,7 @@ def test_every_scenario_is_in_the_table() -> None:
 
 
 def test_named_files_and_headings_exist() -> None:
-    """A picture is named in the commands that make it."""
+    """A picture is named in the commands that make it, but for the drawing of signs, which no result changes."""
     links = set(re.findall(r"\]\(([^)]+)\)", README))
     headings = {
         re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in re.findall(r"^#+ (.*)", README, re.M)
@@ -122,4 +122,6 @@ def test_named_files_and_headings_exist() -> None:
     for link in links:
         assert link[1:] in headings if link.startswith("#") else (ROOT / link).exists(), link
     pictures = {link for link in links if link.startswith("media/")}
-    assert pictures == {word for line in SHELL for word in line.split() if word.startswith("media/")}
+    assert pictures - {"media/strike.svg"} == {
+        word for line in SHELL for word in line.split() if word.startswith("media/")
+    }

@@ -9,8 +9,6 @@ import platform
 from pathlib import Path
 from typing import Any
 
-__all__ = ["PACKAGES", "installed", "surroundings"]
-
 PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn")
 
 

@@ -22,8 +22,6 @@ from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUC
 from bristle_sim.dissertation.audit_tool import tool_rows
 from bristle_sim.quantity import choice, validate
 
-__all__ = ["AuditView", "audit_report", "audit_rows", "shown_number", "terminal_table"]
-
 WIDTH = 100
 """Columns of a terminal that the table fits in."""
 

@@ -33,8 +33,6 @@ from bristle_sim.theory.crater_kinematics import (
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles, specific_cutting_energy
 
-__all__ = ["crater_rows"]
-
 MICRO = 1e6
 MEASURED = 130e-6
 """Measured depth of the crater, m (Zhang 2020, fig. 4.13)."""

@@ -9,7 +9,7 @@ import numpy as np
 from bristle_sim.dissertation.audit_impact import resultant_impulse
 from bristle_sim.dissertation.audit_row import AuditRow, claim, half_unit, missing, number
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, IMPACT_ANGLE
-from bristle_sim.theory.force_fit import ForceFit, fit_force_history
+from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import (
     BALL,
     BRISTLE,
@@ -18,8 +18,7 @@ from bristle_sim.theory.force_history import (
     ForceCurve,
     segment_impulses,
 )
-
-__all__ = ["force_rows"]
+from bristle_sim.theory.force_least_squares import ForceFit
 
 BALL_TIME = 2.328e-3
 """t'_c as the dissertation rounds it, s (Zhang 2020, eq. 3.6)."""

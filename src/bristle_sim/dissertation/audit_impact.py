@@ -13,8 +13,7 @@ from bristle_sim.parameters import Tool, operating_point
 from bristle_sim.theory import monofilament, pendulums
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.impact import energetic_impact
-
-__all__ = ["impact_rows", "strike"]
+from bristle_sim.theory.pendulum_phases import stick_friction
 
 Array = Any
 """A float or an array of floats."""
@@ -236,7 +235,7 @@ def _pendulums() -> tuple[AuditRow, ...]:
     bristle = float(strike(0.31).normal_final_impulse)
     apart = hub_as_rod(700.0) / bristle - 1.0
     mass = heavy_rod_mass(700.0)
-    stick = float(pendulums.stick_friction(700.0, IMPACT_ANGLE, IMPACT_ANGLE)) - math.tan(IMPACT_ANGLE)
+    stick = float(stick_friction(700.0, IMPACT_ANGLE, IMPACT_ANGLE)) - math.tan(IMPACT_ANGLE)
     double = pendulums.double_pendulum_impact
     return (
         claim("fig. 2.26: the degenerated model is Stronge's pendulum", "excellent agreement", "1", alike, alike < 1e-12,
@@ -250,7 +249,7 @@ def _pendulums() -> tuple[AuditRow, ...]:
               f"{abs(apart):.2%} apart at mu = 0.31: the heavy rod has L = 0.027 m where the hub has 0.0275 m; with r_h = L"
               f" the difference is {abs(hub_as_rod(700.0) / _equal_lengths() - 1.0):.3%} at n = 700 and vanishes like 1/n"),
         claim("eq. 2.111: the double pendulum's stiction friction is tan gamma", "tan gamma", "1", stick,
-              abs(stick) < 1e-12, pendulums.stick_friction),
+              abs(stick) < 1e-12, stick_friction),
         claim("eq. 2.64: p_fy is what the impact law gives", "p_fy", "1", _law_difference(), _law_difference() < 1e-12,
               energetic_impact),
     )  # fmt: skip

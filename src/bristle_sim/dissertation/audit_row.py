@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-__all__ = ["DIFFERS", "NOT_COMPUTABLE", "REPRODUCED", "AuditRow", "claim", "half_unit", "missing", "number"]
-
 REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"
 
 SLACK = 1e-9

@@ -14,8 +14,6 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.theory import cueing, monofilament
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["PRINTED_RATE", "SPEED_RATIO", "tool_rows"]
-
 SPEED_RATIO = 3.23
 """R (Zhang 2020, eq. 2.33)."""
 

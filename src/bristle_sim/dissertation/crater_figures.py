@@ -28,8 +28,6 @@ from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, PRINTED_KINEM
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES
 
-__all__ = ["FIGURES"]
-
 Array = NDArray[np.float64]
 
 DEPTH = Axis("crater depth", "µm", 1e6)

@@ -14,8 +14,6 @@ from bristle_sim.dissertation.redrawn import Redrawn, largest_differences
 from bristle_sim.quantity import choice, validate
 from bristle_sim.studies.curves import SOURCES
 
-__all__ = ["NUMBERS", "Selection", "figures_report", "redrawn"]
-
 _BUILDERS: dict[str, Callable[[], Redrawn]] = {
     **{number: partial(impact_figures.impact_figure, number) for number in impact_figures.FIGURES},
     "2.26": impact_figures.single_pendulum_figure,

@@ -26,8 +26,6 @@ from bristle_sim.theory.force_history import (
     segment_impulses,
 )
 
-__all__ = ["FORCE", "MICROSECONDS", "bristle_contact", "bristle_figure", "fit_figure", "points_figure", "table"]
-
 Array = NDArray[np.float64]
 
 NOISE, POINTS = 5.0, 61

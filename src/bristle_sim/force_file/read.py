@@ -25,8 +25,6 @@ from bristle_sim.force_file.layout import (
     is_number,
 )
 
-__all__ = ["read_force_csv"]
-
 Array = NDArray[np.float64]
 
 FEWEST_POINTS = 4

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 
 from bristle_sim.quantity import count, quantity, validate
 
-__all__ = ["WIRE_KEYS", "Bristle"]
-
 Vector = tuple[float, float]
 
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")

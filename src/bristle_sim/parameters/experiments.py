@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 from bristle_sim.quantity import ANY, choice, quantity, validate
 
-__all__ = ["Comparison", "DoublePendulum", "Release", "SinglePendulum", "Strike"]
-
 
 @dataclass(frozen=True, slots=True)
 class Release:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from bristle_sim.quantity import choice, quantity, validate
 
-__all__ = ["RETRACTION_AT_RELEASE", "Bar", "Contact", "Surface", "Workpart"]
-
 RETRACTION_AT_RELEASE = math.radians(44.5)
 """Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
 

@@ -9,8 +9,6 @@ from bristle_sim.parameters.bristle import Bristle
 from bristle_sim.parameters.surroundings import Bar, Contact, Workpart
 from bristle_sim.quantity import quantity, shown, validate
 
-__all__ = ["PRINTED_BELT_STIFFNESS", "Belt", "Hub", "Tool", "operating_point"]
-
 PRINTED_BELT_STIFFNESS = 0.00041
 """Belt stiffness as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree."""
 

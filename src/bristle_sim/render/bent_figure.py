@@ -17,8 +17,6 @@ from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.studies.bent_bristles import BentBristles, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["bent_figure"]
-
 WIDTH, HEIGHT = 16.0, 17.2
 """Printed size, cm."""
 

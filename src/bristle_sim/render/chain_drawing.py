@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE
 from bristle_sim.render.drawing import View, moving_arrow, point_arrow
 
-__all__ = ["ChainDrawing"]
-
 Array = NDArray[np.float64]
 
 ARROW = 0.3

@@ -15,8 +15,6 @@ from bristle_sim.render.colours import BLUE, GREY, LIGHT, SKY, VERMILION
 from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.drawing import draw_scale_bar, moving_arrow, point_arrow
 
-__all__ = ["CloseUp"]
-
 Array = NDArray[np.float64]
 
 WAY_ALONG, WAY_DOWN = 0.5, 0.26

@@ -12,8 +12,6 @@ from scipy.interpolate import PchipInterpolator
 from bristle_sim.render.story import Phase
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-__all__ = ["ContactMotion", "caption", "contact_motion", "intervals"]
-
 Array = NDArray[np.float64]
 
 POINTS = 1500

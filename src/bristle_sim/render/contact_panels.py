@@ -13,8 +13,6 @@ from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.impulse_plane import PHASE_COLOURS
 from bristle_sim.render.style import scale_for
 
-__all__ = ["NORMAL", "TANGENTIAL", "ContactPanels"]
-
 NORMAL, TANGENTIAL = BLUE, VERMILION
 
 ROUNDING = 1e-6

@@ -18,8 +18,6 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE
 from bristle_sim.render.panels import note
 from bristle_sim.render.style import axes_at, blank_figure, styled
 
-__all__ = ["best_methods", "cost_figure", "verdict"]
-
 WIDTH = 16.0
 """Printed width of the page's text, cm."""
 

@@ -26,8 +26,6 @@ from bristle_sim.studies.crater_sums import (
 from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
 
-__all__ = ["crater_figure", "crater_floor"]
-
 Array = NDArray[np.float64]
 
 WIDTH, HEIGHT = 22.4, 15.6

@@ -22,8 +22,6 @@ from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_bar, 
 from bristle_sim.studies.cue_places import BarPlace, FullPass, ReadingPlaces, Release
 from bristle_sim.studies.cue_timing import OWN, CueTiming
 
-__all__ = ["cue_figure"]
-
 Array = NDArray[np.float64]
 
 MILLISECONDS = 1e3

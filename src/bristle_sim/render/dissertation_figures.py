@@ -27,8 +27,6 @@ from bristle_sim.render.panels import draw_panel, line_entries, point_entries
 from bristle_sim.render.style import axes_at, blank_figure, checked_target, save_figure, styled
 from bristle_sim.studies.curves import Panel
 
-__all__ = ["contact_sheet", "draw", "main", "save_figures"]
-
 SHEET_DOTS_PER_INCH = 100.0
 """A sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in."""
 

@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike
 from bristle_sim.render.colours import BLACK
 from bristle_sim.render.style import scale_for
 
-__all__ = ["View", "draw_scale_bar", "moving_arrow", "point_arrow"]
-
 LONGEST_BAR = 0.28
 """Longest scale bar as a fraction of the axes' width."""
 

@@ -16,8 +16,6 @@ from bristle_sim.render.readout import Readout
 from bristle_sim.render.style import styled
 from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
 
-__all__ = ["BORDER", "HEADER", "FilmScene", "TimeWarp", "slow_motion", "write_film"]
-
 Array = NDArray[np.float64]
 
 LONGEST = 3600.0

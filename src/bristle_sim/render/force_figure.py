@@ -16,8 +16,6 @@ from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segm
 from bristle_sim.studies.force_fits import FitTrial
 from bristle_sim.theory.force_history import BRISTLE, TABLE_3_1, segment_impulses
 
-__all__ = ["draw_forces", "draw_segments", "force_figure"]
-
 WIDTH, HEIGHT = 16.0, 14.4
 """Printed size, cm."""
 

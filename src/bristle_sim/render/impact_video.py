@@ -18,8 +18,6 @@ from bristle_sim.render.story import Phase, phase_at
 from bristle_sim.render.style import scale_for, signed, styled
 from bristle_sim.studies.impacts import Impacts
 
-__all__ = ["ImpactScene", "impact_video"]
-
 CAPTION_SHOWN = 0.9
 """Film time for which the end of slip keeps its caption, s."""
 

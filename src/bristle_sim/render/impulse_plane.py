@@ -13,8 +13,6 @@ from bristle_sim.render.panels import note
 from bristle_sim.render.style import Scale, scale_for
 from bristle_sim.studies.impulse_course import ImpulseCourse
 
-__all__ = ["PHASE_COLOURS", "draw_impulse_plane"]
-
 PHASE_COLOURS = {
     "compression slip": "#e6eef6",
     "compression reverse slip": "#d3e2f0",

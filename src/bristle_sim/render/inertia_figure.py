@@ -14,8 +14,6 @@ from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["inertia_figure"]
-
 WIDTH, HEIGHT = 16.0, 8.2
 """Printed size, cm."""
 

@@ -19,8 +19,6 @@ from bristle_sim.studies.cue_map import CueMap
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["map_figure"]
-
 MILLIMETRES = 1e3
 PANELS: tuple[tuple[str, str, str, float, str], ...] = (
     ("lag_deg_at_contact", "lag at the strike", "°", 1.0, "RdBu"),

@@ -12,8 +12,6 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["Course", "Motion"]
-
 Array = NDArray[np.float64]
 
 

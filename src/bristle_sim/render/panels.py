@@ -13,18 +13,6 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, ORANGE, SERIES, VERMIL
 from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
 
-__all__ = [
-    "draw_energy",
-    "draw_panel",
-    "explain_marks",
-    "line_entries",
-    "name_curves",
-    "note",
-    "panel_title",
-    "point_entries",
-    "say",
-]
-
 CREATED = "#fbe3d6"
 NOTHING = 1e-12
 """Less than this, in the unit shown, is rounding of zero."""

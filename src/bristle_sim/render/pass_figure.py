@@ -22,8 +22,6 @@ from bristle_sim.render.style import axes_at, blank_figure, signed, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.trajectory import Event, Trajectory
 
-__all__ = ["pass_figure", "spread"]
-
 Array = NDArray[np.float64]
 
 MILLISECONDS, MILLIJOULES = 1e3, 1e3

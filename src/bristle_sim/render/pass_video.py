@@ -19,8 +19,6 @@ from bristle_sim.render.style import signed, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["PassScene", "pass_video"]
-
 Array = NDArray[np.float64]
 
 CAPTION_SHOWN = 0.5

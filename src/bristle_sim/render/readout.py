@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 
 from bristle_sim.render.colours import BLACK
 
-__all__ = ["Readout"]
-
 Pixels = NDArray[np.uint8]
 
 CHARACTERS = string.ascii_letters + string.digits + " .,:;+-/=()°²µ·\N{MINUS SIGN}\N{MULTIPLICATION SIGN}"

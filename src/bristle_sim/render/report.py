@@ -25,8 +25,6 @@ from bristle_sim.render.story import phases, story_end
 from bristle_sim.render.tool_drawing import MILLIMETRES
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["answer", "motion_data", "write_report"]
-
 Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""
 

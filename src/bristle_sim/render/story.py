@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from bristle_sim.trajectory import Event, Trajectory
 
-__all__ = ["Phase", "key_events", "phase_at", "phases", "story_end"]
-
 MOST_LABELS = 9
 """As many labels as fit above a panel of full width."""
 

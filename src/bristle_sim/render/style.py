@@ -22,18 +22,6 @@ from matplotlib.figure import Figure
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES
 
-__all__ = [
-    "FIGURE_SUFFIXES",
-    "Scale",
-    "axes_at",
-    "blank_figure",
-    "checked_target",
-    "save_figure",
-    "scale_for",
-    "signed",
-    "styled",
-]
-
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54
 

@@ -13,8 +13,6 @@ from bristle_sim.render.panels import note, panel_title
 from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.studies.sobol import Study
 
-__all__ = ["tolerance_figure"]
-
 SHOWN: dict[str, tuple[str, str, float]] = {
     "lag_deg_at_contact": ("lag at the strike", "°", 1.0),
     "relative_speed_at_contact": ("relative rate at the strike", "rad/s", 1.0),

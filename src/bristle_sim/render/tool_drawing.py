@@ -17,19 +17,6 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Course
 
-__all__ = [
-    "MILLIMETRES",
-    "WireDrawing",
-    "close_up",
-    "draw_bar",
-    "draw_hub",
-    "draw_tool",
-    "draw_workpart",
-    "name_parts",
-    "toward",
-    "wire_outline",
-]
-
 Array = NDArray[np.float64]
 
 MILLIMETRES = 1e3

@@ -21,8 +21,6 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.render.readout import Readout
 from bristle_sim.render.style import checked_target, styled
 
-__all__ = ["VIDEO_SUFFIXES", "Stage", "check_film", "checked_video_target", "write_video"]
-
 VIDEO_SUFFIXES = (".mp4", ".gif")
 DOTS_PER_INCH = 100.0
 GIF_COLOURS = 64

@@ -14,8 +14,6 @@ from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.studies.turn_forces import SampledForce
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 
-__all__ = ["whole_tool_figure"]
-
 WIDTH, HEIGHT = 16.0, 12.8
 """Printed size, cm."""
 

@@ -13,8 +13,6 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Range
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
-__all__ = ["key_list", "settings_from", "takes_tool", "values_of", "warnings_of"]
-
 WIDTH = 100
 """Columns of the list of keys."""
 

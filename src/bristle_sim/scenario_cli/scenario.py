@@ -14,8 +14,6 @@ from bristle_sim.quantity import Choice, Range
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-__all__ = ["Columns", "Scenario", "Values", "build"]
-
 Values = Mapping[str, Any]
 Columns = Mapping[str, Sequence[Any]]
 T = TypeVar("T", bound="DataclassInstance")

@@ -1,8 +1,8 @@
-"""The engine's calls that a run makes thousands of times, without their wrappers where the engine offers them bare.
+"""The engine's calls that a run makes thousands of times, without their wrappers.
 
 pymunk's wrappers serve what a scene never needs, such as bodies added during a step, and take more time than the
 engine: 0.77 us a step, of which 0.34 us are the engine's. The bare calls are not part of pymunk's documented interface;
-where a version does not have them, the documented ones do the same.
+all of pymunk 7 from 7.1 on has them.
 """
 
 from __future__ import annotations
@@ -13,11 +13,7 @@ from functools import partial
 from typing import Any
 
 import pymunk
-
-try:
-    from pymunk._chipmunk_cffi import ffi, lib
-except ImportError:  # pragma: no cover - a pymunk built otherwise
-    ffi = lib = None
+from pymunk._chipmunk_cffi import ffi, lib
 
 from bristle_sim.scene.mechanism import Vector
 
@@ -27,14 +23,13 @@ __all__ = [
     "Placer",
     "Pusher",
     "Reader",
-    "Tuner",
     "approach_reader",
-    "contact_tuner",
     "placer",
     "point_reader",
     "pusher",
     "stepper",
     "take_back",
+    "tune_contact",
 ]
 
 ITERATIONS_OF_A_STEP = 100
@@ -59,37 +54,11 @@ Pusher = Callable[[Vector, Vector], None]
 Approach = Callable[[pymunk.Arbiter], tuple[float, float]]
 """Speed at which the fastest point of a contact approaches, and the sum of the bodies' speeds there, to which it is rounded."""
 
-Tuner = Callable[[pymunk.Arbiter, float], None]
-"""Gives a contact a friction, and no restitution, until the next step."""
-
-_CALLS = (
-    "cpSpaceStep",
-    "cpBodySetAngle",
-    "cpBodySetPosition",
-    "cpBodySetVelocity",
-    "cpBodySetAngularVelocity",
-    "cpBodyLocalToWorld",
-    "cpBodyGetVelocityAtLocalPoint",
-    "cpBodyApplyForceAtWorldPoint",
-    "cpSpaceGetStaticBody",
-    "cpArbiterGetBodies",
-    "cpArbiterGetContactPointSet",
-    "cpArbiterSetFriction",
-    "cpArbiterSetRestitution",
-    "cpBodyGetVelocityAtWorldPoint",
-)
-
-
-def _bare(owner: object, attribute: str) -> Any:
-    """Return the engine's own object behind pymunk's, or None where it cannot be had."""
-    return getattr(owner, attribute, None) if all(hasattr(lib, call) for call in _CALLS) else None
-
 
 def stepper(space: pymunk.Space) -> Callable[[float], None]:
     """Return a step of a space whose bodies, joints and shapes are all in it by now."""
     space.step(0.0)
-    bare = _bare(space, "_space")
-    return space.step if bare is None else partial(lib.cpSpaceStep, bare)
+    return partial(lib.cpSpaceStep, space._space)
 
 
 class EngineSteps:
@@ -144,64 +113,40 @@ def take_back(bodies: Sequence[pymunk.Body], step: Callable[[], None]) -> None:
 
 def placer(body: pymunk.Body) -> Placer:
     """Return what puts a body somewhere, with its velocity."""
-    bare = _bare(body, "_body")
-    return partial(_place, body) if bare is None else partial(_place_bare, bare)
+    bare = body._body
 
+    def place(angle: float, centre: Vector, velocity: Vector, rate: float) -> None:
+        lib.cpBodySetAngle(bare, angle)
+        lib.cpBodySetPosition(bare, centre)
+        lib.cpBodySetVelocity(bare, velocity)
+        lib.cpBodySetAngularVelocity(bare, rate)
 
-def _place(body: pymunk.Body, angle: float, centre: Vector, velocity: Vector, rate: float) -> None:
-    body.angle, body.position = angle, centre
-    body.velocity, body.angular_velocity = velocity, rate
-
-
-def _place_bare(body: Any, angle: float, centre: Vector, velocity: Vector, rate: float) -> None:
-    lib.cpBodySetAngle(body, angle)
-    lib.cpBodySetPosition(body, centre)
-    lib.cpBodySetVelocity(body, velocity)
-    lib.cpBodySetAngularVelocity(body, rate)
+    return place
 
 
 def point_reader(body: pymunk.Body, point: Vector) -> Reader:
-    """Return what tells where a body's point is and how it moves."""
-    bare = _bare(body, "_body")
-    return partial(_read, body, point) if bare is None else partial(_read_bare, bare, point)
+    """Return what reads where a body's point is and how it moves."""
+    bare = body._body
 
+    def read() -> tuple[float, float, float, float]:
+        place, velocity = lib.cpBodyLocalToWorld(bare, point), lib.cpBodyGetVelocityAtLocalPoint(bare, point)
+        return place.x, place.y, velocity.x, velocity.y
 
-def _read(body: pymunk.Body, point: Vector) -> tuple[float, float, float, float]:
-    return (*body.local_to_world(point), *body.velocity_at_local_point(point))
-
-
-def _read_bare(body: Any, point: Vector) -> tuple[float, float, float, float]:
-    place, velocity = lib.cpBodyLocalToWorld(body, point), lib.cpBodyGetVelocityAtLocalPoint(body, point)
-    return place.x, place.y, velocity.x, velocity.y
+    return read
 
 
 def pusher(body: pymunk.Body) -> Pusher:
     """Return what pushes on a body."""
-    bare = _bare(body, "_body")
-    return body.apply_force_at_world_point if bare is None else partial(lib.cpBodyApplyForceAtWorldPoint, bare)
+    return partial(lib.cpBodyApplyForceAtWorldPoint, body._body)
 
 
 def approach_reader(space: pymunk.Space) -> Approach:
-    """Return what tells within a step how fast a contact of the space approaches."""
-    bare = _bare(space, "_space")
-    if bare is None or ffi is None:
-        return partial(_approach, space.static_body)
-    return partial(_approach_bare, lib.cpSpaceGetStaticBody(bare), ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]"))
+    """Return what measures within a step how fast a contact of the space approaches."""
+    still = lib.cpSpaceGetStaticBody(space._space)
+    return partial(_approach, still, ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]"))
 
 
-def _approach(still: pymunk.Body, arbiter: pymunk.Arbiter) -> tuple[float, float]:
-    first, second = arbiter.bodies
-    found = arbiter.contact_point_set
-    fastest = (0.0, 0.0)
-    for each in found.points:
-        u, v = (0.0, 0.0) if first is still else first.velocity_at_world_point(each.point_a)
-        p, q = (0.0, 0.0) if second is still else second.velocity_at_world_point(each.point_a)
-        approach = (u - p) * found.normal.x + (v - q) * found.normal.y
-        fastest = max(fastest, (approach, abs(u) + abs(v) + abs(p) + abs(q)))
-    return fastest
-
-
-def _approach_bare(still: Any, first: Any, second: Any, arbiter: pymunk.Arbiter) -> tuple[float, float]:
+def _approach(still: Any, first: Any, second: Any, arbiter: pymunk.Arbiter) -> tuple[float, float]:
     lib.cpArbiterGetBodies(arbiter._arbiter, first, second)
     found = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
     a, b, normal = first[0], second[0], found.normal
@@ -222,15 +167,7 @@ def _approach_bare(still: Any, first: Any, second: Any, arbiter: pymunk.Arbiter)
     return fastest
 
 
-def contact_tuner(space: pymunk.Space) -> Tuner:
-    """Return what gives a contact of the space its friction."""
-    return _tune if _bare(space, "_space") is None else _tune_bare
-
-
-def _tune(arbiter: pymunk.Arbiter, friction: float) -> None:
-    arbiter.friction, arbiter.restitution = friction, 0.0
-
-
-def _tune_bare(arbiter: pymunk.Arbiter, friction: float) -> None:
+def tune_contact(arbiter: pymunk.Arbiter, friction: float) -> None:
+    """Give a contact a friction, and no restitution, until the next step."""
     lib.cpArbiterSetFriction(arbiter._arbiter, friction)
     lib.cpArbiterSetRestitution(arbiter._arbiter, 0.0)

@@ -7,11 +7,10 @@ meets one that was not to the requested accuracy, not to the bit.
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
 
 import numpy as np
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import Tool
 from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine_contact import LEAST_LEVER, set_back
@@ -24,6 +23,7 @@ from bristle_sim.scene.tool import METHOD, build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory import ContactRecord, Cost, Event, InnerSamples, Trajectory
+from bristle_sim.trajectory.storage import ARRAYS, INNER
 
 __all__ = ["resume", "simulated_with"]
 
@@ -36,32 +36,12 @@ PRESSING = 1e-13
 FIRST, LAST = 1e-6, 1.0
 """Flights tried until a gap opens, in the scene's time units."""
 
-SAMPLES = (
-    "hub_angle",
-    "angles",
-    "rates",
-    "centre_line",
-    "centre_line_velocity",
-    "kinetic_energy",
-    "potential_energy",
-    "normal_force",
-)
-
-PARTS: dict[str, type[Any]] = {
-    "hub": Hub,
-    "belt": Belt,
-    "bristle": Bristle,
-    "bar": Bar,
-    "workpart": Workpart,
-    "contact": Contact,
-}
-
 
 def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
     """Resume a run of ``simulate`` from where it stopped.
 
     Args:
-        trajectory: the run so far, as it was returned or as it was loaded.
+        trajectory: the run so far, returned or loaded.
         settings: numerical settings from here on, by default the run's own. ``hub_turn`` counts from the beginning of the
             run; on a hub at rest the bristle goes on for as long as a run takes.
         stop_after: name of the event that ends the run, as for ``simulate``; those of the run so far do not count.
@@ -106,12 +86,10 @@ def simulated_with(trajectory: Trajectory) -> tuple[Tool, Settings]:
     """
     parameters = getattr(trajectory, "parameters", None)
     try:
-        stored, settings = dict(parameters["tool"]), dict(parameters["settings"])  # type: ignore[index]
         if parameters["method"] != METHOD:  # type: ignore[index]
             raise KeyError(METHOD)
-        parts = {name: None if stored[name] is None else kind(**stored[name]) for name, kind in PARTS.items()}
-        return Tool(**{**stored, **parts}), Settings(**settings)
-    except (KeyError, TypeError) as error:
+        return trajectory.tool, Settings(**parameters["settings"])  # type: ignore[index]
+    except (KeyError, TypeError, ValueError) as error:
         raise ValueError(f"trajectory of {shown(parameters)}: must be one that simulate() returned") from error
 
 
@@ -218,7 +196,7 @@ def _joined(
     contacts = [
         each for each in rest.contacts if each.time > 0.0 or each.law == "sustained" or each.obstacle not in kept
     ]
-    arrays = {each: np.concatenate([getattr(first, each), getattr(rest, each)[skip:]]) for each in SAMPLES}
+    arrays = {each: np.concatenate([getattr(first, each), getattr(rest, each)[skip:]]) for each in ARRAYS[1:]}
     return Trajectory(
         time=np.concatenate([first.time, begin + rest.time[skip:]]),
         **arrays,
@@ -245,8 +223,7 @@ def _inner_samples(first: Trajectory, rest: Trajectory, begin: float) -> InnerSa
     other = dataclasses.replace(other, time=begin + other.time)
     if one is None:
         return other
-    names = (each.name for each in dataclasses.fields(InnerSamples))
-    return InnerSamples(*(np.concatenate([getattr(one, each), getattr(other, each)]) for each in names))
+    return InnerSamples(*(np.concatenate([getattr(one, each), getattr(other, each)]) for each in INNER))
 
 
 def _later(contact: ContactRecord, begin: float) -> ContactRecord:

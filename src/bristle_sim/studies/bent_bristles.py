@@ -24,8 +24,6 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_results import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
-__all__ = ["BentBristles", "Slide", "against_film", "bent_bristles", "slide_of", "slide_path"]
-
 Array = NDArray[np.float64]
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}

@@ -15,8 +15,6 @@ from bristle_sim.parameters import Bristle, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-__all__ = ["PiecewiseCubic", "TimedContact", "pieces"]
-
 Array = NDArray[np.float64]
 
 

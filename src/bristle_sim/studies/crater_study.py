@@ -39,12 +39,6 @@ from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_
 from bristle_sim.theory.merchant import Surface as SurfaceKind
 from bristle_sim.theory.monofilament import tip_speed
 
-__all__ = [
-    "MEASURED",
-    "CraterStudy",
-    "crater_study",
-]
-
 MEASURED = 1.3e-4
 """Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)."""
 

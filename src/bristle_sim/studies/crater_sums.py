@@ -21,19 +21,6 @@ from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle
 from bristle_sim.theory.crater import constant_for_crater_depth, merchant_crater_depth
 
-__all__ = [
-    "FRICTIONS",
-    "IMPACT_ANGLES_DEG",
-    "constant_in_words",
-    "constant_row",
-    "constants_over",
-    "energy_depth_course",
-    "least_constant_deg",
-    "merchant_depth_course",
-    "merchant_depth_extrapolated",
-    "merchant_depth_sum",
-]
-
 Array = NDArray[np.float64]
 
 FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)

@@ -37,8 +37,6 @@ from bristle_sim.theory import cueing
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CueMap", "MapGrid", "cue_map", "named", "position_map"]
-
 PRINTED = {
     "bar_direction_for_radial_strike_deg": math.degrees(math.atan2(0.05037, 0.0225)),
     "bar_horizontal": 0.05037,

@@ -26,20 +26,6 @@ from bristle_sim.studies.strike_results import state_at_strike
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
-__all__ = [
-    "BarPlace",
-    "FullPass",
-    "ReadingPlaces",
-    "Release",
-    "formula_motion",
-    "formula_place",
-    "formula_release",
-    "full_pass",
-    "place_of",
-    "seen_at_strike",
-    "stiffness_readings",
-]
-
 Array = NDArray[np.float64]
 
 BEFORE_BAR = math.radians(30.0)

@@ -31,8 +31,6 @@ from bristle_sim.studies.strike_results import require_result
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["OWN", "CueTiming", "cue_timing", "unplaced"]
-
 Array = NDArray[np.float64]
 
 PRINTED_DIRECTION = math.degrees(math.atan2(0.05037, 0.0225))

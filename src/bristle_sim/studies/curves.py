@@ -14,8 +14,6 @@ from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["SOURCES", "Axis", "Curve", "Level", "Mark", "Panel", "Source", "curve_of", "impact_curve"]
-
 Array = NDArray[np.float64]
 
 

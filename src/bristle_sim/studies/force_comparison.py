@@ -43,8 +43,6 @@ from bristle_sim.theory.force_history import (
 )
 from bristle_sim.theory.monofilament import tip_speed
 
-__all__ = ["ForceComparison", "force_comparison", "segment_table"]
-
 Array = NDArray[np.float64]
 
 SEGMENTS = 10

@@ -18,23 +18,9 @@ from numpy.typing import NDArray
 from bristle_sim.comparison import Quantity
 from bristle_sim.crater_parameters import Measurement
 from bristle_sim.force_file.read import read_force_csv
-from bristle_sim.theory.force_fit import ForceFit, fit_force_history
+from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import ForceCurve
-
-__all__ = [
-    "FitTrial",
-    "MeasuredForce",
-    "fit_as_dict",
-    "fit_trials",
-    "measured_force",
-    "measured_in_words",
-    "measured_rows",
-    "noisy_points",
-    "peak_of",
-    "trial_as_dict",
-    "trial_in_words",
-    "trial_row",
-]
+from bristle_sim.theory.force_least_squares import ForceFit
 
 Array = NDArray[np.float64]
 

@@ -18,8 +18,6 @@ from bristle_sim.studies.strike_results import CONTACT_UNITS, contact_quantities
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
-__all__ = ["Impacts", "double_pendulum", "oblique_impact", "single_pendulum"]
-
 LAWS = ("energetic", "compliant", "engine")
 
 COMPLIANT_TOLERANCE = 3e-3

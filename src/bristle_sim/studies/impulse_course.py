@@ -17,15 +17,6 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactHistory
 
-__all__ = [
-    "ImpulseCourse",
-    "contact_inverse_mass",
-    "energetic_course",
-    "recorded_course",
-    "tip_response",
-    "tip_velocity",
-]
-
 Array = NDArray[np.float64]
 
 

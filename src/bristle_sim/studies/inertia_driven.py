@@ -22,8 +22,6 @@ from bristle_sim.studies.strike_results import require_result
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["InertiaDriven", "inertia_driven"]
-
 UNITS = {
     "largest_retraction_deg": "deg",
     "time_to_radial": "s",

@@ -12,8 +12,6 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Impact", "Interval", "load_cell_response"]
-
 Array = NDArray[np.float64]
 
 Impact = tuple[float, float]

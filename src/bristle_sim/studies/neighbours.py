@@ -17,8 +17,6 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["LonePass", "least_pitch", "nearest_approach", "polyline_distance"]
-
 Array = NDArray[np.float64]
 
 PITCH_STEP = math.radians(0.25)

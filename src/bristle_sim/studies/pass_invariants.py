@@ -17,8 +17,6 @@ from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["invariant_rows"]
-
 Array = NDArray[np.float64]
 
 MAGNIFIED = 10.0

@@ -21,8 +21,6 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.strike_results import require_result
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["PeriodicTurn", "TurnNotCompleted", "periodic_turn"]
-
 TURN = 2.0 * math.pi
 
 MOST_TURNS = 24

@@ -23,8 +23,6 @@ from bristle_sim.studies.strike_results import contact_quantities
 from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["OPERATING_POINT", "TOTAL", "Case", "Sweep", "oblique_panels", "single_pendulum_panels", "sweep_panel"]
-
 Array = NDArray[np.float64]
 
 GRID = 401

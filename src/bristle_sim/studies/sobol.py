@@ -16,8 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import sobol_indices, uniform
 
-__all__ = ["Study", "sobol_study"]
-
 Array = NDArray[np.float64]
 
 CONFIDENCE = 0.95

@@ -15,17 +15,6 @@ from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = [
-    "STRIKE_UNITS",
-    "NotCuedError",
-    "keys_of",
-    "simulated_strike",
-    "start_angle",
-    "strike_measures",
-    "strike_of_keys",
-    "tool_of_keys",
-]
-
 PARTS: dict[str, type] = {
     "hub": Hub,
     "belt": Belt,

@@ -9,8 +9,6 @@ from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["CONTACT_UNITS", "STATE_UNITS", "contact_quantities", "require_result", "state_at_strike", "stopped"]
-
 STATE_UNITS = {
     "lag_deg_at_contact": "deg",
     "relative_speed_at_contact": "rad/s",

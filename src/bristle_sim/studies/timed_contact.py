@@ -23,16 +23,6 @@ from bristle_sim.studies.impacts import Impacts
 from bristle_sim.theory import monofilament
 from bristle_sim.trajectory import ContactHistory
 
-__all__ = [
-    "BALANCE",
-    "radial_chain",
-    "reported",
-    "resultant_impulse",
-    "timed_contact",
-    "with_visible_contact",
-    "work_row",
-]
-
 Array = NDArray[np.float64]
 
 CLOSE = 1e-6

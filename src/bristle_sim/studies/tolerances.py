@@ -23,8 +23,6 @@ from bristle_sim.studies.rounding import propagated, rounding_rows
 from bristle_sim.studies.sobol import sobol_study
 from bristle_sim.studies.strike_point import STRIKE_UNITS, declared_keys, keys_of, strike_of_keys
 
-__all__ = ["Sampling", "Spreads", "tolerances"]
-
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
 FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"

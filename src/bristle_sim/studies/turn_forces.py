@@ -18,8 +18,6 @@ from bristle_sim.parameters import Tool
 from bristle_sim.studies.periodic_turn import PeriodicTurn
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["Impulse", "SampledForce", "dissipated", "turn_forces"]
-
 Array = NDArray[np.float64]
 
 CLOSEST = 1e-3

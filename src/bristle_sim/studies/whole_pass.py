@@ -27,8 +27,6 @@ from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["WholePass", "whole_pass"]
-
 PRINTED = {
     "release_retraction_deg": 44.5,
     "relative_speed_at_contact": 845.6,

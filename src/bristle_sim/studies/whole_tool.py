@@ -21,8 +21,6 @@ from bristle_sim.studies.load_cell import load_cell_response
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
 from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, turn_forces
 
-__all__ = ["Assembly", "WholeTool", "load_cell_series", "whole_tool"]
-
 Array = NDArray[np.float64]
 
 LEAST_TOLERANCE = 1e-6

@@ -14,8 +14,6 @@ from numpy.typing import NDArray
 
 from bristle_sim.quantity import Range, shown
 
-__all__ = ["checked", "finite", "numbers", "positive", "ranges", "require", "single", "whole"]
-
 P = ParamSpec("P")
 T = TypeVar("T")
 

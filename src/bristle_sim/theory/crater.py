@@ -44,18 +44,6 @@ from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = [
-    "CUTTING_FRICTION",
-    "PLIES",
-    "constant_for_crater_depth",
-    "energy_crater_depth",
-    "energy_crater_depth_ratio",
-    "friction_for_crater_depth",
-    "merchant_crater_depth",
-    "merchant_crater_depth_limit",
-    "work_along_path",
-]
-
 Number = Any
 """A float where the arguments are, else an array of their broadcast shape."""
 

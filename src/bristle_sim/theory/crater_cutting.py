@@ -37,16 +37,6 @@ from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE, Tip
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = [
-    "ContactCrater",
-    "CuttingStroke",
-    "crater_depth_from_contact",
-    "cutting_stroke",
-    "depth_from_energy",
-    "depth_from_force",
-    "swept_volume",
-]
-
 Array = NDArray[np.float64]
 Number = Any
 """A float where the arguments are, else an array of their broadcast shape."""

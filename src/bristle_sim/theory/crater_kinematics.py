@@ -19,19 +19,6 @@ from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.theory.checks import require
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = [
-    "PRINTED_ENERGY",
-    "PRINTED_FACE",
-    "PRINTED_KINEMATICS",
-    "PRINTED_WIDTH",
-    "CraterKinematics",
-    "CuttingWidth",
-    "TipFace",
-    "energy_coefficients",
-    "kinetic_energy",
-    "path_force",
-]
-
 Number = Any
 """A float where the argument is one, else an array of its shape."""
 

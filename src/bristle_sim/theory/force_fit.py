@@ -18,8 +18,6 @@ from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 from bristle_sim.theory.force_record import find_contact
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = ["ForceFit", "fit_force_history"]
-
 Array = NDArray[np.float64]
 
 MOST_TERMS = 10

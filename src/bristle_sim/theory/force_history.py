@@ -26,8 +26,6 @@ from numpy.typing import ArrayLike, NDArray
 from bristle_sim.theory.checks import finite, positive, single, whole
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "TABLE_3_1", "ForceCurve", "segment_impulses"]
-
 Number = Any
 """A float where the argument is one, else an array of its shape."""
 

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from bristle_sim.theory.force_history import ForceCurve
 
-__all__ = ["FitProblem", "ForceFit"]
-
 Array = NDArray[np.float64]
 
 INDISTINCT = 1e-10

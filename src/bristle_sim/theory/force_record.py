@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from bristle_sim.theory.force_history import ForceCurve
 
-__all__ = ["FoundContact", "find_contact"]
-
 Array = NDArray[np.float64]
 
 BINS = 16

@@ -21,8 +21,6 @@ import numpy as np
 from bristle_sim.theory.checks import require, single
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = ["hub_speed_for_tip_speed", "largest_retraction", "radial_tip_speed", "time_to_radial"]
-
 LEAST_SPEED = 1e-100
 """In rad/s: the squares of smaller speeds vanish beside the least inertia."""
 

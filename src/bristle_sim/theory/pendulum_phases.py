@@ -15,8 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = ["RodImpact", "Rods", "compress", "restitute", "stick_friction"]
-
 Number = Any
 """A float, or an array of the arguments' broadcast shape."""
 

@@ -12,8 +12,6 @@ import math
 from bristle_sim.quantity import Range
 from bristle_sim.theory.checks import ranges
 
-__all__ = ["RANGES", "checked_arguments", "checked_numbers"]
-
 RIGHT, TURN = 0.5 * math.pi, 2.0 * math.pi
 
 _ROWS = (
@@ -67,11 +65,8 @@ _ROWS = (
     # Cutting.
     ("decay", "1/s", 0.0, 1e15, "physics: the motion slows; rounding: decay times compression_time"),
     ("resultant_angle", "rad", -math.pi, math.pi, "physics: half a turn either way"),
-    ("slope", "1", 0.0, 1e300, "physics: pressure strengthens the work material"),
-    ("rake", "rad", -RIGHT, RIGHT, "physics: a face that leans forward or back by less than a right angle"),
     ("rake_offset", "rad", -math.pi, math.pi, "physics: half a turn either way"),
     ("depth", "m", 0.0, 1e6, "physics: not above the surface; rounding: a force over a width"),
-    ("width", "m", 1e-30, 1e6, "physics: positive; rounding: a force over a width"),
     ("shear_yield_stress", "Pa", 1e-30, 1e30, "physics: positive; rounding: a force over a stress and a width"),
     ("force", "N", -1e30, 1e30, "rounding: a force over a stress and a width"),
     ("cutting_force", "N", 0.0, 1e30, "physics: the chip resists; rounding: a force over a stress and a width"),

@@ -26,8 +26,6 @@ from scipy.optimize import brentq
 from bristle_sim.theory.checks import single, whole
 from bristle_sim.theory.ranges import checked_arguments
 
-__all__ = ["beam_frequencies", "chain_frequencies", "hinge_damping", "hinge_stiffness", "second_moment_of_area"]
-
 MOST_MODES = 50
 """The most modes that are computed: cosh(lambda) overflows beyond the 220th, and no contact here excites so many."""
 

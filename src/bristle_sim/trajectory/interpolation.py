@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["Motion", "motion_at"]
-
 Array = NDArray[np.float64]
 
 SAMPLES = 8

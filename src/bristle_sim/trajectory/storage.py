@@ -16,8 +16,6 @@ from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, Contact
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["read", "write"]
-
 FORMAT = 2
 """Number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines."""
 

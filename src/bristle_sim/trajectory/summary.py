@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["summary", "summary_page"]
-
 SHOWN = 6
 """Events that are named."""
 

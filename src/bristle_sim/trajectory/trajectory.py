@@ -19,8 +19,6 @@ from bristle_sim.trajectory.storage import read, write
 from bristle_sim.trajectory.summary import summary, summary_page
 from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 
-__all__ = ["Trajectory"]
-
 Array = NDArray[np.float64]
 
 NOTABLE = 0.01

@@ -19,18 +19,6 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import Trajectory
 
-__all__ = [
-    "Case",
-    "FlightCase",
-    "PassCase",
-    "StrikeCase",
-    "double_pendulum",
-    "release_flight",
-    "state_at_strike",
-    "strike",
-    "whole_pass",
-]
-
 REFERENCE_ACCURACY = 1e-12
 """Accuracy of the whole pass's reference, a hundredth or less of what any attempt requests."""
 

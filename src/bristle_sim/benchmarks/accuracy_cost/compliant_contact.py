@@ -23,8 +23,6 @@ from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.impulse_course import tip_response, tip_velocity
 
-__all__ = ["ContactPhase", "TipContact"]
-
 Array = NDArray[np.float64]
 Ends = Callable[[float, Sequence[float]], float]
 

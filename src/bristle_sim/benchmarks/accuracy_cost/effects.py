@@ -20,8 +20,6 @@ from bristle_sim.scene.strike import strike
 from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 
-__all__ = ["effects"]
-
 BARE = Tool(belt=Belt(0.0), bar=None, workpart=None)
 WHOLE = Tool()
 

@@ -12,8 +12,6 @@ from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.scene.tool import tool_units
 
-__all__ = ["flight_attempts"]
-
 HUB_INERTIA = 1e12
 """Inertia of the hub in scene units: nothing changes its speed."""
 

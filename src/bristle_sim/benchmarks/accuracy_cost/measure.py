@@ -18,20 +18,6 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.quantity import choice, validate
 
-__all__ = [
-    "OURS",
-    "Attempt",
-    "Effect",
-    "Effort",
-    "Point",
-    "Run",
-    "cheapest",
-    "cpu_times",
-    "measure",
-    "package_of",
-    "thinned",
-]
-
 OURS = "bristle_sim"
 """This package among those that are measured."""
 

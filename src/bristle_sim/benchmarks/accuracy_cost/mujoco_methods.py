@@ -19,8 +19,6 @@ from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import tool_units
 
-__all__ = ["flight_attempts", "pass_attempts"]
-
 HUB_INERTIA = 1e12
 """Inertia of the hub in scene units: its speed changes by 1e-13 of itself in a pass."""
 

@@ -18,8 +18,6 @@ from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.law_convergence import RIGID, strike_by
 
-__all__ = ["flight_attempts", "pass_attempts", "strike_attempts"]
-
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
 

@@ -9,8 +9,6 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Effect, Point, cheapest, package_of
 
-__all__ = ["AccuracyCost", "Comparison", "comparisons", "tables"]
-
 TARGETS = {
     "release_flight": (1e-3, 1e-6, 1e-9),
     "strike": (1e-3, 1e-6),

@@ -15,8 +15,6 @@ from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.reference import simulate_reference
 from bristle_sim.theory.cueing import centrifugal_stiffness
 
-__all__ = ["flight_attempts", "pass_attempts", "strike_attempts"]
-
 TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
 """Relative tolerances, two to a decade, from 1e-2 to 1e-12."""
 

@@ -15,8 +15,6 @@ from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, compariso
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
 from bristle_sim.comparison import Quantity, Report, Unfinished
 
-__all__ = ["accuracy_cost"]
-
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 
 FLIGHT: Offers = {

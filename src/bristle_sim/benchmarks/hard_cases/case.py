@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-__all__ = ["Finding", "HardCase", "all_of", "refusal", "row", "within", "worst"]
-
 
 @dataclass(frozen=True, slots=True)
 class Finding:

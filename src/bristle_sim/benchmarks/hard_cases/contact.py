@@ -27,23 +27,6 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = [
-    "SURFACE",
-    "WEDGE",
-    "above",
-    "between",
-    "budget",
-    "chatter",
-    "falling",
-    "most_taps",
-    "near_bar",
-    "starting_at",
-    "tapping",
-    "taps_of",
-    "touching",
-    "wedged",
-]
-
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
 

@@ -27,8 +27,6 @@ from bristle_sim.studies.impulse_course import contact_inverse_mass
 from bristle_sim.theory.monofilament import LEAST_ANGLE
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["CHAINS", "LIMITS", "grazing", "jam", "limits", "mass_ratio", "obeys_law"]
-
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
 TIP = ROOT + LENGTH

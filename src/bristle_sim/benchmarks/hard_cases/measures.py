@@ -22,27 +22,6 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = [
-    "ACCURACY",
-    "ONE_INTERVAL",
-    "RELEASED",
-    "STRIKE_ACCURACY",
-    "Start",
-    "agrees_in_time",
-    "agrees_with_closed_form",
-    "agrees_with_energy_integral",
-    "agrees_with_reference",
-    "end_difference",
-    "impacts_of",
-    "is_finite",
-    "meets",
-    "rate_difference",
-    "scaled",
-    "spends_budget",
-    "struck",
-    "sustained_contacts_of",
-]
-
 ACCURACY = Settings().accuracy
 """Requested accuracy where a case says nothing else; a result must be right to it, relative to the motion's size."""
 

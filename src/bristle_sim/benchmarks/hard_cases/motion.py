@@ -26,21 +26,6 @@ from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.theory.cueing import centrifugal_stiffness
 
-__all__ = [
-    "THINNEST",
-    "TIP",
-    "all_met",
-    "belt_stiffness",
-    "damping",
-    "first_bar_touch",
-    "hub_speed",
-    "jacobi_energy",
-    "long_run",
-    "size",
-    "tunnelling",
-    "with_bar_at",
-]
-
 TOOL, FREE = Tool(), Tool(bar=None, workpart=None)
 
 FINE = 1e-9

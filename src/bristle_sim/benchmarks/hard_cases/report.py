@@ -13,8 +13,6 @@ from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.quantity import choice, validate
 
-__all__ = ["TABLES", "HardCaseChoice", "cases_of", "hard_cases"]
-
 TABLES = {
     "mass_ratio": "impacts",
     "belt_stiffness": "motion",

@@ -1,4 +1,4 @@
-"""Measure how many passes a second a sweep computes. ``python -m bristle_sim.benchmarks.sweep_benchmark --passes 10000``
+"""Measure how many passes a second a sweep computes. ``python tests/benchmarks/sweep_benchmark.py --passes 10000``
 
 In one process, in two that joblib starts (loky), and on two of a Dask cluster behind TCP; with and without a store. A first
 small sweep starts the processes and imports what they need; it is timed by itself. All sweeps must give the same bits.
@@ -27,8 +27,6 @@ from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import STRIKE_UNITS, strike_of_keys
 from bristle_sim.studies.sweep import sweep
-
-__all__ = ["WAYS", "Cost", "main", "measured"]
 
 PROCESSES = 2
 
@@ -128,7 +126,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, value in surroundings().items():
         print(f"{name}: {value}")
     print(", ".join(f"{each} {metadata.version(each)}" for each in ("joblib", "distributed", "xarray", "zarr")))
-    print(f"command: python -m bristle_sim.benchmarks.sweep_benchmark --passes {options.passes}")
+    print(f"command: python tests/benchmarks/sweep_benchmark.py --passes {options.passes}")
     return 0 if same else 1
 
 

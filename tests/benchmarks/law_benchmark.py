@@ -1,4 +1,4 @@
-"""Measure what one impact costs: the law on arrays, on floats, and through a scene. ``python -m bristle_sim.benchmarks.law_benchmark``
+"""Measure what one impact costs: the law on arrays, on floats, and through a scene. ``python tests/benchmarks/law_benchmark.py``
 
 CPU time of one process, the least of several rounds that take turns, so that a noisy machine disturbs all alike.
 """
@@ -15,8 +15,6 @@ from bristle_sim.parameters import Surface
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
 from bristle_sim.scene.strike import Chain, build_strike
 from bristle_sim.theory.impact import energetic_impact
-
-__all__ = ["costs"]
 
 SINGLE = Chain((1.0,), (1.0,), (-0.41,), (3.0,))
 DOUBLE = Chain((1.0, 1.0), (1.0, 1.0), (-0.35, -0.52), (0.1, 0.2))
@@ -61,7 +59,7 @@ def main() -> None:
         print(f"{name:<18} {1e6 * seconds:10.3f} us an impact {1.0 / seconds:14.3g} impacts/s")
     for name, value in surroundings().items():
         print(f"{name}: {value}")
-    print("command: python -m bristle_sim.benchmarks.law_benchmark")
+    print("command: python tests/benchmarks/law_benchmark.py")
 
 
 if __name__ == "__main__":
