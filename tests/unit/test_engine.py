@@ -20,15 +20,18 @@ def pendulum() -> tuple[pymunk.Space, pymunk.Body]:
 def swing() -> list[tuple[float, ...]]:
     """Some steps of a pendulum that is placed, read and pushed on, as the engine module does it."""
     space, body = pendulum()
-    step, put = engine.stepper(space), engine.placer(body)
+    step, put = engine.stepper(space), engine.placer([body])
     read, push = engine.point_reader(body, POINT), engine.pusher(body)
-    put(0.7, (0.5, -0.1), (0.25, 0.125), -1.5)
+    angles, rates = engine.angle_reader([body]), engine.rate_reader([body])
+    put((0.5, -0.1, 0.7, 0.25, 0.125, -1.5))
     seen = []
     for _ in range(5):
         x, y, u, v = read()
         push((-0.3 * u, 0.2), (x, y))
         step(0.01)
-        seen.append((x, y, u, v, body.angle, body.angular_velocity, *body.position, *body.velocity))
+        seen.append((x, y, u, v, *angles(), *rates(), *body.position, *body.velocity))
+    put(None)
+    seen.append((*body.position, body.angle, *body.velocity, body.angular_velocity))
     return seen
 
 
@@ -42,6 +45,7 @@ def swing_by_pymunk() -> list[tuple[float, ...]]:
         body.apply_force_at_world_point((-0.3 * u, 0.2), (x, y))
         space.step(0.01)
         seen.append((x, y, u, v, body.angle, body.angular_velocity, *body.position, *body.velocity))
+    seen.append((0.5, -0.1, 0.7, 0.25, 0.125, -1.5))
     return seen
 
 
@@ -55,6 +59,22 @@ def test_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
     assert engine.stepper(space) == space.step
     assert engine.pusher(body) == body.apply_force_at_world_point
     assert swing() == swing_by_pymunk()
+
+
+def test_every_body_takes_six_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kinematic body and two dynamic ones, by the bare call and by pymunk's own."""
+    told = [float(number) for number in range(18)]
+    for bare in (True, False):
+        if not bare:
+            monkeypatch.setattr(engine, "lib", None)
+        kinds = (pymunk.Body.KINEMATIC, pymunk.Body.DYNAMIC, pymunk.Body.DYNAMIC)
+        bodies = [pymunk.Body(1.0, 1.0, kind) for kind in kinds]
+        engine.placer(bodies)(told)
+        assert told == [
+            number for each in bodies for number in (*each.position, each.angle, *each.velocity, each.angular_velocity)
+        ]
+        assert engine.angle_reader(bodies)() == [2.0, 8.0, 14.0]
+        assert engine.rate_reader(bodies)() == [5.0, 11.0, 17.0]
 
 
 def test_the_first_step_is_checked_by_pymunk() -> None:

@@ -8,6 +8,7 @@ where a version does not have them, the documented ones do the same.
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -27,12 +28,15 @@ __all__ = [
     "Placer",
     "Pusher",
     "Reader",
+    "Readings",
     "Tuner",
+    "angle_reader",
     "approach_reader",
     "contact_tuner",
     "placer",
     "point_reader",
     "pusher",
+    "rate_reader",
     "stepper",
     "take_back",
 ]
@@ -47,8 +51,11 @@ further would show. A step on its own bears less: the engine scales the impulse 
 it remembers, which becomes 1 - s times what it was. Further steps of the same length put that right; one short and one long
 step in turn would make it grow without bound."""
 
-Placer = Callable[[float, Vector, Vector, float], None]
-"""Sets angle, centre, velocity and rate of a body."""
+Placer = Callable[[Sequence[float] | None], None]
+"""Sets centre (x, y), angle, velocity (u, v) and rate of every body, one body after the other; None sets the last ones again."""
+
+Readings = Callable[[], list[float]]
+"""One number of each body."""
 
 Reader = Callable[[], tuple[float, float, float, float]]
 """Place (x, y) and velocity (u, v) of a point fixed on a body."""
@@ -64,10 +71,9 @@ Tuner = Callable[[pymunk.Arbiter, float], None]
 
 _CALLS = (
     "cpSpaceStep",
-    "cpBodySetAngle",
-    "cpBodySetPosition",
-    "cpBodySetVelocity",
-    "cpBodySetAngularVelocity",
+    "cpBodyGetAngle",
+    "cpBodyGetAngularVelocity",
+    "pmSpaceBodySetIteratorFuncBatched",
     "cpBodyLocalToWorld",
     "cpBodyGetVelocityAtLocalPoint",
     "cpBodyApplyForceAtWorldPoint",
@@ -101,27 +107,53 @@ class EngineSteps:
         joints: pivots between them.
         steps: engine steps taken so far.
         work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
+        angles, rates: read those of the links.
     """
 
-    def __init__(self, space: pymunk.Space, bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> None:
+    def __init__(
+        self,
+        space: pymunk.Space,
+        hub: pymunk.Body | None,
+        links: Sequence[pymunk.Body],
+        joints: Sequence[pymunk.Constraint],
+    ) -> None:
         """Nothing is to be remembered yet."""
-        self.space, self.bodies, self.joints = space, bodies, joints
+        self.space, self.joints = space, joints
+        self.bodies = list(links) if hub is None else [hub, *links]
         self.steps = self.work = 0
+        self.angles, self.rates = angle_reader(links), rate_reader(links)
         self._last_length = math.inf
         self._step = stepper(space)
+        self._price = 1
 
-    def take(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
-        """Take ``count`` engine steps of one length; ``act`` is called before each of them with the length."""
-        if length > (WARM if count > 1 else ALONE) * self._last_length:
+    def set_iterations(self, count: int) -> None:
+        """Have the solver take this many iterations in every step."""
+        self.space.iterations = count
+        self._price = 1 + count // ITERATIONS_OF_A_STEP
+
+    def take(self, length: float, count: int, act: Callable[[float], None] | None = None) -> list[float]:
+        """Take ``count`` engine steps of one length, and return the links' rates before the last of them.
+
+        ``act`` is called before each of them with the length.
+        """
+        if length > (WARM if count > 2 else ALONE) * self._last_length:
             self._start_cold(length)
         self._last_length = length
         advance = self._step
-        for _ in range(count):
-            if act is not None:
-                act(length)
-            advance(length)
         self.steps += count
-        self.work += count * (1 + self.space.iterations // ITERATIONS_OF_A_STEP)
+        self.work += count * self._price
+        if act is None:
+            for _ in range(count - 1):
+                advance(length)
+            before = self.rates()
+        else:
+            for _ in range(count - 1):
+                act(length)
+                advance(length)
+            before = self.rates()
+            act(length)
+        advance(length)
+        return before
 
     def _start_cold(self, length: float) -> None:
         """Have the engine forget the impulses of its last step, which it would scale to the length of the next one."""
@@ -134,7 +166,7 @@ class EngineSteps:
             joint.max_force = math.inf
 
 
-def take_back(bodies: Sequence[pymunk.Body], step: Callable[[], None]) -> None:
+def take_back(bodies: Sequence[pymunk.Body], step: Callable[[], object]) -> None:
     """Take a step and put the bodies back where they were, with their velocities: the engine keeps its impulses."""
     kept = [(body.position, body.angle, body.velocity, body.angular_velocity) for body in bodies]
     step()
@@ -142,22 +174,66 @@ def take_back(bodies: Sequence[pymunk.Body], step: Callable[[], None]) -> None:
         body.position, body.angle, body.velocity, body.angular_velocity = position, angle, velocity, rate
 
 
-def placer(body: pymunk.Body) -> Placer:
-    """Return what puts a body somewhere, with its velocity."""
-    bare = _bare(body, "_body")
-    return partial(_place, body) if bare is None else partial(_place_bare, bare)
+def placer(bodies: Sequence[pymunk.Body]) -> Placer:
+    """Return what puts bodies somewhere, with their velocities."""
+    bare = [_bare(body, "_body") for body in bodies]
+    return _Placer(bodies) if None in bare else _BarePlacer(bare)
 
 
-def _place(body: pymunk.Body, angle: float, centre: Vector, velocity: Vector, rate: float) -> None:
-    body.angle, body.position = angle, centre
-    body.velocity, body.angular_velocity = velocity, rate
+class _Placer:
+    """Places bodies by pymunk's documented calls."""
+
+    def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
+        self._bodies = bodies
+        self._values: Sequence[float] = ()
+
+    def __call__(self, values: Sequence[float] | None) -> None:
+        self._values = self._values if values is None else values
+        numbers = iter(self._values)
+        for body, x, y, angle, u, v, rate in zip(self._bodies, *[numbers] * 6, strict=False):
+            body.angle, body.position, body.velocity, body.angular_velocity = angle, (x, y), (u, v), rate
 
 
-def _place_bare(body: Any, angle: float, centre: Vector, velocity: Vector, rate: float) -> None:
-    lib.cpBodySetAngle(body, angle)
-    lib.cpBodySetPosition(body, centre)
-    lib.cpBodySetVelocity(body, velocity)
-    lib.cpBodySetAngularVelocity(body, rate)
+class _BarePlacer:
+    """Places each body by one call, from numbers that the engine reads where they lie."""
+
+    def __init__(self, bodies: Sequence[Any]) -> None:
+        self._bodies = bodies
+        self._values = array("d", bytes(6 * 8 * len(bodies)))
+        self._numbers = ffi.new("pmFloatArray *", (0, len(self._values), ffi.from_buffer("double[]", self._values)))
+        fields = lib.POSITION | lib.ANGLE | lib.VELOCITY | lib.ANGULAR_VELOCITY
+        self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
+
+    def __call__(self, values: Sequence[float] | None) -> None:
+        if values is not None:
+            self._values[:] = array("d", values)
+        self._numbers.num = 0
+        put, data = lib.pmSpaceBodySetIteratorFuncBatched, self._data
+        for body in self._bodies:
+            put(body, data)
+
+
+def angle_reader(bodies: Sequence[pymunk.Body]) -> Readings:
+    """Return what reads the angles of bodies."""
+    bare = [_bare(body, "_body") for body in bodies]
+    return (lambda: [body.angle for body in bodies]) if None in bare else _each(lib.cpBodyGetAngle, bare)
+
+
+def rate_reader(bodies: Sequence[pymunk.Body]) -> Readings:
+    """Return what reads the rates of bodies."""
+    bare = [_bare(body, "_body") for body in bodies]
+    return (
+        (lambda: [body.angular_velocity for body in bodies])
+        if None in bare
+        else _each(lib.cpBodyGetAngularVelocity, bare)
+    )
+
+
+def _each(read: Callable[[Any], float], bare: Sequence[Any]) -> Readings:
+    if len(bare) == 1:
+        (only,) = bare
+        return lambda: [read(only)]
+    return lambda: list(map(read, bare))
 
 
 def point_reader(body: pymunk.Body, point: Vector) -> Reader:

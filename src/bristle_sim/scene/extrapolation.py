@@ -10,6 +10,7 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
+from itertools import islice
 from operator import mul
 
 from bristle_sim.scene.build import Scene
@@ -55,22 +56,23 @@ class Extrapolation:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
         runs: list[list[float]] = []
         known: dict[int, float] = {}
-        size, table = len(scene.links), self.repetitions
+        size, table, rows = len(scene.links), self.repetitions, self.rows
         error = math.inf
         for row, count in enumerate(table.counts[: self.most_rows]):
-            runs.append(_run(scene, state, duration, count, load))
+            scene.place(state)
+            runs.append(take_steps(scene, duration / count, count, load))
             if load is not None and load.fails(runs[-1][3 * size :]):
-                return unpack(scene, state, duration, runs[-1], math.inf, failed=True)._replace(errors=known)
-            if row + 2 >= self.rows and row:
-                columns = list(zip(*runs, strict=True))[: 2 * size]
-                differences = table.differences[row]
+                return unpack(scene, state, duration, runs[-1], math.inf, failed=True, errors=known)
+            if row + 2 >= rows and row:
+                differences, columns = table.differences[row], islice(zip(*runs, strict=True), 2 * size)
                 errors = [abs(sum(map(mul, differences, column))) for column in columns]
                 # The largest of numbers one of which is NaN depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
-                if row + 1 >= self.rows and error <= self.limit:
+                if row + 1 >= rows and error <= self.limit:
                     break
-        best = [sum(map(mul, table.weights[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
-        return unpack(scene, state, duration, best, error)._replace(errors=known)
+        weights = table.weights[len(runs) - 1]
+        best = [sum(map(mul, weights, column)) for column in zip(*runs, strict=True)]
+        return unpack(scene, state, duration, best, error, errors=known)
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; the next interval follows what was learnt either way."""
@@ -102,9 +104,3 @@ class Extrapolation:
         """Return 0: an extrapolated interval is off the cubic by the cubic's own error alone."""
         del start, end
         return 0.0
-
-
-def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:
-    """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from a state."""
-    scene.place(state)
-    return take_steps(scene, duration / count, count, load)
