@@ -22,14 +22,14 @@ def swing() -> list[tuple[float, ...]]:
     space, body = pendulum()
     step, put = engine.stepper(space), engine.placer([body])
     read, push = engine.point_reader(body, POINT), engine.pusher(body)
-    angles, rates = engine.angle_reader([body]), engine.rate_reader([body])
+    angle, rate, (same,) = engine.readers([body])
     put((0.5, -0.1, 0.7, 0.25, 0.125, -1.5))
     seen = []
     for _ in range(5):
         x, y, u, v = read()
         push((-0.3 * u, 0.2), (x, y))
         step(0.01)
-        seen.append((x, y, u, v, *angles(), *rates(), *body.position, *body.velocity))
+        seen.append((x, y, u, v, angle(same), rate(same), *body.position, *body.velocity))
     put(None)
     seen.append((*body.position, body.angle, *body.velocity, body.angular_velocity))
     return seen
@@ -73,8 +73,9 @@ def test_every_body_takes_six_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
         assert told == [
             number for each in bodies for number in (*each.position, each.angle, *each.velocity, each.angular_velocity)
         ]
-        assert engine.angle_reader(bodies)() == [2.0, 8.0, 14.0]
-        assert engine.rate_reader(bodies)() == [5.0, 11.0, 17.0]
+        angle, rate, same = engine.readers(bodies)
+        assert list(map(angle, same)) == [2.0, 8.0, 14.0]
+        assert list(map(rate, same)) == [5.0, 11.0, 17.0]
 
 
 def test_the_first_step_is_checked_by_pymunk() -> None:

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import pymunk
 
-from bristle_sim.scene.engine import EngineSteps, placer
+from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 
@@ -67,7 +67,8 @@ class Scene:
         hub: the kinematic body that carries the root, or None.
         links: the dynamic bodies, in order from the root.
         joints: the pivots they hang on.
-        motions: how often bodies have been moved so far, for who must know whether they are where they were left.
+        place: puts every body exactly where a state says, joints closed, velocities consistent.
+        step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
         angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
     """
 
@@ -75,7 +76,6 @@ class Scene:
         """Build the space; the links hang at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
-        self.motions = 0
         self.space = _space(mechanism, effects)
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
@@ -85,7 +85,8 @@ class Scene:
         }
         self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
         self._engine.set_iterations(_flight_iterations(mechanism.links))
-        self._placement = Placement(mechanism, self._engine.bodies, has_hub=self.hub is not None)
+        self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
+        self.place, self.step = self._placement.place, self._engine.take
         self.angles, self.rates = self._engine.angles, self._engine.rates
 
     @property
@@ -97,6 +98,11 @@ class Scene:
     def work(self) -> int:
         """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
         return self._engine.work
+
+    @property
+    def motions(self) -> int:
+        """Number of times that bodies were placed or stepped, for who must know whether they are where they were left."""
+        return self._engine.steps + self._placement.placements
 
     @property
     def turned(self) -> float:
@@ -124,22 +130,6 @@ class Scene:
         for shape in self._shapes[obstacle.name]:
             shape.filter = _NOWHERE
         self._engine.set_iterations(_flight_iterations(self.mechanism.links))
-
-    def place(self, state: State, drift: float = 0.0) -> None:
-        """Put every body exactly where the state says, joints closed, velocities consistent.
-
-        With a ``drift`` the bodies stand where their velocities, without forces, take them in that time.
-        """
-        self.motions += 1
-        self._placement.place(state, drift)
-
-    def step(self, length: float, count: int, act: Callable[[float], None] | None = None) -> list[float]:
-        """Take ``count`` engine steps of one length, and return the links' rates before the last of them.
-
-        ``act`` is called before each of them with the length.
-        """
-        self.motions += 1
-        return self._engine.take(length, count, act)
 
     def drift(self, duration: float) -> None:
         """Move all bodies on (or back) at their velocities, without forces."""
@@ -173,18 +163,21 @@ class Placement:
 
     Attributes:
         turned: whole turns that the engine's angles leave out, rad.
+        placements: number of them so far.
     """
 
-    def __init__(self, mechanism: Mechanism, bodies: Sequence[pymunk.Body], *, has_hub: bool) -> None:
+    def __init__(self, mechanism: Mechanism, put: Placer, *, has_hub: bool) -> None:
         """Prepare to place the bodies: the hub if there is one, then the links."""
         self.mechanism, self.has_hub = mechanism, has_hub
         self.turned = 0.0
-        self._put = placer(bodies)
+        self.placements = 0
+        self._put = put
         # Runs over one interval all start from one state.
         self._last: tuple[State | None, float] = (None, 0.0)
 
-    def place(self, state: State, drift: float) -> None:
+    def place(self, state: State, drift: float = 0.0) -> None:
         """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
+        self.placements += 1
         if self._last[0] is state and self._last[1] == drift:
             self._put(None)
             return

@@ -11,6 +11,7 @@ import math
 from array import array
 from collections.abc import Callable, Sequence
 from functools import partial
+from operator import attrgetter, sub
 from typing import Any
 
 import pymunk
@@ -28,15 +29,13 @@ __all__ = [
     "Placer",
     "Pusher",
     "Reader",
-    "Readings",
     "Tuner",
-    "angle_reader",
     "approach_reader",
     "contact_tuner",
     "placer",
     "point_reader",
     "pusher",
-    "rate_reader",
+    "readers",
     "stepper",
     "take_back",
 ]
@@ -53,9 +52,6 @@ step in turn would make it grow without bound."""
 
 Placer = Callable[[Sequence[float] | None], None]
 """Sets centre (x, y), angle, velocity (u, v) and rate of every body, one body after the other; None sets the last ones again."""
-
-Readings = Callable[[], list[float]]
-"""One number of each body."""
 
 Reader = Callable[[], tuple[float, float, float, float]]
 """Place (x, y) and velocity (u, v) of a point fixed on a body."""
@@ -99,7 +95,7 @@ def stepper(space: pymunk.Space) -> Callable[[float], None]:
 
 
 class EngineSteps:
-    """Takes the steps of a space, and counts them.
+    """Places the bodies of a space, takes its steps, and counts them.
 
     Attributes:
         space: the space, with all its bodies, joints and shapes.
@@ -107,7 +103,7 @@ class EngineSteps:
         joints: pivots between them.
         steps: engine steps taken so far.
         work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
-        angles, rates: read those of the links.
+        place: puts the bodies somewhere.
     """
 
     def __init__(
@@ -121,7 +117,8 @@ class EngineSteps:
         self.space, self.joints = space, joints
         self.bodies = list(links) if hub is None else [hub, *links]
         self.steps = self.work = 0
-        self.angles, self.rates = angle_reader(links), rate_reader(links)
+        self.place = placer(self.bodies)
+        self._angle, self._rate, self._links = readers(links)
         self._last_length = math.inf
         self._step = stepper(space)
         self._price = 1
@@ -131,29 +128,48 @@ class EngineSteps:
         self.space.iterations = count
         self._price = 1 + count // ITERATIONS_OF_A_STEP
 
+    def angles(self) -> list[float]:
+        """Return the angles of the links."""
+        return list(map(self._angle, self._links))
+
+    def rates(self) -> list[float]:
+        """Return the rates of the links."""
+        return list(map(self._rate, self._links))
+
     def take(self, length: float, count: int, act: Callable[[float], None] | None = None) -> list[float]:
-        """Take ``count`` engine steps of one length, and return the links' rates before the last of them.
+        """Take ``count`` engine steps of one length, and return the links' angles, rates, and accelerations in the last step.
 
         ``act`` is called before each of them with the length.
         """
         if length > (WARM if count > 2 else ALONE) * self._last_length:
             self._start_cold(length)
         self._last_length = length
-        advance = self._step
         self.steps += count
         self.work += count * self._price
+        advance = self._step
         if act is None:
             for _ in range(count - 1):
                 advance(length)
-            before = self.rates()
         else:
             for _ in range(count - 1):
                 act(length)
                 advance(length)
-            before = self.rates()
             act(length)
-        advance(length)
-        return before
+        return self._last_step(length)
+
+    def _last_step(self, length: float) -> list[float]:
+        """Take one step, and return what :meth:`take` does."""
+        angle, rate, links = self._angle, self._rate, self._links
+        if len(links) == 1:
+            (link,) = links
+            first = rate(link)
+            self._step(length)
+            last = rate(link)
+            return [angle(link), last, (last - first) / length]
+        before = list(map(rate, links))
+        self._step(length)
+        after = list(map(rate, links))
+        return [*map(angle, links), *after, *[change / length for change in map(sub, after, before)]]
 
     def _start_cold(self, length: float) -> None:
         """Have the engine forget the impulses of its last step, which it would scale to the length of the next one."""
@@ -213,27 +229,12 @@ class _BarePlacer:
             put(body, data)
 
 
-def angle_reader(bodies: Sequence[pymunk.Body]) -> Readings:
-    """Return what reads the angles of bodies."""
+def readers(bodies: Sequence[pymunk.Body]) -> tuple[Callable[[Any], float], Callable[[Any], float], Sequence[Any]]:
+    """Return what reads an angle, what reads a rate, and what they take for each of these bodies."""
     bare = [_bare(body, "_body") for body in bodies]
-    return (lambda: [body.angle for body in bodies]) if None in bare else _each(lib.cpBodyGetAngle, bare)
-
-
-def rate_reader(bodies: Sequence[pymunk.Body]) -> Readings:
-    """Return what reads the rates of bodies."""
-    bare = [_bare(body, "_body") for body in bodies]
-    return (
-        (lambda: [body.angular_velocity for body in bodies])
-        if None in bare
-        else _each(lib.cpBodyGetAngularVelocity, bare)
-    )
-
-
-def _each(read: Callable[[Any], float], bare: Sequence[Any]) -> Readings:
-    if len(bare) == 1:
-        (only,) = bare
-        return lambda: [read(only)]
-    return lambda: list(map(read, bare))
+    if None in bare:
+        return attrgetter("angle"), attrgetter("angular_velocity"), bodies
+    return lib.cpBodyGetAngle, lib.cpBodyGetAngularVelocity, bare
 
 
 def point_reader(body: pymunk.Body, point: Vector) -> Reader:
