@@ -1,9 +1,10 @@
-"""The engine's bare calls do, bit for bit, what pymunk's documented ones do."""
+"""The engine's bare calls do, bit for bit, what pymunk's documented ones do, and stand in for them only where they exist."""
 
 import pymunk
 import pytest
 
 from bristle_sim.scene import engine
+from bristle_sim.scene.energetic_contact import EnergeticContact
 
 POINT = (0.1, -0.5)
 
@@ -19,15 +20,18 @@ def pendulum() -> tuple[pymunk.Space, pymunk.Body]:
 def swing() -> list[tuple[float, ...]]:
     """Some steps of a pendulum that is placed, read and pushed on, as the engine module does it."""
     space, body = pendulum()
-    step, put = engine.stepper(space), engine.placer(body)
+    step, put = engine.stepper(space), engine.placer([body])
     read, push = engine.point_reader(body, POINT), engine.pusher(body)
-    put(0.7, (0.5, -0.1), (0.25, 0.125), -1.5)
+    angle, rate, (same,) = engine.readers([body])
+    put((0.5, -0.1, 0.7, 0.25, 0.125, -1.5))
     seen = []
     for _ in range(5):
         x, y, u, v = read()
         push((-0.3 * u, 0.2), (x, y))
         step(0.01)
-        seen.append((x, y, u, v, body.angle, body.angular_velocity, *body.position, *body.velocity))
+        seen.append((x, y, u, v, angle(same), rate(same), *body.position, *body.velocity))
+    put(None)
+    seen.append((*body.position, body.angle, *body.velocity, body.angular_velocity))
     return seen
 
 
@@ -41,11 +45,37 @@ def swing_by_pymunk() -> list[tuple[float, ...]]:
         body.apply_force_at_world_point((-0.3 * u, 0.2), (x, y))
         space.step(0.01)
         seen.append((x, y, u, v, body.angle, body.angular_velocity, *body.position, *body.velocity))
+    seen.append((0.5, -0.1, 0.7, 0.25, 0.125, -1.5))
     return seen
 
 
 def test_bare_calls_are_the_documented_ones() -> None:
     assert swing() == swing_by_pymunk()
+
+
+def test_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "lib", None)
+    space, body = pendulum()
+    assert engine.stepper(space) == space.step
+    assert engine.pusher(body) == body.apply_force_at_world_point
+    assert swing() == swing_by_pymunk()
+
+
+def test_every_body_takes_six_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kinematic body and two dynamic ones, by the bare call and by pymunk's own."""
+    told = [float(number) for number in range(18)]
+    for bare in (True, False):
+        if not bare:
+            monkeypatch.setattr(engine, "lib", None)
+        kinds = (pymunk.Body.KINEMATIC, pymunk.Body.DYNAMIC, pymunk.Body.DYNAMIC)
+        bodies = [pymunk.Body(1.0, 1.0, kind) for kind in kinds]
+        engine.placer(bodies)(told)
+        assert told == [
+            number for each in bodies for number in (*each.position, each.angle, *each.velocity, each.angular_velocity)
+        ]
+        angle, rate, same = engine.readers(bodies)
+        assert list(map(angle, same)) == [2.0, 8.0, 14.0]
+        assert list(map(rate, same)) == [5.0, 11.0, 17.0]
 
 
 def test_the_first_step_is_checked_by_pymunk() -> None:
@@ -54,3 +84,26 @@ def test_the_first_step_is_checked_by_pymunk() -> None:
     space.add(pymunk.Body())
     with pytest.raises(AssertionError, match="mass"):
         engine.stepper(space)
+
+
+def bounces() -> list[float]:
+    """Heights of two balls that fall on each other and on a floor, under the energetic law."""
+    space = pymunk.Space()
+    space.gravity, floor = (0.0, -9.81), pymunk.Segment(space.static_body, (-9.0, -1.0), (9.0, -1.0), 1.0)
+    space.add(floor)
+    balls = []
+    for height, sideways in ((0.3, 0.02), (0.7, 0.0)):
+        body = pymunk.Body(1.0, 0.004)
+        body.position = (sideways, height)
+        space.add(body, pymunk.Circle(body, 0.1))
+        balls.append(body)
+    contact = EnergeticContact(space, 0, 0, friction=0.3, restitution=0.5)
+    for _ in range(300):
+        contact.step(1e-3)
+    return [each for body in balls for each in (*body.position, body.angle)]
+
+
+def test_contacts_are_read_alike_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
+    bare = bounces()
+    monkeypatch.setattr(engine, "lib", None)
+    assert bounces() == bare

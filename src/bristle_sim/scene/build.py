@@ -10,15 +10,15 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 from numpy.linalg import eigvalsh
 
-from bristle_sim.scene.engine import EngineSteps, placer
-from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
+from bristle_sim.scene.engine import EngineSteps, Placer
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 
 __all__ = ["Effects", "Scene"]
@@ -69,14 +69,15 @@ class Scene:
         hub: the kinematic body that carries the root, or None.
         links: the dynamic bodies, in order from the root.
         joints: the pivots they hang on.
-        motions: how often bodies have been moved so far, for who must know whether they are where they were left.
+        place: puts every body exactly where a state says, joints closed, velocities consistent.
+        step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
+        angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
         """Build the space; the links hang at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
-        self.motions = 0
         self.space = _space(mechanism, effects)
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
@@ -84,8 +85,11 @@ class Scene:
         self._shapes = {
             each.name: _add_obstacle(self.space, mechanism, self.links[-1], each) for each in effects.obstacles
         }
-        self._engine = EngineSteps(self.space, self.links if self.hub is None else [self.hub, *self.links], self.joints)
-        self._placement = Placement(mechanism, self.hub, self.links)
+        self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
+        self._engine.set_iterations(_flight_iterations(mechanism.links))
+        self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
+        self.place, self.step = self._placement.place, self._engine.take
+        self.angles, self.rates = self._engine.angles, self._engine.rates
 
     @property
     def steps(self) -> int:
@@ -96,6 +100,11 @@ class Scene:
     def work(self) -> int:
         """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
         return self._engine.work
+
+    @property
+    def motions(self) -> int:
+        """Number of times that bodies were placed or stepped, for who must know whether they are where they were left."""
+        return self._engine.steps + self._placement.placements
 
     @property
     def turned(self) -> float:
@@ -116,34 +125,13 @@ class Scene:
             # The obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
             shape.filter = _EVERYWHERE if index in (0, 1 + piece) else _NOWHERE
         shapes[0].friction, shapes[0].elasticity = friction, elasticity
-        self.space.iterations = iterations
+        self._engine.set_iterations(iterations)
 
     def release(self, obstacle: Obstacle) -> None:
         """Let the engine ignore the obstacle again."""
         for shape in self._shapes[obstacle.name]:
             shape.filter = _NOWHERE
-        self.space.iterations = _flight_iterations(self.mechanism.links)
-
-    def place(self, state: State, drift: float = 0.0) -> None:
-        """Put every body exactly where the state says, joints closed, velocities consistent.
-
-        With a ``drift`` the bodies stand where their velocities, without forces, take them in that time.
-        """
-        self.motions += 1
-        self._placement.place(state, drift)
-
-    def angles(self) -> list[float]:
-        """Return the angles of the links as they are in the engine, less ``turned``, rad."""
-        return [body.angle for body in self.links]
-
-    def rates(self) -> list[float]:
-        """Return the absolute rates of the links as they are in the engine."""
-        return [body.angular_velocity for body in self.links]
-
-    def step(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
-        """Take ``count`` engine steps of one length; ``act`` is called before each of them with the length."""
-        self.motions += 1
-        self._engine.take(length, count, act)
+        self._engine.set_iterations(_flight_iterations(self.mechanism.links))
 
     def drift(self, duration: float) -> None:
         """Move all bodies on (or back) at their velocities, without forces."""
@@ -177,28 +165,39 @@ class Placement:
 
     Attributes:
         turned: whole turns that the engine's angles leave out, rad.
+        placements: number of them so far.
     """
 
-    def __init__(self, mechanism: Mechanism, hub: pymunk.Body | None, links: Sequence[pymunk.Body]) -> None:
-        """Prepare to place the bodies."""
-        self.mechanism, self.hub = mechanism, hub
+    def __init__(self, mechanism: Mechanism, put: Placer, *, has_hub: bool) -> None:
+        """Prepare to place the bodies: the hub if there is one, then the links."""
+        self.mechanism, self.has_hub = mechanism, has_hub
         self.turned = 0.0
-        self._placers = [placer(body) for body in links]
+        self.placements = 0
+        self._put = put
         # Runs over one interval all start from one state.
-        self._last: tuple[State | None, list[Pose]] = (None, [])
+        self._last: tuple[State | None, float] = (None, 0.0)
 
-    def place(self, state: State, drift: float) -> None:
+    def place(self, state: State, drift: float = 0.0) -> None:
         """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
-        if self.hub is not None:
+        self.placements += 1
+        if self._last[0] is state and self._last[1] == drift:
+            self._put(None)
+            return
+        self._last = (state, drift)
+        self._put(self._values(state, drift))
+
+    def _values(self, state: State, drift: float) -> list[float]:
+        """Return what the engine is told of every body."""
+        values: list[float] = []
+        if self.has_hub:
             hub_angle = self.mechanism.hub_angle(state.time + drift)
             # Rounding of an angle grows with its size, and extrapolation magnifies it.
             self.turned = math.tau * round(hub_angle / math.tau)
-            self.hub.angle = hub_angle - self.turned
-        if state is not self._last[0]:
-            self._last = (state, self.mechanism.poses(state))
-        for put, pose, angle, rate in zip(self._placers, self._last[1], state.angles, state.rates, strict=True):
+            values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
+        for pose, angle, rate in zip(self.mechanism.poses(state), state.angles, state.rates, strict=True):
             (x, y), (u, v) = pose.centre, pose.centre_velocity
-            put(angle - self.turned + drift * rate, (x + drift * u, y + drift * v), (u, v), rate)
+            values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
+        return values
 
 
 def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import pymunk
 
@@ -131,7 +132,7 @@ class EngineContact:
         but not what it reports, nor what limits friction and push, until a step has been taken.
         """
         bodies = self.scene.links if self.scene.hub is None else [self.scene.hub, *self.scene.links]
-        take_back(bodies, lambda: self.scene.step(step, 1))
+        take_back(bodies, partial(self.scene.step, step, 1))
 
     def _slip(self) -> float:
         """Return the tangential velocity of the link where it touches, as the bodies are."""

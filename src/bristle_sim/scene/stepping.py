@@ -187,24 +187,23 @@ class SymmetricSteps(FixedSteps):
 
 def take_steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:
     """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from where the bodies are."""
-    act = None
-    if load is not None:
-        load.begin()
-        act = load.apply
-    if count > 1:
-        scene.step(step, count - 1, act)
-    before = scene.rates()
-    scene.step(step, 1, act)
-    rates = scene.rates()
-    values = scene.angles() + rates + [(b - a) / step for a, b in zip(before, rates, strict=True)]
-    return values if load is None else values + load.totals(step)
+    if load is None:
+        return scene.step(step, count)
+    load.begin()
+    return scene.step(step, count, load.apply) + load.totals(step)
 
 
 def unpack(
-    scene: Scene, state: State, duration: float, values: list[float], error: float, failed: bool = False
+    scene: Scene,
+    state: State,
+    duration: float,
+    values: list[float],
+    error: float,
+    failed: bool = False,
+    errors: Mapping[int, float] = NONE,
 ) -> Advance:
     """Return the values of :func:`take_steps` as the result of an interval."""
-    size = len(scene.links)
-    angles = tuple(angle + scene.turned for angle in values[:size])
+    size, turned = len(scene.links), scene.turned
+    angles = tuple([angle + turned for angle in values[:size]])
     end = State(state.time + duration, angles, tuple(values[size : 2 * size]))
-    return Advance(end, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed)
+    return Advance(end, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed, errors)
