@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from bristle_sim.quantity import ANY, choice, quantity, validate
@@ -50,6 +51,28 @@ class Strike:
 
     def __post_init__(self) -> None:
         validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class ContactStiffness:
+    """Stiffness of a contact resolved in time, given by how long it would keep a rigid bristle in touch."""
+
+    duration: float = quantity(
+        7.1e-5,
+        "contact_duration",
+        "s",
+        at_least=1e-9,
+        at_most=1e-2,
+        source="50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*",
+        meaning="time for which the contact's stiffness would keep the rigid bristle in touch, without friction, T",
+    )
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+    def stiffness(self, inverse_mass: float, restitution: float) -> float:
+        """Return k = (pi (1 + e*)/(2 T))^2/K_nn, N/m, with K_nn of the rigid bristle, 1/kg."""
+        return (0.5 * math.pi * (1.0 + restitution) / self.duration) ** 2 / inverse_mass
 
 
 @dataclass(frozen=True, slots=True)

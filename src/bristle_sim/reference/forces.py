@@ -125,8 +125,10 @@ def _consistent(
 def _pushes(
     mass: Reals, forces: Reals, accelerations: Reals, each: Acting, normal: float, tangential: float, still: float
 ) -> bool:
-    """Whether a contact that stays pushes, and sticks or slips consistently."""
-    if normal < 0.0 or (each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal):
+    """Whether a contact that stays pushes, and sticks or slips consistently; a spring's force at its end is 0 but for rounding."""
+    if (normal < 0.0 and each.push is None) or (
+        each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal
+    ):
         return False
     if each.slip and each.push is None and freedom(mass, each.touch, each.ratio) <= 0.0:
         return False

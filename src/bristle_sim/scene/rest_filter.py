@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pymunk
 
-from bristle_sim.scene.engine import approach_reader, tune_contact
+from bristle_sim.scene.engine import approach_reader, contact_tuner
 from bristle_sim.scene.impact_sequence import ROUNDING
 from bristle_sim.scene.joints import Vector
 
@@ -40,7 +40,7 @@ class RestFilter:
         self.still_jammed: set[frozenset[pymunk.Shape]] = set()
         self.active = False
         self.resting: float | None = None
-        self._approach_of = approach_reader(space)
+        self._approach_of, self._tune = approach_reader(space), contact_tuner(space)
 
     def begin(self, resting_speed: float) -> None:
         """Begin a step."""
@@ -65,19 +65,19 @@ class RestFilter:
         approach, speeds = self._approach_of(arbiter)
         # Contacts at rest are many; their shapes are not even looked up.
         if (approach <= self.resting or approach <= ROUNDING * speeds) and not self.jammed:
-            tune_contact(arbiter, friction)
+            self._tune(arbiter, friction)
             return
         shapes = arbiter.shapes
         jams = frozenset(shapes) in self.jammed
         if jams:
             self.still_jammed.add(frozenset(shapes))
         if jams or approach <= self.resting or approach <= ROUNDING * speeds:
-            tune_contact(arbiter, friction)
+            self._tune(arbiter, friction)
             return
         # The engine keeps the contact, wakes its bodies and reduces overlap, but takes it to fly apart.
         normal, slide = arbiter.normal, arbiter.surface_velocity
         self.skipped[frozenset(shapes)] = (shapes, (slide.x, slide.y))
-        tune_contact(arbiter, 0.0)
+        self._tune(arbiter, 0.0)
         arbiter.surface_velocity = (OUT_OF_REACH * normal.x, OUT_OF_REACH * normal.y)
 
     def surface_velocity(self, shapes: tuple[pymunk.Shape, pymunk.Shape]) -> Vector | None:

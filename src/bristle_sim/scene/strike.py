@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+import math
 import time as clock
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,7 +30,7 @@ from bristle_sim.scene.wire_links import wire_hinges, wire_links
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["Chain", "ChainStrike", "WireStrike", "build_strike", "strike", "strike_wire"]
+__all__ = ["Chain", "ChainStrike", "WireStrike", "build_strike", "strike", "strike_wire", "wire_frequencies"]
 
 Array = NDArray[np.float64]
 
@@ -251,7 +253,7 @@ def _build_wire(
         raise ValueError(
             f"angles, rates: {len(angles)}, {len(rates)} of them; must be one for each of the {bristle.links} links"
         )
-    fastest = max(*(abs(rate) for rate in rates), tool.hub.speed)
+    fastest = max(*(abs(rate) for rate in rates), tool.hub.speed) or 1.0
     units = Units(bristle.length, bristle.mass, 1.0 / max(fastest, SLOWEST))
     mechanism = Mechanism(
         wire_links(bristle), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start=hub_angle
@@ -273,6 +275,36 @@ def _build_wire(
             f"wire_links = {bristle.links}: must be fewer, the engine's solver takes too many iterations (dimensionless)"
         )
     return scene, units, obstacle
+
+
+SMALL_ANGLE = 1e-8
+"""Angle of a link, rad, at which its mass matrix differs from that of the straight wire by 5e-17 of itself."""
+
+
+def wire_frequencies(tool: Tool) -> Array:
+    """Return the natural frequencies of a tool's undamped wire on a hub at rest, in Hz, ascending, shape (links,).
+
+    One engine step from rest with one link turned by a small angle gives every link a rate, which is a column of the matrix
+    -M^-1 K times angle and step: nothing moves before the rates change.
+    """
+    straight = (0.0,) * tool.bristle.links
+    bristle = dataclasses.replace(tool.bristle, bending_damping_ratio=0.0)
+    still = dataclasses.replace(
+        tool,
+        hub=dataclasses.replace(tool.hub, speed=0.0),
+        belt=dataclasses.replace(tool.belt, damping_ratio=0.0),
+        bristle=bristle,
+        gravity=0.0,
+    )
+    scene, units, _ = _build_wire(still, 0.0, straight, straight)
+    step, columns = SMALL_ANGLE, []
+    for turned in range(tool.bristle.links):
+        angles = tuple(SMALL_ANGLE * (link == turned) for link in range(tool.bristle.links))
+        scene.place(State(0.0, angles, straight))
+        scene.step(step, 1)
+        columns.append(np.array(scene.rates()) / (SMALL_ANGLE * step))
+    squares = np.sort(-np.linalg.eigvals(np.array(columns).T).real)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (math.tau * units.time))
 
 
 def _flight(scene: Scene, start: State, duration: float, contact: float, settings: Settings) -> list[State]:

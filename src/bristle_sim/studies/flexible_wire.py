@@ -1,0 +1,277 @@
+"""Compares the strike of a wire that bends with that of the rigid bristle at the same contact stiffness.
+
+A straight radial wire that turns as one strikes with its end. The contact is a spring with energetic restitution whose
+stiffness would keep the rigid bristle in touch for a given time; it has a limit as the number of links grows, which an
+impact at an instant has not. Reported are what the scene, the rigid bristle and the independent solution give.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
+from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
+from bristle_sim.settings import Settings
+from bristle_sim.theory.crater_cutting import depth_from_energy
+from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
+from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
+from bristle_sim.trajectory import ContactRecord
+
+__all__ = ["FlexibleStrike", "WireStudy", "flexible_wire", "measures", "wire_study"]
+
+Array = NDArray[np.float64]
+
+UNITS = {"normal_final_impulse": "N s", "peak_force": "N", "time_in_touch": "s", "crater_depth": "m"}
+
+MOST_LINKS = 16
+"""Links of a wire in the scene. The engine's solver takes some 16 n^2 iterations a step, and the fastest hinge needs n^2 as many
+steps: a strike of 8 links takes 1 s, of 16 some 20 s, of 32 ten minutes."""
+
+CUTTING_FRICTION = 0.5
+"""mu with which chapter 4 of the dissertation cuts, whatever the friction of the strike."""
+
+REFERENCE_ACCURACY = 1e-9
+
+LONGEST = 10.0
+"""Times the contact of the rigid bristle that a contact may last."""
+
+FLIGHT = 0.33e-3
+"""Free motion that is shown after the contact, s: the period of the first bending mode."""
+
+STUDY_ACCURACY = 1e-4
+"""Accuracy of the strikes of the study, which are drawn: far below a line's width."""
+
+DURATIONS = tuple(np.geomspace(5e-6, 5e-4, 9).tolist())
+"""Times for which the rigid bristle would be in touch that the study tries, s."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlexibleStrike:
+    """A wire that strikes, and the same of other numbers of links at other contact stiffnesses.
+
+    Attributes:
+        tool: with the wire; its workpart is where the wire's end is when it stands radially.
+        impact_angle: gamma, rad.
+        rate: of the wire when it strikes, rad/s.
+        contact: its stiffness.
+        settings: of the scene.
+    """
+
+    tool: Tool
+    impact_angle: float
+    rate: float
+    contact: ContactStiffness
+    settings: Settings
+
+    @property
+    def stiffness(self) -> float:
+        """Return the contact's stiffness, with K_nn = L^2 sin^2(gamma)/I of the rigid bristle, N/m."""
+        bristle, part = self.tool.bristle, self.tool.workpart
+        assert part is not None
+        inverse_mass = (bristle.length * math.sin(self.impact_angle)) ** 2 / bristle.inertia_about_root
+        return self.contact.stiffness(inverse_mass, part.restitution)
+
+    def of(self, links: int, duration: float | None = None, accuracy: float | None = None) -> FlexibleStrike:
+        """Return the strike of a wire of so many links, at the stiffness of another duration, s, and to another accuracy."""
+        bristle = dataclasses.replace(self.tool.bristle, links=links)
+        return dataclasses.replace(
+            self,
+            tool=dataclasses.replace(self.tool, bristle=bristle),
+            contact=self.contact if duration is None else ContactStiffness(duration),
+            settings=self.settings if accuracy is None else dataclasses.replace(self.settings, accuracy=accuracy),
+        )
+
+    def run(self, flight: float = 0.0) -> WireStrike:
+        """Strike through the scene, with free motion afterwards, s."""
+        return strike_wire(*self._start(), self.stiffness, self.settings, duration=self.contact.duration, flight=flight)
+
+    def reference(self) -> ContactRecord:
+        """Strike in the independent solution."""
+        from bristle_sim.reference import strike_reference
+
+        longest = LONGEST * self.contact.duration
+        return strike_reference(*self._start(), self.stiffness, longest=longest, accuracy=REFERENCE_ACCURACY)
+
+    def _start(self) -> tuple[Tool, float, list[float], list[float]]:
+        links = self.tool.bristle.links
+        return self.tool, -self.impact_angle, [-self.impact_angle] * links, [self.rate] * links
+
+
+@dataclass(frozen=True, slots=True)
+class WireStudy:
+    """Measures of strikes over contact stiffness and number of links, by name, each over that of the rigid bristle.
+
+    Attributes:
+        durations: times for which the rigid bristle would be in touch, s.
+        by_duration: for each number of links the ratios, arrays over the durations.
+        links: numbers of links at the requested stiffness.
+        by_links: the ratios, arrays over the numbers of links.
+    """
+
+    durations: Array
+    by_duration: dict[int, dict[str, Array]]
+    links: Array
+    by_links: dict[str, Array]
+
+
+@dataclass(frozen=True, slots=True)
+class FlexibleWire:
+    """What pictures are drawn from: the strike that was requested, of the wire and of the rigid bristle."""
+
+    strike: FlexibleStrike
+    wire: WireStrike
+    rigid: WireStrike
+
+
+def flexible_wire(
+    hub: Hub,
+    belt: Belt,
+    bristle: Bristle,
+    strike: Strike,
+    surface: Surface,
+    contact: ContactStiffness,
+    settings: Settings,
+    *,
+    with_reference: bool = True,
+) -> Report:
+    """Strike with a wire of links and with the rigid bristle, and compare.
+
+    Raises:
+        ValueError: for values that do not fit together, too many links, or a contact that comes to no end.
+    """
+    if bristle.links > MOST_LINKS:
+        raise ValueError(
+            f"wire_links = {bristle.links}: must be at most {MOST_LINKS}, as one strike would take the scene minutes"
+            " (dimensionless)"
+        )
+    tool = _tool(hub, belt, bristle, surface, math.radians(strike.impact_angle_deg))
+    struck = FlexibleStrike(
+        tool, math.radians(strike.impact_angle_deg), strike.speed_ratio * hub.speed, contact, settings
+    )
+    wire, rigid = struck.run(FLIGHT), struck.of(1).run(FLIGHT)
+    own, stiff = (measures(struck, each.contact) for each in (wire, rigid))
+    reference: dict[str, float | None] = {}
+    if with_reference:
+        independent = measures(struck, struck.reference())
+        rigid_reference = measures(struck, struck.of(1).reference())
+        reference = independent | {
+            "impulse_ratio_to_rigid": _ratios(independent, rigid_reference)["normal_final_impulse"]
+        }
+    ratio = _ratios(own, stiff)["normal_final_impulse"]
+    allowed = max(1e-8, 10.0 * settings.accuracy) if with_reference else None
+    rows = [
+        *_frequencies(tool, with_reference),
+        *(
+            Quantity(name, unit, own[name], stiff[name], reference.get(name), tolerance=allowed)
+            for name, unit in UNITS.items()
+        ),
+        Quantity(
+            "impulse_ratio_to_rigid", "1", ratio, None, reference.get("impulse_ratio_to_rigid"), tolerance=allowed
+        ),
+    ]
+    outcome = wire.contact.outcome
+    return Report(
+        outcome="stiction" if outcome == "jam" else outcome,
+        quantities=tuple(rows),
+        phases=wire.contact.phases,
+        events=(("strike", 0.0), ("release", wire.contact.duration)),
+        wall_s=wire.wall_s,
+        steps=wire.steps,
+        remarks=_remarks(struck, _ratios(stiff, own), with_reference),
+        subject=FlexibleWire(struck, wire, rigid),
+    )
+
+
+def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
+    """Return impulse, peak force, time in touch and crater depth of a contact, in the units of UNITS.
+
+    The crater's chip takes the energy that the tip gives up in compression, see :mod:`bristle_sim.theory.crater_cutting`.
+
+    Raises:
+        ValueError: for a contact that was not resolved in time.
+    """
+    if contact.history is None or contact.compressive_work is None:
+        raise ValueError("speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches")
+    energy = specific_cutting_energy(CUTTING_FRICTION, strike.impact_angle, API_5L, "inclined")
+    depth = depth_from_energy(max(0.0, -sum(contact.compressive_work)), energy, strike.impact_angle)
+    values = (contact.impulse[0], float(contact.history.normal_force.max()), contact.duration, float(depth))
+    return dict(zip(UNITS, values, strict=True))
+
+
+def wire_study(strike: FlexibleStrike, durations: Sequence[float] = DURATIONS) -> WireStudy:
+    """Strike at several contact stiffnesses, and with several numbers of links up to the wire's own or 8 at the requested one."""
+    most = strike.tool.bristle.links
+    counts = [links for links in (2, 4, 8) if links <= most] or [most]
+    by_duration = {}
+    for links in counts:
+        found = [_compared(strike.of(links, duration, STUDY_ACCURACY)) for duration in durations]
+        by_duration[links] = {name: np.array([each[name] for each in found]) for name in UNITS}
+    numbers = np.arange(1, max(2, most) + 1)
+    found = [_compared(strike.of(int(links), accuracy=STUDY_ACCURACY)) for links in numbers]
+    by_links = {name: np.array([each[name] for each in found]) for name in UNITS}
+    return WireStudy(np.array(durations), by_duration, numbers, by_links)
+
+
+def _compared(strike: FlexibleStrike) -> dict[str, float]:
+    """Return the measures of a strike over those of the rigid bristle."""
+    rigid = strike.of(1)
+    return _ratios(measures(strike, strike.run().contact), measures(rigid, rigid.run().contact))
+
+
+def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
+    return {name: first[name] / second[name] if second[name] else math.nan for name in first}
+
+
+def _tool(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float) -> Tool:
+    """Return a tool whose workpart is at the end of the wire that stands radially at the impact angle."""
+    reach = hub.radius + bristle.length
+    if reach * math.cos(impact_angle) <= hub.radius:
+        limit = math.degrees(math.acos(hub.radius / reach))
+        raise ValueError(
+            f"impact_angle_deg = {math.degrees(impact_angle):g}: must be less than {limit:.6g}, or the hub's rim would touch"
+            " the workpart (in deg)"
+        )
+    coefficients = {field.name: getattr(surface, field.name) for field in dataclasses.fields(Surface)}
+    part = Workpart(**coefficients, penetration=reach * (1.0 - math.cos(impact_angle)))
+    return Tool(hub=hub, belt=belt, bristle=bristle, bar=None, workpart=part)
+
+
+def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
+    """Compare the frequencies of bending in the scene with the beam's and the chain's, which are found apart from the scene."""
+    bristle = tool.bristle
+    wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
+    names = ("first_bending_frequency", "second_bending_frequency")
+    found, beam, chain = wire_frequencies(tool), beam_frequencies(*wire, 3), chain_frequencies(*wire, bristle.links)
+    rows = []
+    for mode, name in enumerate(names, 1):
+        if mode >= bristle.links:
+            rows.append(Quantity(name, "Hz", None, float(beam[mode])))
+            continue
+        reference = (float(chain[mode]), 1e-6) if with_reference else (None, None)
+        rows.append(Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference[0], tolerance=reference[1]))
+    return rows
+
+
+def _remarks(strike: FlexibleStrike, ratios: dict[str, float], with_reference: bool) -> tuple[str, ...]:
+    links = strike.tool.bristle.links
+    sources = "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
+    lines = [
+        f"{sources} {strike.stiffness:.4g} N/m",
+        f"crater: of API 5L steel, cut with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression",
+    ]
+    if links > 1:
+        times = [f"{ratios[name]:.3g} times the {words}" for name, words in zip(UNITS, _WORDS, strict=True)]
+        lines.insert(0, f"the rigid bristle gives {', '.join(times[:3])} and {times[3]} of this wire")
+    if with_reference and links > 1:
+        lines.append("reference: the same links in their absolute angles, by scipy")
+    return tuple(lines)
+
+
+_WORDS = ("impulse", "peak force", "time in touch", "crater depth")
