@@ -7,10 +7,11 @@ from typing import NoReturn
 
 import numpy as np
 
-from bristle_sim.reference.contacts import Point, Spring, Workpart
+from bristle_sim.reference.contacts import Point, Spring, Workpart, follows
 from bristle_sim.reference.forces import Acting, acting, closed, resolve
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, Sustained, System
+from bristle_sim.reference.wires import Wires
 from bristle_sim.stop_reason import StopReason
 
 __all__ = ["decide", "jam", "meet", "move", "part", "record", "turn"]
@@ -28,7 +29,7 @@ AT_ONCE = 1e-10
 def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:
     """A contact closes: impacts follow, and contacts that stay."""
     new = _place(system, name, piece, state)
-    log.touch(new.obstacle, state)
+    log.touch(new, state)
     return decide(system, log, state, new)
 
 
@@ -36,9 +37,11 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
     """Return where a piece is touched: on its flank, on the corner at its end, or on the corner before it."""
     pieces = system.chain.pieces
     if isinstance(system.obstacles[name], Workpart):
-        return Point(name, len(pieces) - 1, True)
+        return Point(name, system.chain.tips[piece], True)
+    if isinstance(system.obstacles[name], Wires):
+        return Point(name, piece, False)
     foot = float(system.at(state).feet[piece])
-    if foot <= 0.0 and piece:
+    if foot <= 0.0 and follows(system.chain, piece):
         return Point(name, piece - 1, True)
     return Point(name, piece, foot >= pieces[piece].length)
 
@@ -75,7 +78,7 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
             lasting[point] = Sustained(point, slip, state, (0.0, instant.touch(point).velocity[1]))
     system.sustained = [*lasting.values(), *springs]
     if new is not None and new in points and new not in staying:
-        log.release(new.obstacle, state)
+        log.release(new, state)
     log.check_stop(state)
     return system.closed(state)
 
@@ -88,7 +91,7 @@ def _end(system: System, log: Log, state: State, staying: dict[Point, int], outc
         record(system, log, state, each, outcome)
     log.check_stop(state)
     for each in ending:
-        log.release(each.point.obstacle, state)
+        log.release(each.point, state)
 
 
 def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
@@ -123,7 +126,7 @@ def part(system: System, log: Log, each: Sustained, state: State) -> State:
     """A compliant contact's force is back at zero."""
     record(system, log, state, each, "rebound")
     system.sustained.remove(each)
-    log.release(each.point.obstacle, state)
+    log.release(each.point, state)
     log.check_stop(state)
     return state
 
@@ -153,7 +156,7 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     touch = instant.touch(point)
     change, hit = resolve(instant.mass, touch, surface.friction, surface.restitution, surface.friction_in_restitution)
     after = state._replace(rates=state.rates + change)
-    log.impact(point.obstacle, state, after, touch.velocity, hit)
+    log.impact(point, state, after, touch.velocity, hit)
     if hit.outcome_name == "jam":
         jam(log, after)
     recent = log.impacts[-MOST_AT_ONCE:]

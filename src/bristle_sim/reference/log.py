@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.reference.contacts import Point
 from bristle_sim.reference.mechanics import Chain
-from bristle_sim.reference.system import State, Sustained
+from bristle_sim.reference.system import Instant, State, Sustained
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
@@ -47,11 +48,24 @@ class Log:
 
     # Samples
 
-    def sample(self, state: State, forces: tuple[float, float]) -> None:
+    @property
+    def parts(self) -> list[tuple[int, Log]]:
+        """Return each wire's log with the number of its first link."""
+        return [(0, self)]
+
+    def sample(self, instant: Instant) -> None:
         """Store a state with its normal and tangential force, N, unless it was stored last."""
+        if self.differs(instant.state, instant.total_forces):
+            self.samples.append((instant.state, instant.total_forces))
+
+    def differs(self, state: State, forces: tuple[float, float]) -> bool:
+        """Whether a state or its forces differ from those stored last."""
         last = self.samples[-1] if self.samples else None
-        if last is None or (last[0].time, last[1]) != (state.time, forces) or (last[0].rates != state.rates).any():
-            self.samples.append((state, forces))
+        return (
+            last is None
+            or (last[0].time, last[1]) != (state.time, forces)
+            or bool((last[0].rates != state.rates).any())
+        )
 
     def times(self, start: float, end: float) -> list[float]:
         """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
@@ -81,14 +95,14 @@ class Log:
         if self.stop_after is not None and self.seen(self.stop_after):
             raise Finished(StopReason.EVENT, state)
 
-    def touch(self, obstacle: str, state: State) -> None:
+    def touch(self, point: Point, state: State) -> None:
         """Note a touch; the first one of the workpart is the strike."""
-        strike = obstacle == "workpart" and not self.seen(STRIKE)
-        self.event(STRIKE if strike else f"{obstacle} touch", state.time)
+        strike = point.obstacle == "workpart" and not self.seen(STRIKE)
+        self.event(STRIKE if strike else f"{point.obstacle} touch", state.time)
 
-    def release(self, obstacle: str, state: State) -> None:
+    def release(self, point: Point, state: State) -> None:
         """Note the end of a contact."""
-        self.event(f"{obstacle} release", state.time)
+        self.event(f"{point.obstacle} release", state.time)
 
     def turned(self, state: State) -> None:
         """Note a state at which retraction may be largest: the relative rate rises through zero."""
@@ -111,14 +125,14 @@ class Log:
 
     # Contacts
 
-    def impact(self, obstacle: str, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
+    def impact(self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
         """Record an impact between the states before and after it."""
         self.impacts.append(state.time)
         if state.rates[0] < self.chain.speed < after.rates[0]:
             self.turned(state)
         self.contacts.append(
             ContactRecord(
-                obstacle=obstacle,
+                obstacle=point.obstacle,
                 law="energetic",
                 outcome=hit.outcome_name,
                 time=state.time,

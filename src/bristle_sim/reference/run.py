@@ -74,7 +74,11 @@ class Run:
             instants = [self.system.at(each) for each in motion(nodes(*step))]
             first = first_event(self.system, events, motion, instants, step)
             until = step[1] if first is None else first[0]
-            stop = note_extremes(self.system, self.log, motion, instants, (step[0], until))
+            extremes = (
+                note_extremes(self.system, log, link, motion, instants, (step[0], until))
+                for link, log in self.log.parts
+            )
+            stop = min((each for each in extremes if each is not None), default=None)
             until = until if stop is None else stop
             *between, self.state = motion(np.array([*self.log.times(step[0], until), until]))
             for each in between:
@@ -129,4 +133,4 @@ class Run:
         return State(time, values[:count], values[count : 2 * count])
 
     def _sample(self, state: State) -> None:
-        self.log.sample(state, self.system.at(state).total_forces)
+        self.log.sample(self.system.at(state))
