@@ -28,6 +28,8 @@ __all__ = ["FlexibleStrike", "WireStudy", "flexible_wire", "measures", "wire_stu
 
 Array = NDArray[np.float64]
 
+RATIO = "impulse_ratio_to_rigid"
+
 UNITS = {"normal_final_impulse": "N s", "peak_force": "N", "time_in_touch": "s", "crater_depth": "m"}
 
 MOST_LINKS = 16
@@ -38,6 +40,9 @@ CUTTING_FRICTION = 0.5
 """mu with which chapter 4 of the dissertation cuts, whatever the friction of the strike."""
 
 REFERENCE_ACCURACY = 1e-9
+
+REFERENCE_FRICTION = 10.0
+"""Largest friction of a strike that the independent solution is asked for: its steps shrink with the time that slip lasts."""
 
 LONGEST = 10.0
 """Times the contact of the rigid bristle that a contact may last."""
@@ -157,36 +162,35 @@ def flexible_wire(
     )
     wire, rigid = struck.run(FLIGHT), struck.of(1).run(FLIGHT)
     own, stiff = (measures(struck, each.contact) for each in (wire, rigid))
-    reference: dict[str, float | None] = {}
-    if with_reference:
-        independent = measures(struck, struck.reference())
-        rigid_reference = measures(struck, struck.of(1).reference())
-        reference = independent | {
-            "impulse_ratio_to_rigid": _ratios(independent, rigid_reference)["normal_final_impulse"]
-        }
-    ratio = _ratios(own, stiff)["normal_final_impulse"]
-    allowed = max(1e-8, 10.0 * settings.accuracy) if with_reference else None
+    reference: dict[str, float] = {}
+    if with_reference and surface.friction <= REFERENCE_FRICTION:
+        reference = _reference(struck, rigid.contact.outcome)
+    simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
+    allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
     rows = [
-        *_frequencies(tool, with_reference),
-        *(
-            Quantity(name, unit, own[name], stiff[name], reference.get(name), tolerance=allowed)
-            for name, unit in UNITS.items()
-        ),
-        Quantity(
-            "impulse_ratio_to_rigid", "1", ratio, None, reference.get("impulse_ratio_to_rigid"), tolerance=allowed
-        ),
+        Quantity(name, unit, simulated[name], stiff.get(name), reference.get(name), tolerance=allowed)
+        for name, unit in (UNITS | {RATIO: "1"}).items()
     ]
     outcome = wire.contact.outcome
     return Report(
         outcome="stiction" if outcome == "jam" else outcome,
-        quantities=tuple(rows),
+        quantities=(*_frequencies(tool, with_reference), *rows),
         phases=wire.contact.phases,
         events=(("strike", 0.0), ("release", wire.contact.duration)),
         wall_s=wire.wall_s,
         steps=wire.steps,
-        remarks=_remarks(struck, _ratios(stiff, own), with_reference),
+        remarks=_remarks(struck, _ratios(stiff, own), rigid.contact.outcome, with_reference=bool(reference)),
         subject=FlexibleWire(struck, wire, rigid),
     )
+
+
+def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
+    """Return the measures by the independent solution, and the ratio of impulses unless the rigid bristle sticks."""
+    found = measures(strike, strike.reference())
+    if rigid_outcome != "rebound":
+        return found
+    rigid = measures(strike, strike.of(1).reference())
+    return found | {RATIO: found["normal_final_impulse"] / rigid["normal_final_impulse"]}
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
@@ -213,7 +217,7 @@ def wire_study(strike: FlexibleStrike, durations: Sequence[float] = DURATIONS) -
     for links in counts:
         found = [_compared(strike.of(links, duration, STUDY_ACCURACY)) for duration in durations]
         by_duration[links] = {name: np.array([each[name] for each in found]) for name in UNITS}
-    numbers = np.arange(1, max(2, most) + 1)
+    numbers = np.arange(1.0, max(2, most) + 1.0)
     found = [_compared(strike.of(int(links), accuracy=STUDY_ACCURACY)) for links in numbers]
     by_links = {name: np.array([each[name] for each in found]) for name in UNITS}
     return WireStudy(np.array(durations), by_duration, numbers, by_links)
@@ -259,7 +263,9 @@ def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     return rows
 
 
-def _remarks(strike: FlexibleStrike, ratios: dict[str, float], with_reference: bool) -> tuple[str, ...]:
+def _remarks(
+    strike: FlexibleStrike, ratios: dict[str, float], rigid_outcome: str, *, with_reference: bool
+) -> tuple[str, ...]:
     links = strike.tool.bristle.links
     sources = "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
     lines = [
@@ -269,6 +275,8 @@ def _remarks(strike: FlexibleStrike, ratios: dict[str, float], with_reference: b
     if links > 1:
         times = [f"{ratios[name]:.3g} times the {words}" for name, words in zip(UNITS, _WORDS, strict=True)]
         lines.insert(0, f"the rigid bristle gives {', '.join(times[:3])} and {times[3]} of this wire")
+    if rigid_outcome != "rebound":
+        lines.append(f"the rigid bristle's outcome: {rigid_outcome}; its values are those up to the end of compression")
     if with_reference and links > 1:
         lines.append("reference: the same links in their absolute angles, by scipy")
     return tuple(lines)
