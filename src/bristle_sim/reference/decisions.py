@@ -20,7 +20,7 @@ LOWEST_REBOUND = 1e-10
 """A rebound that the forces end below this fraction of hub radius and length is taken for a sustained contact."""
 
 MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
-"""The number of impacts in a run after which it gives up, and at one instant after which the wire is wedged."""
+"""The number of impacts in a run after which it gives up, and at one instant after which a lone wire is wedged."""
 
 AT_ONCE = 1e-10
 """Impacts are at one instant within this fraction of a radian of the fastest motion."""
@@ -159,9 +159,10 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     log.impact(point, state, after, touch.velocity, hit)
     if hit.outcome_name == "jam":
         jam(log, after)
-    recent = log.impacts[-MOST_AT_ONCE:]
+    most = MOST_AT_ONCE * len(log.parts) ** 2  # wires in a row pass on impacts to each other
+    recent = log.impacts[-most:]
     fastest = max(system.fastest, float(np.abs(after.rates).max()))
-    if len(recent) == MOST_AT_ONCE and (recent[-1] - recent[0]) * fastest < AT_ONCE:
+    if len(recent) == most and (recent[-1] - recent[0]) * fastest < AT_ONCE:
         jam(log, after)
     if len(log.impacts) > MOST_IMPACTS:
         raise Finished(StopReason.MOST_CONTACTS, after)

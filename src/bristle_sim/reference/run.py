@@ -51,6 +51,9 @@ class Run:
         except Finished as finished:
             self.state, reason = finished.state, finished.reason
             self._sample(self.state)
+        except np.linalg.LinAlgError:  # more contacts than the links can keep closed
+            self.log.event("jam", self.state.time)
+            return StopReason.JAM
         for each in self.system.sustained:
             record(self.system, self.log, self.state, each, "end of run" if reason is StopReason.END else str(reason))
         return reason

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 from bristle_sim.parameters import Belt, Tool, Workpart
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.neighbours import LonePass, least_pitch, nearest_approach, polyline_distance
+from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach, polyline_distance
 
 RADIUS, LENGTH, DIAMETER = 0.0275, 0.027, 7.1e-4
 

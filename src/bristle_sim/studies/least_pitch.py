@@ -1,4 +1,4 @@
-"""Neighbours in one plane: from what spacing do two wires touch each other?
+"""The least pitch of bristles in one plane by the motion of one alone: from what spacing do two wires touch each other?
 
 On a hub of constant speed each bristle that touches no other one does what the one before it did, a pitch beta of the hub's
 turn later. So two wires touch where the capsules (the centre line with half the wire's diameter about it) of A(t) and of its
@@ -128,7 +128,12 @@ def _minimum(function: Callable[[float], float], low: float, high: float) -> tup
 
 
 def least_pitch(
-    trajectory: Trajectory, wire_diameter: float, *, until: float | None = None, largest: float = math.pi / 2.0
+    trajectory: Trajectory,
+    wire_diameter: float,
+    *,
+    until: float | None = None,
+    of_follower: bool = False,
+    largest: float = math.pi / 2.0,
 ) -> float:
     """Return the pitch above which no wire touches its neighbour, by the motion of a lone bristle, rad.
 
@@ -136,6 +141,7 @@ def least_pitch(
         trajectory: of a lone bristle, from a start at which it turns with the hub.
         wire_diameter: at which distance of their centre lines two wires touch, m.
         until: instant of the pass of the bristle in front up to which touches count, s; by default the end of the run.
+        of_follower: whether that is an instant of the follower's own pass, a pitch later.
         largest: pitch from which the search goes down, rad.
 
     Raises:
@@ -147,11 +153,12 @@ def least_pitch(
         raise ValueError(
             f"wire_diameter = {wire_diameter:g}: must be above 0, or wires have no surface to touch (in m)"
         )
-    lone = LonePass(trajectory)
-    end = float(trajectory.time[-1]) if until is None else until
+    lone, last = LonePass(trajectory), float(trajectory.time[-1])
+    end = last if until is None else until
 
     def gap(pitch: float) -> float:
-        return nearest_approach(lone, pitch, end)[0] - wire_diameter
+        delay = pitch / trajectory.hub_speed if of_follower else 0.0
+        return nearest_approach(lone, pitch, min(end + delay, last))[0] - wire_diameter
 
     pitch, open_gap, wider = largest, gap(largest), math.inf
     if open_gap <= 0.0:
