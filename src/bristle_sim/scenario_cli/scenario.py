@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from bristle_sim.comparison import Report
+from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Choice, Range
 
 if TYPE_CHECKING:
@@ -63,6 +64,13 @@ class Scenario:
                     declared = dataclasses.replace(declared, source=source)
                 found[declared.key] = (declared, default)
         return found
+
+
+def build_tool(values: Values) -> Tool:
+    """Build a tool from key values; parts without keys are as by default."""
+    gravity = {"gravity": values["gravity"]} if "gravity" in values else {}
+    parts: dict[str, Any] = {name: build(kinds[0], values) for name, kinds in PARTS.items()}
+    return Tool(**parts, **gravity)
 
 
 def build(part: type[T], values: Values) -> T:

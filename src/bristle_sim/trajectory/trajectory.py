@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot
@@ -160,7 +160,7 @@ class Trajectory:
         """
         try:
             parts = self.parameters["tool"]
-            built = {name: None if parts[name] is None else part(**parts[name]) for name, part in _PARTS.items()}
+            built = {name: None if parts[name] is None else kinds[0](**parts[name]) for name, kinds in PARTS.items()}
             return Tool(**{**parts, **built})
         except (KeyError, TypeError) as error:
             raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
@@ -184,7 +184,3 @@ class Trajectory:
             ValueError: for any other file.
         """
         return cls(**read(Path(path)))
-
-
-_PARTS = {"hub": Hub, "belt": Belt, "bristle": Bristle, "bar": Bar, "workpart": Workpart, "contact": Contact}
-"""Classes of a tool's parts by name."""
