@@ -20,6 +20,7 @@ from numpy.linalg import eigvalsh
 from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
 
 __all__ = ["Effects", "Scene"]
 
@@ -27,14 +28,7 @@ HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
 quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""
 
-SOLVED = math.log(1e-17)
-"""Iterations in flight leave this fraction of the joints' error: rounding."""
-
-MOST_ITERATIONS = 40_000
-"""Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
-
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
-_EVERYWHERE = pymunk.ShapeFilter()
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +40,8 @@ class Effects:
     Attributes:
         stiffness, damping: of the torsion spring between hub and first link.
         gravity: along -y.
-        obstacles: of the last link.
-        hinges: (stiffness, damping) of a torsion spring at each joint between two links, straight at rest.
+        obstacles: pairs of a link and what it can touch.
+        hinges: (stiffness, damping) of a torsion spring at each joint between two links of a wire, straight at rest.
 
     Raises:
         ValueError: by the scene, for hinges that are not one for each joint between two links.
@@ -79,14 +73,14 @@ class Scene:
         self.mechanism = mechanism
         self.effects = effects
         self.space = _space(mechanism, effects)
+        self._in_flight = self.space.iterations
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
-        _add_springs(self.space, effects, self.hub, self.links)
-        self._shapes = {
-            each.name: _add_obstacle(self.space, mechanism, self.links[-1], each) for each in effects.obstacles
-        }
+        _add_springs(self.space, mechanism, effects, self.hub, self.links)
+        self._shapes = {(each.name, each.link): self._add_obstacle(each) for each in effects.obstacles}
+        self._engaged: list[tuple[str, int]] = []
         self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
-        self._engine.set_iterations(_flight_iterations(mechanism.links))
+        self._engine.set_iterations(self._in_flight)
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
         self.place, self.step = self._placement.place, self._engine.take
         self.angles, self.rates = self._engine.angles, self._engine.rates
@@ -114,24 +108,31 @@ class Scene:
     @property
     def solves_joints(self) -> bool:
         """Whether the engine's iterations suffice to solve the joints in flight."""
-        return _flight_iterations(self.mechanism.links) < MOST_ITERATIONS
+        return self._in_flight < MOST_ITERATIONS
 
     def engage(
         self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
     ) -> None:
-        """Let the engine's own contact act between a straight piece of the last link and an obstacle from now on."""
-        shapes = self._shapes[obstacle.name]
+        """Let the engine's own contact act between a straight piece of a link and an obstacle from now on."""
+        key = (obstacle.name, obstacle.link)
+        if key not in self._engaged:
+            self._engaged.append(key)
+        # What is engaged touches its own partner only.
+        own = pymunk.ShapeFilter(categories=1 << self._engaged.index(key), mask=1 << self._engaged.index(key))
+        shapes = self._shapes[key]
         for index, shape in enumerate(shapes):
             # The obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
-            shape.filter = _EVERYWHERE if index in (0, 1 + piece) else _NOWHERE
+            shape.filter = own if index in (0, 1 + piece) else _NOWHERE
         shapes[0].friction, shapes[0].elasticity = friction, elasticity
         self._engine.set_iterations(iterations)
 
-    def release(self, obstacle: Obstacle) -> None:
-        """Let the engine ignore the obstacle again."""
-        for shape in self._shapes[obstacle.name]:
-            shape.filter = _NOWHERE
-        self._engine.set_iterations(_flight_iterations(self.mechanism.links))
+    def release(self) -> None:
+        """Let the engine ignore all obstacles again."""
+        for key in self._engaged:
+            for shape in self._shapes[key]:
+                shape.filter = _NOWHERE
+        self._engaged = []
+        self._engine.set_iterations(self._in_flight)
 
     def drift(self, duration: float) -> None:
         """Move all bodies on (or back) at their velocities, without forces."""
@@ -144,20 +145,70 @@ class Scene:
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 
-    def contact_impulse(self) -> tuple[float, float]:
-        """Return (normal, tangential) impulse of the last step on the last link, whatever it touches."""
+    def contact_impulse(self, link: int = -1) -> tuple[float, float]:
+        """Return (normal, tangential) impulse of the last step on a link, whatever it touches."""
         total = [0.0, 0.0]
 
         def add(arbiter: pymunk.Arbiter) -> None:
-            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
-            # the engine; a contact only pushes, which settles both.
-            normal, impulse = arbiter.normal, arbiter.total_impulse
-            push = impulse.dot(normal)
-            total[0] += abs(push)
-            total[1] += math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
+            push, rub = _push_and_rub(arbiter)
+            total[0] += push
+            total[1] += rub
 
-        self.links[-1].each_arbiter(add)
+        self.links[link].each_arbiter(add)
         return total[0], total[1]
+
+    def contact_impulses(self, obstacles: Sequence[Obstacle]) -> list[tuple[float, float]]:
+        """Return (normal, tangential) impulse of the last step on each engaged pair's link."""
+        found = {self._shapes[each.name, each.link][0]: (0.0, 0.0) for each in obstacles}
+
+        def add(arbiter: pymunk.Arbiter) -> None:
+            for shape in arbiter.shapes:
+                if shape in found:
+                    found[shape] = _push_and_rub(arbiter)
+
+        for link in {each.link for each in obstacles}:
+            self.links[link].each_arbiter(add)
+        return list(found.values())
+
+    def slip(self, obstacle: Obstacle) -> float:
+        """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
+        body, partner = self.links[obstacle.link], self._shapes[obstacle.name, obstacle.link][0]
+        found = [0.0]
+
+        def look(arbiter: pymunk.Arbiter) -> None:
+            if partner not in arbiter.shapes:
+                return
+            points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
+            for each in points.points:
+                velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
+                outwards = -1.0 if first else 1.0
+                found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
+
+        body.each_arbiter(look)
+        return found[0]
+
+    def _add_obstacle(self, obstacle: Obstacle) -> list[pymunk.Shape]:
+        """Add the shapes of an obstacle and of its link, which the engine ignores until they are engaged."""
+        link = self.mechanism.links[obstacle.link]
+        corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
+        shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
+        for shape in shapes:
+            shape.filter = _NOWHERE
+            shape.friction = 1.0
+            shape.elasticity = 1.0
+        self.space.add(*shapes)
+        return shapes
+
+
+def _push_and_rub(arbiter: pymunk.Arbiter) -> tuple[float, float]:
+    """Return the (normal, tangential) impulse of a contact in the last step.
+
+    Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
+    contact only pushes, which settles both.
+    """
+    normal, impulse = arbiter.normal, arbiter.total_impulse
+    push = impulse.dot(normal)
+    return abs(push), math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
 
 
 class Placement:
@@ -202,7 +253,7 @@ class Placement:
 
 def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:
     space = pymunk.Space()
-    space.iterations = _flight_iterations(mechanism.links)
+    space.iterations = _flight_iterations(mechanism.links[: mechanism.wire_links])
     space.collision_slop = 10.0 * MARGIN
     space.collision_bias = 1.0
     if effects.gravity:
@@ -221,9 +272,10 @@ def _add_links(
     space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint]]:
     """Add every link and the pivot that it hangs on, in order from the root."""
-    carrier, anchor = (space.static_body, (0.0, 0.0)) if hub is None else (hub, (0.0, -mechanism.hub_radius))
     bodies, joints = [], []
-    for link in mechanism.links:
+    for number, link in enumerate(mechanism.links):
+        if number % mechanism.wire_links == 0:
+            carrier, anchor = _root(space, mechanism, hub, number)
         body = pymunk.Body(link.mass, link.inertia)
         joint = pymunk.PivotJoint(carrier, body, anchor, (-link.centre[0], -link.centre[1]))
         joint.error_bias = 1.0
@@ -234,36 +286,42 @@ def _add_links(
     return bodies, joints
 
 
-def _add_springs(space: pymunk.Space, effects: Effects, hub: pymunk.Body | None, links: Sequence[pymunk.Body]) -> None:
-    """Add the belt, and a torsion spring at each hinge.
+def _root(
+    space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None, link: int
+) -> tuple[pymunk.Body, tuple[float, float]]:
+    """Return the body that carries the root of a link's wire, and where."""
+    if hub is None:
+        return space.static_body, (0.0, 0.0)
+    if link == 0:
+        return hub, (0.0, -mechanism.hub_radius)
+    lag = mechanism.root_angle(0, 0.0) - mechanism.root_angle(link, 0.0)
+    return hub, (-mechanism.hub_radius * math.sin(lag), -mechanism.hub_radius * math.cos(lag))
+
+
+def _add_springs(
+    space: pymunk.Space,
+    mechanism: Mechanism,
+    effects: Effects,
+    hub: pymunk.Body | None,
+    links: Sequence[pymunk.Body],
+) -> None:
+    """Add the belt of every wire, and a torsion spring at each hinge.
 
     They come after the joints: damping then sees velocities that the joints have settled, not what their warm start left of
     an earlier step, and stays smooth in the step.
     """
+    size = mechanism.wire_links
     if hub is not None and effects.stiffness is not None:
-        space.add(pymunk.DampedRotarySpring(hub, links[0], 0.0, effects.stiffness, effects.damping))
-    if effects.hinges and len(effects.hinges) != len(links) - 1:
+        for wire, link in enumerate(links[::size]):
+            space.add(pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping))
+    joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
+    if effects.hinges and len(effects.hinges) != len(joints):
         raise ValueError(
-            f"hinges: must be one (stiffness, damping) for each of the {len(links) - 1} joints between two links, not"
+            f"hinges: must be one (stiffness, damping) for each of the {len(joints)} joints between two links, not"
             f" {len(effects.hinges)}"
         )
-    for (stiffness, damping), (first, second) in zip(effects.hinges, itertools.pairwise(links), strict=False):
+    for (stiffness, damping), (first, second) in zip(effects.hinges, joints, strict=False):
         space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
-
-
-def _add_obstacle(
-    space: pymunk.Space, mechanism: Mechanism, body: pymunk.Body, obstacle: Obstacle
-) -> list[pymunk.Shape]:
-    """Add the shapes of an obstacle and of the last link, which the engine ignores until they are engaged."""
-    last = mechanism.links[-1]
-    corners = [(x - last.centre[0], y - last.centre[1]) for x, y in ((0.0, 0.0), *last.knees, last.tip)]
-    shapes = obstacle.shapes(space, body, corners)
-    for shape in shapes:
-        shape.filter = _NOWHERE
-        shape.friction = 1.0
-        shape.elasticity = 1.0
-    space.add(*shapes)
-    return shapes
 
 
 def _flight_iterations(links: Sequence[Link]) -> int:

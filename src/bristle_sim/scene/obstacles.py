@@ -1,6 +1,6 @@
-"""What a link can touch: the bar (a circle) and the workpart (a half-plane), as gap functions and as engine shapes.
+"""Pairs of a link and what it can touch: the bar (a circle) and the workpart (a half-plane), as gaps and engine shapes.
 
-A gap is the distance between the last link's contact point and the obstacle; it is positive in flight. Engine shapes
+A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes
 of obstacles are larger than the obstacle by ``MARGIN``, and the engine's slop covers it, so that a sustained touch is
 detected at every step while its position is left alone; only obstacles are enlarged, so that the lever of friction on
 the link stays exact.
@@ -61,11 +61,15 @@ class Touch(NamedTuple):
 
 
 class Obstacle(Protocol):
-    """What a scene needs of an obstacle."""
+    """A pair of a link and what it can touch, with what a scene needs of it."""
 
     @property
     def name(self) -> str:
         """What events and contact records call it."""
+
+    @property
+    def link(self) -> int:
+        """Number of the link, from 0; the last one is also -1."""
 
     @property
     def friction(self) -> float:
@@ -84,6 +88,9 @@ class Obstacle(Protocol):
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the gap of the other straight pieces of the centre line, but for the corners common with this one."""
+
+    def foot(self, pose: Pose) -> tuple[float, float]:
+        """Return the obstacle's foot on the centre line past the link's joint and past its tip, in the pieces' lengths."""
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return engine shapes: first the obstacle's on the static body, then the link's on its body.
@@ -122,6 +129,7 @@ class BarObstacle:
     friction: float
     restitution: float
     name: str = "bar"
+    link: int = -1
 
     def __post_init__(self) -> None:
         """Refuse a bar so thin that rounding decides on which side of it the wire is."""
@@ -174,6 +182,12 @@ class BarObstacle:
                 gaps.append(math.sqrt(square) - self.radius - self.wire_radius)
         return min(gaps)
 
+    def foot(self, pose: Pose) -> tuple[float, float]:
+        """Return where the bar's centre is along the first piece, past its start, and along the last, past its end."""
+        corners = (pose.joint, *pose.knees, pose.tip)
+        first = _closest(self.centre, pose.joint, *corners[:2])[2][0]
+        return first, _closest(self.centre, pose.joint, *corners[-2:])[2][1]
+
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return a circle, and the wire as segments with round ends."""
         bar = pymunk.Circle(space.static_body, self.radius + MARGIN, self.centre)
@@ -190,6 +204,7 @@ class WorkpartObstacle:
     restitution_friction: float
     restitution: float
     name: str = "workpart"
+    link: int = -1
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
         """Return the tip above the surface; normal +y, tangent +x."""
@@ -202,6 +217,11 @@ class WorkpartObstacle:
         """Only the tip touches."""
         del pose, piece
         return math.inf
+
+    def foot(self, pose: Pose) -> tuple[float, float]:
+        """Only the tip touches."""
+        del pose
+        return math.inf, 0.0
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return a thick segment whose upper face is the surface, and the tip as a point."""

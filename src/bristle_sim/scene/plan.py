@@ -22,7 +22,8 @@ class Plan:
         stop_after: name of an event that ends the run.
         longest_interval: upper bound of the distance between samples.
         maximum_steps: work after which the run gives up, in engine steps of few iterations.
-        retraction_limit: largest angle of the first link relative to the hub, rad.
+        retraction_limit: largest angle of a wire's first link relative to the hub, rad.
+        time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
     """
 
     end: float
@@ -31,6 +32,7 @@ class Plan:
     longest_interval: float = math.inf
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
+    time_scale: float = 1.0
 
 
 @dataclass(slots=True)

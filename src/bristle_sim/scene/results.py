@@ -6,9 +6,11 @@ import dataclasses
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.plan import Recording
 from bristle_sim.scene.time_scales import motion_scale
 from bristle_sim.scene.units import Units
@@ -16,6 +18,8 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, InnerSamples, Trajectory
 
 __all__ = ["contact_in_si", "note_absences", "trajectory_in_si"]
+
+Array = NDArray[np.float64]
 
 
 def note_absences(recording: Recording, tool: Tool) -> None:
@@ -31,17 +35,13 @@ def note_absences(recording: Recording, tool: Tool) -> None:
 def trajectory_in_si(
     recording: Recording, scene: Scene, units: Units, parameters: dict[str, Any], *, with_estimate: bool
 ) -> Trajectory:
-    """Return what a run of one link has recorded, in SI units; a method without an error estimate leaves it out."""
+    """Return what a run has recorded, in SI units; a method without an error estimate leaves it out."""
     states = recording.states
     time = np.array([state.time for state in states])
     angles = np.array([state.angles for state in states])
     rates = np.array([state.rates for state in states])
     hub = np.asarray(scene.mechanism.hub_start + scene.mechanism.hub_speed * time)
-    poses = [scene.mechanism.poses(state)[-1] for state in states]
-    velocity = np.array([pose.centre_velocity for pose in poses])
-    height = np.array([pose.centre[1] for pose in poses])
-    kinetic = 0.5 * (velocity**2).sum(axis=1) + 0.5 * scene.mechanism.links[-1].inertia * rates[:, 0] ** 2
-    potential = 0.5 * (scene.effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2 + scene.effects.gravity * height
+    kinetic, potential = _energies(scene, states, hub, angles, rates)
     centre_line, centre_line_velocity = scene.mechanism.centre_line(time, angles, rates)
     return Trajectory(
         time=time * units.time,
@@ -67,6 +67,21 @@ def trajectory_in_si(
         stop_detail=recording.stop_detail,
         inner_samples=_inner_samples(recording, scene, units),
     )
+
+
+def _energies(scene: Scene, states: list[State], hub: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
+    """Return kinetic energy, and potential energy of belt, hinges and gravity, in engine units, each of shape (n,)."""
+    effects, links = scene.effects, scene.mechanism.links
+    poses = [scene.mechanism.poses(state) for state in states]
+    kinetic, potential = np.zeros(len(states)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
+    for number, link in enumerate(links):
+        velocity = np.array([each[number].centre_velocity for each in poses])
+        height = np.array([each[number].centre[1] for each in poses])
+        kinetic += 0.5 * link.mass * (velocity**2).sum(axis=1) + 0.5 * link.inertia * rates[:, number] ** 2
+        potential += effects.gravity * link.mass * height
+    for number, (stiffness, _) in enumerate(effects.hinges):
+        potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
+    return kinetic, potential
 
 
 def _inner_samples(recording: Recording, scene: Scene, units: Units) -> InnerSamples | None:

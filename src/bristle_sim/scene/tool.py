@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bristle_sim.parameters import Bristle, Contact, Tool
+from bristle_sim.parameters import Contact, Tool
 from bristle_sim.quantity import quantity, shown, validate
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
-from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan
 from bristle_sim.scene.results import note_absences, trajectory_in_si
 from bristle_sim.scene.run import run
-from bristle_sim.scene.time_scales import longest_interval, stepper_for
+from bristle_sim.scene.time_scales import longest_interval, stepper_for, time_scale
 from bristle_sim.scene.units import Units
+from bristle_sim.scene.wire_links import wire_hinges, wire_links
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Trajectory
@@ -49,48 +51,31 @@ SLOWEST = 1e-100
 
 def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
     """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
-    if tool.bristle.links != 1:
-        raise ValueError(
-            f"wire_links = {tool.bristle.links}: must be 1, as only a rigid bristle can be simulated (dimensionless)"
-        )
     units = tool_units(tool)
     mechanism = Mechanism(
-        (_link(tool.bristle),), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start
+        wire_links(tool.bristle), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start
     )
-    obstacles: list[Obstacle] = []
-    if tool.bar is not None:
-        centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
-        obstacles.append(
-            BarObstacle(
-                centre,
-                tool.bar.radius / units.length,
-                tool.bristle.wire_diameter / 2.0 / units.length,
-                tool.bar.friction,
-                tool.bar.restitution,
-            )
-        )
-    if tool.workpart is not None:
-        part = tool.workpart
-        obstacles.append(
-            WorkpartObstacle(
-                tool.workpart_depth / units.length, part.friction, part.friction_in_restitution, part.restitution
-            )
-        )
     effects = Effects(
         stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness or tool.belt.damping_ratio else None,
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity / units.acceleration,
-        obstacles=tuple(obstacles),
+        obstacles=tuple(_obstacles(tool, units, tool.bristle.links)),
+        hinges=wire_hinges(tool.bristle, tool.belt.stiffness, units),
     )
     return Scene(mechanism, effects), units
 
 
-def _link(bristle: Bristle) -> Link:
-    """Return the bristle in units of its own length and mass."""
-    size = bristle.length
-    *knees, tip = ((x / size, y / size) for x, y in bristle.path)
-    centre = (bristle.centre[0] / size, bristle.centre[1] / size)
-    return Link(1.0, bristle.inertia_about_centre / (bristle.mass * size**2), centre, tip, tuple(knees))
+def _obstacles(tool: Tool, units: Units, links: int) -> Iterator[Obstacle]:
+    """Yield what the links can touch: the bar any of them, the workpart the tip."""
+    if tool.bar is not None:
+        centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
+        wire_radius = tool.bristle.wire_diameter / 2.0 / units.length
+        surface = (tool.bar.friction, tool.bar.restitution)
+        for link in range(links):
+            yield BarObstacle(centre, tool.bar.radius / units.length, wire_radius, *surface, link=link)
+    if (part := tool.workpart) is not None:
+        surface = (part.friction, part.friction_in_restitution, part.restitution)
+        yield WorkpartObstacle(tool.workpart_depth / units.length, *surface, link=links - 1)
 
 
 def simulate(
@@ -102,7 +87,7 @@ def simulate(
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
 ) -> Trajectory:
-    """Simulate the bristle in pymunk from a given start.
+    """Simulate the bristle, a rigid one or a wire of links, in pymunk from a given start.
 
     Args:
         tool: what to simulate; parts that are None are absent from the scene.
@@ -122,8 +107,9 @@ def simulate(
     begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
     scene, units = build_tool(tool, hub_start=begin.hub_angle)
     angle, speed = begin.hub_angle + begin.relative_angle, scene.mechanism.hub_speed
-    _check_start(scene, tool, angle)
-    start = State(0.0, (angle,), (speed + begin.relative_rate * units.time,))
+    links = len(scene.links)
+    start = State(0.0, (angle,) * links, (speed + begin.relative_rate * units.time,) * links)
+    _check_start(scene, tool, start)
     plan = _plan(scene, settings, stop_after)
     stepper = stepper_for(scene, settings, units, start, plan.end)
     recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
@@ -156,6 +142,7 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
         longest_interval=longest_interval(scene, settings.samples_per_period),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
+        time_scale=time_scale(scene),
     )
 
 
@@ -180,11 +167,11 @@ PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",
 """Keys that say where an obstacle stands."""
 
 
-def _check_start(scene: Scene, tool: Tool, angle: float) -> None:
+def _check_start(scene: Scene, tool: Tool, start: State) -> None:
     """Refuse a start in which the bristle stands in an obstacle."""
-    pose = scene.mechanism.poses(State(0.0, (angle,), (0.0,)))[-1]
+    poses = scene.mechanism.poses(start)
     for obstacle in scene.effects.obstacles:
-        gap = obstacle.touch(pose, 0.0).gap
+        gap = obstacle.touch(poses[obstacle.link], 0.0).gap
         if gap < -OVERLAP:
             part = getattr(tool, obstacle.name)
             given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACES[obstacle.name])
