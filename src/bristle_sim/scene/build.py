@@ -8,6 +8,7 @@ either (``collision_bias`` 1, slop above the shapes' margin), for the same reaso
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from dataclasses import dataclass
 import pymunk
 
 from bristle_sim.scene.engine import EngineSteps, Placer
+from bristle_sim.scene.joints import Connected, joined
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 
@@ -98,6 +100,11 @@ class Scene:
     def work(self) -> int:
         """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
         return self._engine.work
+
+    @functools.cached_property
+    def connected(self) -> Connected:
+        """The links, and the joints that pass on to them what acts on the last one."""
+        return joined([self.links[-1]])
 
     @property
     def motions(self) -> int:
