@@ -16,6 +16,7 @@ from dataclasses import dataclass
 
 import pymunk
 
+from bristle_sim.scene.arbiters import impulse_reader
 from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.joints import Connected, joined
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -71,7 +72,9 @@ class Scene:
         joints: the pivots they hang on.
         place: puts every body exactly where a state says, joints closed, velocities consistent.
         step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
+        warm_up: takes an engine step and puts the bodies back.
         angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
+        contact_impulse: reads the (normal, tangential) impulse of the last step on the last link, whatever it touches.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
@@ -88,8 +91,9 @@ class Scene:
         self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
         self._engine.set_iterations(_flight_iterations(mechanism.links))
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
-        self.place, self.step = self._placement.place, self._engine.take
+        self.place, self.step, self.warm_up = self._placement.place, self._engine.take, self._engine.warm_up
         self.angles, self.rates = self._engine.angles, self._engine.rates
+        self.contact_impulse = impulse_reader(self.space, self.links[-1])
 
     @property
     def steps(self) -> int:
@@ -148,21 +152,6 @@ class Scene:
         """Have the engine close the joints at every step, or leave them alone."""
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
-
-    def contact_impulse(self) -> tuple[float, float]:
-        """Return (normal, tangential) impulse of the last step on the last link, whatever it touches."""
-        total = [0.0, 0.0]
-
-        def add(arbiter: pymunk.Arbiter) -> None:
-            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
-            # the engine; a contact only pushes, which settles both.
-            normal, impulse = arbiter.normal, arbiter.total_impulse
-            push = impulse.dot(normal)
-            total[0] += abs(push)
-            total[1] += math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
-
-        self.links[-1].each_arbiter(add)
-        return total[0], total[1]
 
 
 class Placement:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 
 import pymunk
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import contact_at
-from bristle_sim.scene.engine import take_back
 from bristle_sim.scene.event_functions import EventFunction
 from bristle_sim.scene.mechanism import Mechanism, State, Vector
 from bristle_sim.scene.obstacles import Obstacle, Touch
@@ -104,7 +102,7 @@ class EngineContact:
         if self._due:
             self._add()
         elif step != self._step:
-            self._warm_up(step)
+            self.scene.warm_up(step)
         self._due, self._step = True, step
 
     def totals(self, step: float) -> list[float]:
@@ -124,15 +122,6 @@ class EngineContact:
             self._sums[1] += rub
             self._sums[2] += rub * self._slip()
         self._due = False
-
-    def _warm_up(self, step: float) -> None:
-        """Take one step and take it back.
-
-        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
-        but not what it reports, nor what limits friction and push, until a step has been taken.
-        """
-        bodies = self.scene.links if self.scene.hub is None else [self.scene.hub, *self.scene.links]
-        take_back(bodies, partial(self.scene.step, step, 1))
 
     def _slip(self) -> float:
         """Return the tangential velocity of the link where it touches, as the bodies are."""
