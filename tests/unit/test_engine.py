@@ -1,10 +1,15 @@
 """The engine's bare calls do, bit for bit, what pymunk's documented ones do, and stand in for them only where they exist."""
 
+import dataclasses
+
 import pymunk
 import pytest
 
+from bristle_sim.parameters import Bar, Tool
 from bristle_sim.scene import engine
 from bristle_sim.scene.energetic_contact import EnergeticContact
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
 
 POINT = (0.1, -0.5)
 
@@ -107,3 +112,16 @@ def test_contacts_are_read_alike_without_bare_calls(monkeypatch: pytest.MonkeyPa
     bare = bounces()
     monkeypatch.setattr(engine, "lib", None)
     assert bounces() == bare
+
+
+def a_pass() -> tuple[object, ...]:
+    """A pass up to the strike, most of it on a rough bar: placed, stepped, warmed up, its impulses read, in every way."""
+    tool = dataclasses.replace(Tool(), bar=dataclasses.replace(Bar(), friction=0.1))
+    run = simulate(tool, Settings(accuracy=1e-4), stop_after="strike")
+    return run.angles.tolist(), run.rates.tolist(), run.normal_force.tolist(), run.events, run.contacts
+
+
+def test_a_pass_is_the_same_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
+    bare = a_pass()
+    monkeypatch.setattr(engine, "lib", None)
+    assert a_pass() == bare

@@ -8,6 +8,7 @@ either (``collision_bias`` 1, slop above the shapes' margin), for the same reaso
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Sequence
@@ -17,7 +18,9 @@ import numpy as np
 import pymunk
 from numpy.linalg import eigvalsh
 
+from bristle_sim.scene.arbiters import impulse_reader
 from bristle_sim.scene.engine import EngineSteps, Placer
+from bristle_sim.scene.joints import Connected, joined
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
@@ -65,7 +68,9 @@ class Scene:
         joints: the pivots they hang on.
         place: puts every body exactly where a state says, joints closed, velocities consistent.
         step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
+        warm_up: takes an engine step and puts the bodies back.
         angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
+        contact_impulse: reads the (normal, tangential) impulse of the last step on the last link, whatever it touches.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
@@ -82,8 +87,9 @@ class Scene:
         self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
         self._engine.set_iterations(self._in_flight)
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
-        self.place, self.step = self._placement.place, self._engine.take
+        self.place, self.step, self.warm_up = self._placement.place, self._engine.take, self._engine.warm_up
         self.angles, self.rates = self._engine.angles, self._engine.rates
+        self._impulses = [impulse_reader(self.space, each) for each in self.links]
 
     @property
     def steps(self) -> int:
@@ -94,6 +100,11 @@ class Scene:
     def work(self) -> int:
         """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
         return self._engine.work
+
+    @functools.cached_property
+    def connected(self) -> Connected:
+        """The links, and the joints that pass on to them what acts on the last one."""
+        return joined([self.links[-1]])
 
     @property
     def motions(self) -> int:
@@ -147,15 +158,7 @@ class Scene:
 
     def contact_impulse(self, link: int = -1) -> tuple[float, float]:
         """Return (normal, tangential) impulse of the last step on a link, whatever it touches."""
-        total = [0.0, 0.0]
-
-        def add(arbiter: pymunk.Arbiter) -> None:
-            push, rub = _push_and_rub(arbiter)
-            total[0] += push
-            total[1] += rub
-
-        self.links[link].each_arbiter(add)
-        return total[0], total[1]
+        return self._impulses[link]()
 
     def contact_impulses(self, obstacles: Sequence[Obstacle]) -> list[tuple[float, float]]:
         """Return (normal, tangential) impulse of the last step on each engaged pair's link."""

@@ -49,7 +49,7 @@ def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[Touch, C
     pose = scene.mechanism.poses(state)[obstacle.link]
     touch = obstacle.touch(pose, state.rates[obstacle.link])
     point = (pose.joint[0] + touch.arm[0], pose.joint[1] + touch.arm[1])
-    return touch, contact_space(scene.links[obstacle.link], point, touch.normal)
+    return touch, contact_space(scene.links[obstacle.link], point, touch.normal, connected=scene.connected)
 
 
 class EnergeticLaw:

@@ -178,8 +178,9 @@ class ContactMotion:
         """Let stick use the K of the bodies as they stand; in a contact short enough for the rigid limit it is constant."""
         if self.expected.moves and not self.spring.slip:
             self.scene.place(self.state)
-            tip = self.tip
-            self.spring.follow(contact_space(self.scene.links[-1], tip, self.spring.plane.normal).inverse_mass)
+            normal, connected = self.spring.plane.normal, self.scene.connected
+            space = contact_space(self.scene.links[-1], self.tip, normal, connected=connected)
+            self.spring.follow(space.inverse_mass)
 
     def stop_slip(self) -> None:
         """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""

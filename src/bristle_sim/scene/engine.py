@@ -12,7 +12,7 @@ from array import array
 from collections.abc import Callable, Sequence
 from functools import partial
 from operator import attrgetter, sub
-from typing import Any
+from typing import Any, Protocol
 
 import pymunk
 
@@ -24,20 +24,18 @@ except ImportError:  # pragma: no cover - a pymunk built otherwise
 from bristle_sim.scene.mechanism import Vector
 
 __all__ = [
-    "Approach",
     "EngineSteps",
     "Placer",
     "Pusher",
     "Reader",
-    "Tuner",
-    "approach_reader",
-    "contact_tuner",
+    "bare_object",
+    "ffi",
+    "lib",
     "placer",
     "point_reader",
     "pusher",
     "readers",
     "stepper",
-    "take_back",
 ]
 
 ITERATIONS_OF_A_STEP = 100
@@ -50,8 +48,16 @@ further would show. A step on its own bears less: the engine scales the impulse 
 it remembers, which becomes 1 - s times what it was. Further steps of the same length put that right; one short and one long
 step in turn would make it grow without bound."""
 
-Placer = Callable[[Sequence[float] | None], None]
-"""Sets centre (x, y), angle, velocity (u, v) and rate of every body, one body after the other; None sets the last ones again."""
+
+class Placer(Protocol):
+    """Sets centre (x, y), angle, velocity (u, v) and rate of every body, one body after the other."""
+
+    def __call__(self, values: Sequence[float] | None) -> None:
+        """Set these numbers; None sets the last ones again."""
+
+    def keep(self) -> None:
+        """Take the bodies' own numbers for the last ones that were set."""
+
 
 Reader = Callable[[], tuple[float, float, float, float]]
 """Place (x, y) and velocity (u, v) of a point fixed on a body."""
@@ -59,16 +65,11 @@ Reader = Callable[[], tuple[float, float, float, float]]
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a place until the next step is done."""
 
-Approach = Callable[[pymunk.Arbiter], tuple[float, float]]
-"""Speed at which the fastest point of a contact approaches, and the sum of the bodies' speeds there, to which it is rounded."""
-
-Tuner = Callable[[pymunk.Arbiter, float], None]
-"""Gives a contact a friction, and no restitution, until the next step."""
-
 _CALLS = (
     "cpSpaceStep",
     "cpBodyGetAngle",
     "cpBodyGetAngularVelocity",
+    "pmSpaceBodyGetIteratorFuncBatched",
     "pmSpaceBodySetIteratorFuncBatched",
     "cpBodyLocalToWorld",
     "cpBodyGetVelocityAtLocalPoint",
@@ -76,13 +77,15 @@ _CALLS = (
     "cpSpaceGetStaticBody",
     "cpArbiterGetBodies",
     "cpArbiterGetContactPointSet",
+    "cpSpaceEachCachedArbiter",
+    "pmSpaceArbiterIteratorFuncBatched",
     "cpArbiterSetFriction",
     "cpArbiterSetRestitution",
     "cpBodyGetVelocityAtWorldPoint",
 )
 
 
-def _bare(owner: object, attribute: str) -> Any:
+def bare_object(owner: object, attribute: str) -> Any:
     """Return the engine's own object behind pymunk's, or None where it cannot be had."""
     return getattr(owner, attribute, None) if all(hasattr(lib, call) for call in _CALLS) else None
 
@@ -90,7 +93,7 @@ def _bare(owner: object, attribute: str) -> Any:
 def stepper(space: pymunk.Space) -> Callable[[float], None]:
     """Return a step of a space whose bodies, joints and shapes are all in it by now."""
     space.step(0.0)
-    bare = _bare(space, "_space")
+    bare = bare_object(space, "_space")
     return space.step if bare is None else partial(lib.cpSpaceStep, bare)
 
 
@@ -117,7 +120,7 @@ class EngineSteps:
         self.space, self.joints = space, joints
         self.bodies = list(links) if hub is None else [hub, *links]
         self.steps = self.work = 0
-        self.place = placer(self.bodies)
+        self.place, self._kept = placer(self.bodies), placer(self.bodies)
         self._angle, self._rate, self._links = readers(links)
         self._last_length = math.inf
         self._step = stepper(space)
@@ -171,28 +174,39 @@ class EngineSteps:
         after = list(map(rate, links))
         return [*map(angle, links), *after, *[change / length for change in map(sub, after, before)]]
 
+    def warm_up(self, length: float) -> None:
+        """Take one step of a length and put the bodies back where they were, with their velocities.
+
+        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
+        but not what it reports, nor what limits friction and push, until a step has been taken.
+        """
+        if length > ALONE * self._last_length:
+            self._start_cold(length)
+        self._last_length = length
+        self.steps += 1
+        self.work += self._price
+        self._take_back(length)
+
+    def _take_back(self, length: float) -> None:
+        """Take a step and put the bodies back: the engine keeps its impulses."""
+        self._kept.keep()
+        self._step(length)
+        self._kept(None)
+
     def _start_cold(self, length: float) -> None:
         """Have the engine forget the impulses of its last step, which it would scale to the length of the next one."""
         for joint in self.joints:
             joint.max_force = 0.0
         # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
         for _ in range(2):
-            take_back(self.bodies, lambda: self._step(length))
+            self._take_back(length)
         for joint in self.joints:
             joint.max_force = math.inf
 
 
-def take_back(bodies: Sequence[pymunk.Body], step: Callable[[], object]) -> None:
-    """Take a step and put the bodies back where they were, with their velocities: the engine keeps its impulses."""
-    kept = [(body.position, body.angle, body.velocity, body.angular_velocity) for body in bodies]
-    step()
-    for body, (position, angle, velocity, rate) in zip(bodies, kept, strict=True):
-        body.position, body.angle, body.velocity, body.angular_velocity = position, angle, velocity, rate
-
-
 def placer(bodies: Sequence[pymunk.Body]) -> Placer:
     """Return what puts bodies somewhere, with their velocities."""
-    bare = [_bare(body, "_body") for body in bodies]
+    bare = [bare_object(body, "_body") for body in bodies]
     return _Placer(bodies) if None in bare else _BarePlacer(bare)
 
 
@@ -209,29 +223,42 @@ class _Placer:
         for body, x, y, angle, u, v, rate in zip(self._bodies, *[numbers] * 6, strict=False):
             body.angle, body.position, body.velocity, body.angular_velocity = angle, (x, y), (u, v), rate
 
+    def keep(self) -> None:
+        self._values = [
+            number
+            for body in self._bodies
+            for number in (*body.position, body.angle, *body.velocity, body.angular_velocity)
+        ]
+
 
 class _BarePlacer:
     """Places each body by one call, from numbers that the engine reads where they lie."""
 
     def __init__(self, bodies: Sequence[Any]) -> None:
         self._bodies = bodies
-        self._values = array("d", bytes(6 * 8 * len(bodies)))
+        # Room for another body, or the engine would move the numbers to a place of its own.
+        self._values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
         self._numbers = ffi.new("pmFloatArray *", (0, len(self._values), ffi.from_buffer("double[]", self._values)))
         fields = lib.POSITION | lib.ANGLE | lib.VELOCITY | lib.ANGULAR_VELOCITY
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
 
     def __call__(self, values: Sequence[float] | None) -> None:
         if values is not None:
-            self._values[:] = array("d", values)
+            self._values[: len(values)] = array("d", values)
         self._numbers.num = 0
         put, data = lib.pmSpaceBodySetIteratorFuncBatched, self._data
         for body in self._bodies:
             put(body, data)
 
+    def keep(self) -> None:
+        self._numbers.num = 0
+        for body in self._bodies:
+            lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)
+
 
 def readers(bodies: Sequence[pymunk.Body]) -> tuple[Callable[[Any], float], Callable[[Any], float], Sequence[Any]]:
     """Return what reads an angle, what reads a rate, and what they take for each of these bodies."""
-    bare = [_bare(body, "_body") for body in bodies]
+    bare = [bare_object(body, "_body") for body in bodies]
     if None in bare:
         return attrgetter("angle"), attrgetter("angular_velocity"), bodies
     return lib.cpBodyGetAngle, lib.cpBodyGetAngularVelocity, bare
@@ -239,7 +266,7 @@ def readers(bodies: Sequence[pymunk.Body]) -> tuple[Callable[[Any], float], Call
 
 def point_reader(body: pymunk.Body, point: Vector) -> Reader:
     """Return what tells where a body's point is and how it moves."""
-    bare = _bare(body, "_body")
+    bare = bare_object(body, "_body")
     return partial(_read, body, point) if bare is None else partial(_read_bare, bare, point)
 
 
@@ -254,60 +281,5 @@ def _read_bare(body: Any, point: Vector) -> tuple[float, float, float, float]:
 
 def pusher(body: pymunk.Body) -> Pusher:
     """Return what pushes on a body."""
-    bare = _bare(body, "_body")
+    bare = bare_object(body, "_body")
     return body.apply_force_at_world_point if bare is None else partial(lib.cpBodyApplyForceAtWorldPoint, bare)
-
-
-def approach_reader(space: pymunk.Space) -> Approach:
-    """Return what tells within a step how fast a contact of the space approaches."""
-    bare = _bare(space, "_space")
-    if bare is None or ffi is None:
-        return partial(_approach, space.static_body)
-    return partial(_approach_bare, lib.cpSpaceGetStaticBody(bare), ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]"))
-
-
-def _approach(still: pymunk.Body, arbiter: pymunk.Arbiter) -> tuple[float, float]:
-    first, second = arbiter.bodies
-    found = arbiter.contact_point_set
-    fastest = (0.0, 0.0)
-    for each in found.points:
-        u, v = (0.0, 0.0) if first is still else first.velocity_at_world_point(each.point_a)
-        p, q = (0.0, 0.0) if second is still else second.velocity_at_world_point(each.point_a)
-        approach = (u - p) * found.normal.x + (v - q) * found.normal.y
-        fastest = max(fastest, (approach, abs(u) + abs(v) + abs(p) + abs(q)))
-    return fastest
-
-
-def _approach_bare(still: Any, first: Any, second: Any, arbiter: pymunk.Arbiter) -> tuple[float, float]:
-    lib.cpArbiterGetBodies(arbiter._arbiter, first, second)
-    found = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
-    a, b, normal = first[0], second[0], found.normal
-    x, y = normal.x, normal.y
-    fastest = (0.0, 0.0)
-    for index in range(found.count):
-        point = found.points[index].pointA
-        u = v = p = q = 0.0
-        if a != still:
-            moving = lib.cpBodyGetVelocityAtWorldPoint(a, point)
-            u, v = moving.x, moving.y
-        if b != still:
-            moving = lib.cpBodyGetVelocityAtWorldPoint(b, point)
-            p, q = moving.x, moving.y
-        approach = (u - p) * x + (v - q) * y
-        if approach > fastest[0]:
-            fastest = (approach, abs(u) + abs(v) + abs(p) + abs(q))
-    return fastest
-
-
-def contact_tuner(space: pymunk.Space) -> Tuner:
-    """Return what gives a contact of the space its friction."""
-    return _tune if _bare(space, "_space") is None else _tune_bare
-
-
-def _tune(arbiter: pymunk.Arbiter, friction: float) -> None:
-    arbiter.friction, arbiter.restitution = friction, 0.0
-
-
-def _tune_bare(arbiter: pymunk.Arbiter, friction: float) -> None:
-    lib.cpArbiterSetFriction(arbiter._arbiter, friction)
-    lib.cpArbiterSetRestitution(arbiter._arbiter, 0.0)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.engine import take_back
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.obstacles import Obstacle, Touch
@@ -129,7 +127,7 @@ class EngineContacts:
         if self._due:
             self._add()
         elif step != self._step:
-            self._warm_up(step)
+            self.scene.warm_up(step)
         self._due, self._step = True, step
 
     def totals(self, step: float) -> list[float]:
@@ -173,15 +171,6 @@ class EngineContacts:
                 self._sums[3 * index + 1] += rub
                 self._sums[3 * index + 2] += rub * self.scene.slip(obstacle)
         self._due = False
-
-    def _warm_up(self, step: float) -> None:
-        """Take one step and take it back.
-
-        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
-        but not what it reports, nor what limits friction and push, until a step has been taken.
-        """
-        bodies = self.scene.links if self.scene.hub is None else [self.scene.hub, *self.scene.links]
-        take_back(bodies, partial(self.scene.step, step, 1))
 
 
 def set_back(

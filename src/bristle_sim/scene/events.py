@@ -39,9 +39,9 @@ def interpolate(start: State, end: State, fraction: float) -> State:
     d_0, d_1 = 6.0 * fraction * rest / length, rest * rest - 2.0 * fraction * rest
     d_2 = fraction * fraction - 2.0 * fraction * rest
     rows = list(zip(start.angles, start.rates, end.angles, end.rates, strict=True))
-    angles = tuple(h_00 * a + h_10 * u + h_01 * b + h_11 * v for a, u, b, v in rows)
-    rates = tuple(d_0 * (b - a) + d_1 * u + d_2 * v for a, u, b, v in rows)
-    return State(start.time + fraction * length, angles, rates)
+    angles = [h_00 * a + h_10 * u + h_01 * b + h_11 * v for a, u, b, v in rows]
+    rates = [d_0 * (b - a) + d_1 * u + d_2 * v for a, u, b, v in rows]
+    return State(start.time + fraction * length, tuple(angles), tuple(rates))
 
 
 def turns(mechanism: Mechanism, start: State, end: State, link: int = 0) -> list[State]:

@@ -100,11 +100,12 @@ class Mechanism:
         poses, size = [], self.wire_links
         for number, (link, angle, rate) in enumerate(zip(self.links, state.angles, state.rates, strict=True)):
             if number % size == 0:
-                turn = self.root_angle(number, state.time)
+                turn = _turn(self.root_angle(number, state.time))
                 joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
-            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, angle, rate)
-            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, angle, rate)
-            knees = tuple(_carried(joint, joint_velocity, knee, angle, rate)[0] for knee in link.knees)
+            turn = _turn(angle)
+            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, turn, rate)
+            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, turn, rate)
+            knees = tuple([_carried(joint, joint_velocity, knee, turn, rate)[0] for knee in link.knees])
             poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
             joint, joint_velocity = tip, tip_velocity
         return poses
@@ -173,9 +174,13 @@ def cross(arm: Vector, direction: Vector) -> float:
     return arm[0] * direction[1] - arm[1] * direction[0]
 
 
-def _carried(origin: Vector, velocity: Vector, arm: Vector, angle: float, rate: float) -> tuple[Vector, Vector]:
-    """Return the position and velocity of a point fixed on a link that turns about ``origin``."""
-    cosine, sine = math.cos(angle), math.sin(angle)
+def _turn(angle: float) -> Vector:
+    return math.cos(angle), math.sin(angle)
+
+
+def _carried(origin: Vector, velocity: Vector, arm: Vector, turn: Vector, rate: float) -> tuple[Vector, Vector]:
+    """Return the position and velocity of a point fixed on a link that is turned about ``origin``, by cosine and sine."""
+    cosine, sine = turn
     x = cosine * arm[0] - sine * arm[1]
     y = sine * arm[0] + cosine * arm[1]
     return (origin[0] + x, origin[1] + y), (velocity[0] - rate * y, velocity[1] + rate * x)

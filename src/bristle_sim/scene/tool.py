@@ -70,9 +70,9 @@ def _obstacles(tool: Tool, units: Units, links: int) -> Iterator[Obstacle]:
     if tool.bar is not None:
         centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
         wire_radius = tool.bristle.wire_diameter / 2.0 / units.length
-        surface = (tool.bar.friction, tool.bar.restitution)
+        of_bar = (tool.bar.radius / units.length, wire_radius, tool.bar.friction, tool.bar.restitution)
         for link in range(links):
-            yield BarObstacle(centre, tool.bar.radius / units.length, wire_radius, *surface, link=link)
+            yield BarObstacle(centre, *of_bar, link=link)
     if (part := tool.workpart) is not None:
         surface = (part.friction, part.friction_in_restitution, part.restitution)
         yield WorkpartObstacle(tool.workpart_depth / units.length, *surface, link=links - 1)
