@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
-from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
+from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
