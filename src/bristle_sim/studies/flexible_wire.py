@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
-from bristle_sim.scene.strike import WireStrike, strike_wire, wire_frequencies
+from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
@@ -47,14 +47,14 @@ REFERENCE_FRICTION = 10.0
 LONGEST = 10.0
 """Times the contact of the rigid bristle that a contact may last."""
 
-FLIGHT = 0.33e-3
-"""Free motion that is shown after the contact, s: the period of the first bending mode."""
+FLIGHT = 1.0
+"""Free motion that is shown after the contact, in times of the rigid bristle's contact."""
 
 STUDY_ACCURACY = 1e-4
 """Accuracy of the strikes of the study, which are drawn: far below a line's width."""
 
-DURATIONS = tuple(np.geomspace(5e-6, 5e-4, 9).tolist())
-"""Times for which the rigid bristle would be in touch that the study tries, s."""
+STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
+"""Contacts that the study tries: times for which the rigid bristle would be in touch, over the requested one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +160,7 @@ def flexible_wire(
     struck = FlexibleStrike(
         tool, math.radians(strike.impact_angle_deg), strike.speed_ratio * hub.speed, contact, settings
     )
-    wire, rigid = struck.run(FLIGHT), struck.of(1).run(FLIGHT)
+    wire, rigid = (each.run(FLIGHT * contact.duration) for each in (struck, struck.of(1)))
     own, stiff = (measures(struck, each.contact) for each in (wire, rigid))
     reference: dict[str, float] = {}
     if with_reference and surface.friction <= REFERENCE_FRICTION:
@@ -209,24 +209,28 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
     return dict(zip(UNITS, values, strict=True))
 
 
-def wire_study(strike: FlexibleStrike, durations: Sequence[float] = DURATIONS) -> WireStudy:
+def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
     """Strike at several contact stiffnesses, and with several numbers of links up to the wire's own or 8 at the requested one."""
     most = strike.tool.bristle.links
     counts = [links for links in (2, 4, 8) if links <= most] or [most]
+    durations = strike.contact.duration * np.array(stiffnesses)
     by_duration = {}
     for links in counts:
-        found = [_compared(strike.of(links, duration, STUDY_ACCURACY)) for duration in durations]
+        found = [_compared(strike.of(links, duration, STUDY_ACCURACY)) for duration in durations.tolist()]
         by_duration[links] = {name: np.array([each[name] for each in found]) for name in UNITS}
     numbers = np.arange(1.0, max(2, most) + 1.0)
     found = [_compared(strike.of(int(links), accuracy=STUDY_ACCURACY)) for links in numbers]
     by_links = {name: np.array([each[name] for each in found]) for name in UNITS}
-    return WireStudy(np.array(durations), by_duration, numbers, by_links)
+    return WireStudy(durations, by_duration, numbers, by_links)
 
 
 def _compared(strike: FlexibleStrike) -> dict[str, float]:
-    """Return the measures of a strike over those of the rigid bristle."""
+    """Return the measures of a strike over those of the rigid bristle; NaN where the contact comes to no end."""
     rigid = strike.of(1)
-    return _ratios(measures(strike, strike.run().contact), measures(rigid, rigid.run().contact))
+    try:
+        return _ratios(measures(strike, strike.run().contact), measures(rigid, rigid.run().contact))
+    except ValueError:
+        return dict.fromkeys(UNITS, math.nan)
 
 
 def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:

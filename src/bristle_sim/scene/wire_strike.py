@@ -1,0 +1,195 @@
+"""One strike of a wire that bends on a workpart of finite contact stiffness, through the scene, and the wire's frequencies."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time as clock
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bristle_sim.parameters import Tool
+from bristle_sim.quantity import shown
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.contact_laws import Coefficients
+from bristle_sim.scene.contact_motion import SAMPLES
+from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.obstacles import WorkpartObstacle
+from bristle_sim.scene.repetitions import WIDE
+from bristle_sim.scene.results import contact_in_si
+from bristle_sim.scene.time_scales import damped_interval
+from bristle_sim.scene.units import Units
+from bristle_sim.scene.wire_links import wire_hinges, wire_links
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import ContactRecord
+
+__all__ = ["WireStrike", "strike_wire", "wire_frequencies"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class WireStrike:
+    """A contact of a wire that bends, resolved in time, and its free motion afterwards; SI units.
+
+    Attributes:
+        contact: from the first touch to the release, with its history.
+        time, angles, rates: samples from the first touch on, s, and of the links' absolute angles and rates, shape
+            (samples, links), rad and rad/s.
+        centre_line: root, knee, joints and tip from the hub's centre, shape (samples, corners, 2), m.
+        steps, wall_s: cost.
+    """
+
+    contact: ContactRecord
+    time: Array
+    angles: Array
+    rates: Array
+    centre_line: Array
+    steps: int
+    wall_s: float
+
+
+def strike_wire(
+    tool: Tool,
+    hub_angle: float,
+    angles: Sequence[float],
+    rates: Sequence[float],
+    stiffness: float,
+    settings: Settings,
+    *,
+    duration: float,
+    flight: float = 0.0,
+) -> WireStrike:
+    """Let the end of a wire strike a workpart of finite contact stiffness, which it touches.
+
+    The contact is a spring of stiffness k while the penetration grows and k/e*^2 otherwise. Belt and hinges act meanwhile.
+
+    Args:
+        tool: with a workpart, whose surface passes through the wire's end; its bar is left out.
+        hub_angle: psi at the first touch, rad.
+        angles, rates: absolute angles and rates of the links then, rad and rad/s.
+        stiffness: of the contact in compression, N/m.
+        settings: of the scene.
+        duration: expected of the contact, s, of which samples are at most a 24th apart; one ten times as long ends there.
+        flight: time of free motion after the release, s.
+
+    Raises:
+        ValueError: if the wire's end does not approach the workpart, the numbers are not one for each link, the wire has too
+            many links for the scene, or the contact comes to no end.
+    """
+    begin = clock.perf_counter()
+    scene, units, obstacle = _build_wire(tool, hub_angle, angles, rates)
+    states = [State(0.0, tuple(angles), tuple(rate * units.time for rate in rates))]
+    approach = obstacle.touch(scene.mechanism.poses(states[0])[-1], states[0].rates[-1]).velocity[0]
+    if approach >= 0.0:
+        raise ValueError(
+            f"rates = {shown(rates[-1])}: must let the wire's end approach the workpart, its normal velocity is"
+            f" {approach * units.velocity:g} m/s (in rad/s)"
+        )
+    law = CompliantLaw(
+        duration / units.time,
+        settings.accuracy,
+        maximum_steps=settings.maximum_steps,
+        stiffness=stiffness * units.time**2 / units.mass,
+        observe=states.append,
+    )
+    after, record = law.resolve(scene, states[0], obstacle, Coefficients.of(obstacle))
+    states = [state for state in states[1:] if state.time <= after.time]
+    states += _flight(scene, after, flight / units.time, duration / units.time, settings)
+    time, angles_, rates_ = (np.array(column) for column in zip(*states, strict=True))
+    return WireStrike(
+        contact=contact_in_si(record, units),
+        time=time * units.time,
+        angles=angles_,
+        rates=rates_ / units.time,
+        centre_line=scene.mechanism.centre_line(time, angles_, rates_)[0] * units.length,
+        steps=scene.steps,
+        wall_s=clock.perf_counter() - begin,
+    )
+
+
+SLOWEST = 1e-100
+"""Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
+
+
+def _build_wire(
+    tool: Tool, hub_angle: float, angles: Sequence[float], rates: Sequence[float]
+) -> tuple[Scene, Units, WorkpartObstacle]:
+    """Return the scene of a tool's wire, its units, and the workpart through the wire's end."""
+    bristle, part = tool.bristle, tool.workpart
+    if part is None:
+        raise ValueError("workpart = None: must be a Workpart, or nothing is struck")
+    if len(angles) != bristle.links or len(rates) != bristle.links:
+        raise ValueError(
+            f"angles, rates: {len(angles)}, {len(rates)} of them; must be one for each of the {bristle.links} links"
+        )
+    fastest = max(*(abs(rate) for rate in rates), tool.hub.speed)
+    units = Units(bristle.length, bristle.mass, 1.0 / fastest if fastest > SLOWEST else 1.0)
+    mechanism = Mechanism(
+        wire_links(bristle), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start=hub_angle
+    )
+    start = State(0.0, tuple(angles), (0.0,) * bristle.links)
+    obstacle = WorkpartObstacle(
+        -mechanism.poses(start)[-1].tip[1], part.friction, part.friction_in_restitution, part.restitution
+    )
+    effects = Effects(
+        stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness else None,
+        damping=tool.belt_damping / units.angular_damping,
+        gravity=tool.gravity / units.acceleration,
+        obstacles=(obstacle,),
+        hinges=wire_hinges(bristle, tool.belt.stiffness, units),
+    )
+    scene = Scene(mechanism, effects)
+    if not scene.solves_joints:
+        raise ValueError(
+            f"wire_links = {bristle.links}: must be fewer, the engine's solver takes too many iterations (dimensionless)"
+        )
+    return scene, units, obstacle
+
+
+SMALL_ANGLE = 1e-8
+"""Angle of a link, rad, at which its mass matrix differs from that of the straight wire by 5e-17 of itself."""
+
+
+def wire_frequencies(tool: Tool) -> Array:
+    """Return the natural frequencies of a tool's undamped wire on a hub at rest, in Hz, ascending, shape (links,).
+
+    One engine step from rest with one link turned by a small angle gives every link a rate, which is a column of the matrix
+    -M^-1 K times angle and step: nothing moves before the rates change.
+    """
+    straight = (0.0,) * tool.bristle.links
+    bristle = dataclasses.replace(tool.bristle, bending_damping_ratio=0.0)
+    still = dataclasses.replace(
+        tool,
+        hub=dataclasses.replace(tool.hub, speed=0.0),
+        belt=dataclasses.replace(tool.belt, damping_ratio=0.0),
+        bristle=bristle,
+        gravity=0.0,
+    )
+    scene, units, _ = _build_wire(still, 0.0, straight, straight)
+    step, columns = SMALL_ANGLE, []
+    for turned in range(tool.bristle.links):
+        angles = tuple(SMALL_ANGLE * (link == turned) for link in range(tool.bristle.links))
+        scene.place(State(0.0, angles, straight))
+        scene.step(step, 1)
+        columns.append(np.array(scene.rates()) / (SMALL_ANGLE * step))
+    squares = np.sort(-np.linalg.eigvals(np.array(columns).T).real)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (math.tau * units.time))
+
+
+def _flight(scene: Scene, start: State, duration: float, contact: float, settings: Settings) -> list[State]:
+    """Return samples of the free motion after a contact, as far apart as in it, while a tenth of the budget of steps lasts."""
+    longest = min(contact / SAMPLES, damped_interval(scene))
+    stepper = Extrapolation(0.1 * settings.accuracy, max(1.0, *map(abs, start.rates)), WIDE, longest)
+    found, end, last = [start], start.time + duration, scene.work + settings.maximum_steps // 10
+    while (left := end - found[-1].time) > 1e-9 * contact and scene.work < last:
+        length = stepper.propose(left)
+        result = stepper.advance(scene, found[-1], length)
+        if stepper.accepts(result, length):
+            found.append(result.state)
+    return found[1:]
