@@ -21,7 +21,6 @@ RANKS = {
     "files": 0,
     "force_file": 0,
     "parameters": 1,
-    "crater_parameters": 1,
     "settings": 1,
     "stop_reason": 1,
     "parameter_file": 2,

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.crater_parameters import Crater
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Redrawn
+from bristle_sim.parameters.crater import Crater
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.crater_study import MEASURED
 from bristle_sim.studies.crater_sums import energy_depth_course, merchant_depth_course

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.comparison import Quantity
-from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle
+from bristle_sim.parameters.crater import Crater
 from bristle_sim.theory.crater import constant_for_crater_depth, merchant_crater_depth
 
 Array = NDArray[np.float64]

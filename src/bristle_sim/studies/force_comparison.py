@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
+from bristle_sim.parameters.crater import ForceHistory, Measurement
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_fits import (

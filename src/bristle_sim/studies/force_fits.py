@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.comparison import Quantity
-from bristle_sim.crater_parameters import Measurement
 from bristle_sim.force_file.read import read_force_csv
+from bristle_sim.parameters.crater import Measurement
 from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import ForceCurve
 from bristle_sim.theory.force_least_squares import ForceFit

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import quantity, validate
+from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
 from bristle_sim.studies.load_cell import load_cell_response
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
@@ -57,17 +57,17 @@ UNITS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Assembly:
+class Assembly(Declared):
     """How many bristles the tool has, and the load cell under the workpart."""
 
-    bristles: float = quantity(
-        42.0,
+    bristles: int = count(
+        42,
         "bristles",
-        "1",
-        at_least=1.0,
-        at_most=1e4,
+        at_least=1,
+        at_most=10_000,
         source="chosen: six staggered rows of seven, which do not touch each other",
         meaning="number of bristles, evenly spaced about the hub",
+        usual=None,
     )
     bandwidth: float = quantity(
         1000.0,
@@ -78,11 +78,6 @@ class Assembly:
         source="chosen: a stiff load cell with a workpart on it",
         meaning="bandwidth of the load cell under the workpart, a low-pass of second order",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        if self.bristles != int(self.bristles):
-            raise ValueError(f"bristles = {self.bristles!r}: must be a whole number (dimensionless)")
 
 
 @dataclass(frozen=True, slots=True)
