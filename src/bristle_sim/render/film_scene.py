@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.render.colours import BLACK
-from bristle_sim.render.style import styled
+from bristle_sim.render.style import BLACK, styled
 from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
 
 Array = NDArray[np.float64]

@@ -13,9 +13,9 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Course
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT
 
 Array = NDArray[np.float64]
 

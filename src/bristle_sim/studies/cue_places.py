@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_results import state_at_strike
+from bristle_sim.studies.strike_point import state_at_strike
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 

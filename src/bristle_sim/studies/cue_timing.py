@@ -27,7 +27,7 @@ from bristle_sim.studies.cue_places import (
     seen_at_strike,
     stiffness_readings,
 )
-from bristle_sim.studies.strike_results import require_result
+from bristle_sim.studies.strike_point import require_result
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 

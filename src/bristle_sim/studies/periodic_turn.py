@@ -18,7 +18,7 @@ from bristle_sim.scene.resume import resume
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.studies.strike_results import require_result
+from bristle_sim.studies.strike_point import require_result
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 TURN = 2.0 * math.pi

@@ -19,7 +19,7 @@ from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, impact_curve
 from bristle_sim.studies.impacts import Impacts
-from bristle_sim.studies.strike_results import contact_quantities
+from bristle_sim.studies.strike_point import contact_quantities
 from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
 from bristle_sim.trajectory import ContactRecord
 

@@ -17,9 +17,8 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
-from bristle_sim.studies.load_cell import load_cell_response
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
-from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, turn_forces
+from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, load_cell_response, turn_forces
 
 Array = NDArray[np.float64]
 

@@ -30,7 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import positive, require, single, whole
+from bristle_sim.theory.checks import checked_arguments, positive, require, single, whole
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
@@ -42,7 +42,6 @@ from bristle_sim.theory.crater_kinematics import (
 )
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
-from bristle_sim.theory.ranges import checked_arguments
 
 Number = Any
 """A float where the arguments are, else an array of their broadcast shape."""

@@ -32,10 +32,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import require, single
+from bristle_sim.theory.checks import checked_arguments, require, single
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE, TipFace
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
-from bristle_sim.theory.ranges import checked_arguments
 
 Array = NDArray[np.float64]
 Number = Any

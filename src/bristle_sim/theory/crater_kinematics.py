@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.parameters import Bristle, Tool
-from bristle_sim.theory.checks import require
-from bristle_sim.theory.ranges import checked_arguments
+from bristle_sim.theory.checks import checked_arguments, require
 
 Number = Any
 """A float where the argument is one, else an array of its shape."""

@@ -27,8 +27,7 @@ import numpy as np
 
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.quantity import shown
-from bristle_sim.theory.checks import positive, require
-from bristle_sim.theory.ranges import RANGES, checked_arguments
+from bristle_sim.theory.checks import RANGES, checked_arguments, positive, require
 
 Number = Any
 """A float or an array of floats; results have the arguments' broadcast shape."""

@@ -13,10 +13,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import single, whole
+from bristle_sim.theory.checks import checked_arguments, single, whole
 from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 from bristle_sim.theory.force_record import find_contact
-from bristle_sim.theory.ranges import checked_arguments
 
 Array = NDArray[np.float64]
 

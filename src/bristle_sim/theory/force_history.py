@@ -23,8 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import finite, positive, single, whole
-from bristle_sim.theory.ranges import checked_arguments
+from bristle_sim.theory.checks import checked_arguments, finite, positive, single, whole
 
 Number = Any
 """A float where the argument is one, else an array of its shape."""

@@ -26,9 +26,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import require
+from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
-from bristle_sim.theory.ranges import checked_arguments
 
 Number = Any
 """A float where the arguments are, else an array of their broadcast shape."""

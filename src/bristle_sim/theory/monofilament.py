@@ -27,9 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.theory.checks import require
+from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
-from bristle_sim.theory.ranges import checked_arguments
 
 Number = Any
 """A float, or an array of the arguments' broadcast shape."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.ranges import checked_arguments
+from bristle_sim.theory.checks import checked_arguments
 
 Number = Any
 """A float, or an array of the arguments' broadcast shape."""
