@@ -187,12 +187,10 @@ _ROWS = (
     ("compression_time", "s", 1e-30, 1e3, "physics: positive; rounding: F^(n) t^n"),
     ("duration", "s", 1e-30, 1e30, "physics: positive; rounding: its square is a float"),
     ("peak_force", "N", 1e-30, 1e30, "physics: positive; rounding: squares of residuals"),
-    ("noise", "N", 1e-30, 1e30, "physics: positive; rounding: squares of residuals"),
     ("start", "s", -1e30, 1e30, "rounding: any clock; its square is a float"),
     # Cutting.
     ("decay", "1/s", 0.0, 1e15, "physics: the motion slows; rounding: decay times compression_time"),
     ("resultant_angle", "rad", -math.pi, math.pi, "physics: half a turn either way"),
-    ("rake_offset", "rad", -math.pi, math.pi, "physics: half a turn either way"),
     ("depth", "m", 0.0, 1e6, "physics: not above the surface; rounding: a force over a width"),
     ("shear_yield_stress", "Pa", 1e-30, 1e30, "physics: positive; rounding: a force over a stress and a width"),
     ("force", "N", -1e30, 1e30, "rounding: a force over a stress and a width"),
