@@ -45,7 +45,7 @@ def swept(path, gamma):
 @pytest.mark.parametrize("path", [1e-7, 2e-4, 5.4e-4, 2e-3])
 def test_swept_volume_is_the_integral(path, gamma_deg):
     gamma = math.radians(gamma_deg)
-    # quad was asked for 1e-11; its integrand starts like s^(3/2).
+    # quad is requested to reach 1e-11; its integrand starts like s^(3/2).
     assert swept_volume(path, gamma) == pytest.approx(swept(path, gamma), rel=1e-8)
 
 
@@ -132,7 +132,7 @@ def test_cutting_stroke_is_the_motion_it_says(surface):
     u = float(specific_cutting_energy(0.5, surface=surface))
     stroke = cutting_stroke(SPEED, MASS, u)
     duration, path = stroke_by_integration(u)
-    # The integrator was asked for 1e-10 a step.
+    # The integrator is requested to reach 1e-10 a step.
     assert stroke.path == pytest.approx(path, rel=1e-7)
     assert stroke.duration == pytest.approx(duration, rel=1e-7)
     # The resistance grows along the whole path, so the last force is the largest, and it gives the same depth.

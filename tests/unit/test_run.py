@@ -63,7 +63,7 @@ def least_gap(tool: Tool, run: Trajectory) -> float:
 
 
 ACCURACY = Settings().accuracy
-"""Asked for by default: events of a run are good to it, relative to the run's time."""
+"""Requested by default: events of a run are good to it, relative to the run's time."""
 
 INSIDE = -ACCURACY * 0.027
 """So is what is touched, relative to the bristle's length."""

@@ -20,7 +20,7 @@ PASSES = 12
 """Bristles that pass in the second panel."""
 
 BANDWIDTHS = np.geomspace(100.0, 1e4, 21)
-"""Of the third panel, Hz."""
+"""Bandwidths of the third panel, Hz."""
 
 
 @styled()

@@ -25,7 +25,7 @@ from bristle_sim.theory.force_least_squares import ForceFit
 Array = NDArray[np.float64]
 
 SEED = 1
-"""Of the noise: same inputs, same numbers."""
+"""Seed of the noise: same inputs, same numbers."""
 
 OFFSET_ROUNDING = 1e-3
 """The printed curves have their offset rounded to 26 and 145 N, by 0.019 and 0.059 N; of their peaks, 57 and 341 N, that

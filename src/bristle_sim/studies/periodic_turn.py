@@ -30,7 +30,7 @@ REPEATED = 1e-9
 """Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn."""
 
 MAGNIFIED = 100.0
-"""The same over the requested accuracy, where that is more: a turn adds up errors of some ten flights and contacts."""
+"""Such a change over the requested accuracy, where that is more: a turn adds up errors of some ten flights and contacts."""
 
 
 class TurnNotCompleted(ValueError):

@@ -48,7 +48,7 @@ NEWTON_STEPS = 60
 """At most; from the start values given, about ten suffice."""
 
 LEAST_ANGLE = 1e-60
-"""In rad: a path that descends by less has no depth that is a float."""
+"""Least angle, rad: a path that descends by less has no depth that is a float."""
 
 COLUMNS = ("time", "normal_force", "tangential_force", "penetration", "normal_velocity", "tangential_velocity")
 """What is known of a contact resolved in time, sample by sample."""

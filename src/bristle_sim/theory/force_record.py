@@ -24,7 +24,7 @@ LEVEL_BINS = 8
 """Averages before and after the pulse that fix the level on which it stands."""
 
 RATIO = 1.2
-"""Of successive durations: the best one is at most 10 % off."""
+"""Ratio of successive durations: the best one is at most 10 % off."""
 
 LEAST_BINS = 7
 """Averages of the pulse that the record must hold, i.e. nearly up to its peak."""

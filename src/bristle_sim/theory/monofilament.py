@@ -34,7 +34,7 @@ Number = Any
 """A float, or an array of the arguments' broadcast shape."""
 
 LEAST_ANGLE = 1e-150
-"""In rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
+"""Least impact angle, rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
 
 
 @dataclass(frozen=True, slots=True)
