@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.render.panels import note, panel_title
 from bristle_sim.render.style import (
     BLACK,
@@ -36,8 +36,6 @@ from bristle_sim.studies.crater_sums import (
 )
 from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
-
-Array = NDArray[np.float64]
 
 WIDTH, HEIGHT = 22.4, 15.6
 """Printed size, cm."""

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
 from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Motion
@@ -33,8 +33,6 @@ from bristle_sim.render.style import (
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_bar, draw_hub, draw_workpart, name_parts
 from bristle_sim.studies.cue_places import BarPlace, FullPass, ReadingPlaces, Release
 from bristle_sim.studies.cue_timing import OWN, CueTiming
-
-Array = NDArray[np.float64]
 
 MILLISECONDS = 1e3
 

@@ -15,14 +15,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.drawing import View, draw_scale_bar, moving_arrow, point_arrow
 from bristle_sim.render.impulse_plane import PHASE_COLOURS
 from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION, scale_for
-
-Array = NDArray[np.float64]
 
 ARROW = 0.3
 """Length of the tip's velocity before the impact, as a fraction of the drawing's size."""

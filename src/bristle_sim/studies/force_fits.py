@@ -13,16 +13,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
 from bristle_sim.force_file.read import read_force_csv
 from bristle_sim.parameters.crater import Measurement
 from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import ForceCurve
 from bristle_sim.theory.force_least_squares import ForceFit
-
-Array = NDArray[np.float64]
 
 SEED = 1
 """Seed of the noise: same inputs, same numbers."""

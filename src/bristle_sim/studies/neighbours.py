@@ -11,13 +11,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, minimize_scalar
 
+from bristle_sim.arrays import Array
 from bristle_sim.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 PITCH_STEP = math.radians(0.25)
 """Between the pitches that are tried one after the other, rad; local minima of the distance between them are refined."""

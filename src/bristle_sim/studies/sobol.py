@@ -13,10 +13,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import sobol_indices, uniform
 
-Array = NDArray[np.float64]
+from bristle_sim.arrays import Array
 
 CONFIDENCE = 0.95
 """Probability of the intervals of outputs and of indices."""

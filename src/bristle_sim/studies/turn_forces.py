@@ -18,11 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.studies.periodic_turn import PeriodicTurn
 from bristle_sim.trajectory import ContactRecord
-
-Array = NDArray[np.float64]
 
 Impact = tuple[float, float]
 """Time in s and impulse in N s."""

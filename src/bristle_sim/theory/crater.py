@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bristle_sim.arrays import Number
 from bristle_sim.theory.checks import checked_arguments, positive, require, single, whole
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
@@ -39,9 +40,6 @@ from bristle_sim.theory.crater_kinematics import (
 )
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
-
-Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
 
 CUTTING_FRICTION = 0.5
 """Friction coefficient while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact."""

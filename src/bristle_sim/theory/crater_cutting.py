@@ -27,18 +27,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import checked_arguments, require, single
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
-
-Array = NDArray[np.float64]
-Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
 
 _RULE = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]

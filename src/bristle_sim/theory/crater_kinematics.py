@@ -10,16 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Number
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.theory.checks import checked_arguments, require
-
-Number = Any
-"""A float where the argument is one, else an array of its shape."""
 
 COMPRESSION_TIME = 5e-5
 """t_c, read off high-speed camera frames, s (Zhang 2020, eq. 3.20)."""

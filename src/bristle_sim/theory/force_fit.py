@@ -11,13 +11,12 @@ the record holds samples from outside the contact; ``force_record`` finds where 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.checks import checked_arguments, single
 from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 from bristle_sim.theory.force_record import find_contact
-
-Array = NDArray[np.float64]
 
 AROUND = 0.5
 """Part of the duration before and after the contact that the fit of a record takes in: what lies farther off (ringing,

@@ -11,11 +11,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
-
-Array = NDArray[np.float64]
 
 INDISTINCT = 1e-10
 """Ratio of singular values of the scaled Jacobian below which the points leave a parameter undetermined."""

@@ -11,11 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
-
-Array = NDArray[np.float64]
 
 BINS = 16
 """Averages in a duration: the start is located to D/16, which is close enough for a least-squares fit to converge."""

@@ -21,16 +21,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Number
 from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
-
-Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
 
 Surface = Literal["parallel", "inclined"]
 """How the surface lies to the path where the shear plane ends."""
