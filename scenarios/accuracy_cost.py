@@ -12,7 +12,7 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.measure import Effort
 from bristle_sim.comparison import Report
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.show import figure
+from bristle_sim.scenario_cli.scenario import figure
 
 
 def run(values: Mapping[str, Any]) -> Report:

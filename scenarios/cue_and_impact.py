@@ -12,7 +12,7 @@ from typing import Any
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, build_tool, main
-from bristle_sim.scenario_cli.show import series_of_pass
+from bristle_sim.scenario_cli.scenario import series_of_pass
 from bristle_sim.settings import Settings
 
 

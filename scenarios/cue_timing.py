@@ -14,7 +14,7 @@ from typing import Any
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.show import figure, series_of_pass
+from bristle_sim.scenario_cli.scenario import figure, series_of_pass
 from bristle_sim.settings import Settings
 
 

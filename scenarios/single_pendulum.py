@@ -12,7 +12,7 @@ from typing import Any
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.show import film_of_impact, series_of_impact
+from bristle_sim.scenario_cli.scenario import film_of_impact, series_of_impact
 from bristle_sim.settings import Settings
 
 

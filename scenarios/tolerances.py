@@ -12,7 +12,7 @@ from typing import Any
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, build_tool, main
-from bristle_sim.scenario_cli.show import figure
+from bristle_sim.scenario_cli.scenario import figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies.tolerances import Sampling, Spreads, tolerances
 

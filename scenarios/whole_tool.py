@@ -12,7 +12,7 @@ from typing import Any
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Workpart
 from bristle_sim.scenario_cli import Scenario, build, build_tool, main
-from bristle_sim.scenario_cli.show import figure
+from bristle_sim.scenario_cli.scenario import figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies.whole_tool import Assembly, load_cell_series, whole_tool
 

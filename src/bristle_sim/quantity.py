@@ -255,3 +255,12 @@ def validate(instance: Any) -> None:
         if "declaration" in each.metadata:
             checked = check(instance, each.name, getattr(instance, each.name))
             object.__setattr__(instance, each.name, checked)
+
+
+class Declared:
+    """Base of frozen dataclasses whose declared fields are checked when an object is made."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        validate(self)

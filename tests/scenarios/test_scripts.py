@@ -581,7 +581,7 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
 
 @pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("reference")])
 def test_the_independent_solution_agrees(name: str):
-    """Every quantity that the simulation knows, the reference knows too, and they agree to the accuracy requested."""
+    """Every quantity that the simulation knows, the reference knows too, and they agree to the requested accuracy."""
     status, found = asked(name, "--set", "reference=yes")
     assert status == 0
     referred = [row for row in found["quantities"] if row["name"] in promise(name).quantities]

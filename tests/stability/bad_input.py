@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, TypeVar
 
-from bristle_sim import crater_parameters, parameters
+from bristle_sim import parameters
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
+from bristle_sim.parameters import crater as crater_parameters
 from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.strike import Chain, strike

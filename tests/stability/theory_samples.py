@@ -53,7 +53,7 @@ SAMPLES = TOOL | IMPACTS | CRATERS
 """Samples by the arguments' names."""
 
 OWN: dict[str, dict[str, Any]] = {
-    "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "terms": 1, "duration": 1e-4, "peak_force": 60.0}
+    "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "duration": 1e-4, "peak_force": 60.0}
     | {"start": 0.0},
     "constant_for_crater_depth": {"depth": 1e-4},
     "friction_for_crater_depth": {"depth": 1.6e-4},

@@ -219,7 +219,7 @@ def test_every_difference_is_computed_a_second_time():
 
 @pytest.mark.parametrize("where", COMPUTED)
 def test_differences_by_an_independent_computation(where):
-    # Quadrature is told to reach 1e-11, the limit's extrapolation leaves 1e-7, solving for coefficients 1e-13.
+    # Quadrature is requested to reach 1e-11, the limit's extrapolation leaves 1e-7, solving for coefficients 1e-13.
     assert ROWS[where].computed == pytest.approx(COMPUTED[where](), rel=1e-6)
 
 

@@ -164,9 +164,6 @@ def test_oblique_resultant_makes_arccot_mu_with_the_workpart():
     # Tangential over normal force is mu (4.37); the path descends at gamma from the workpart.
     to_workpart = angles.resultant_angle + GAMMA
     np.testing.assert_allclose(np.cos(to_workpart) / np.sin(to_workpart), mu, rtol=1e-14)
-    # The offset of the rake cancels.
-    other = oblique_angles(mu, GAMMA, rake_offset=0.0)
-    np.testing.assert_allclose(other.resultant_ratio, angles.resultant_ratio, rtol=1e-13)
 
 
 @settings(max_examples=60, deadline=None)
@@ -351,8 +348,10 @@ def test_energy_estimate_as_printed():
 
 def test_energy_quotients_grow_without_end_and_their_ratio_vanishes():
     exact = ForceCurve.of_impact(1.0160, 5.4990, 60.0, 1e-4)
-    plies = [10_000, 100_000, 1_000_000]
-    depths = [energy_crater_depth(n, force=exact) for n in plies]
+    depths = []
+    for plies in (10_000, 100_000, 1_000_000):
+        time = np.linspace(0.0, END, plies + 1)
+        depths.append(math.cos(GAMMA) * np.sum(-np.diff(kinetic_energy(time)) / exact(time[1:])))
     first, second, _ = PRINTED_ENERGY
     slope = (2 * first + second) * 92400 / exact.rate(0.0)
     # E' and F are linear near t = 0 up to order t: the tenfold steps differ from the law by 1e-3 at most.
@@ -376,11 +375,11 @@ ANGLE = 0.4
 
 class TestWorkAndEnergy:
     def test_one_ply_by_hand(self) -> None:
-        """cos gamma (E(0) - E(t_c))/R(t_c) with E = 3 e^-2x + 2 e^-x + 1, x = decay t_c = 1: both sums are one quotient."""
-        lost = 3.0 * (1.0 - math.exp(-2.0)) + 2.0 * (1.0 - math.exp(-1.0))
+        """cos gamma (E(0) - E(t_c))/R(t_c) with the printed E, x = 92400 t_c = 4.62: both sums are one quotient."""
+        lost = 0.0126 * (1.0 - math.exp(-9.24)) + 0.00303 * (1.0 - math.exp(-4.62))
         expected = math.cos(ANGLE) * lost / BRISTLE(5e-5)
         for depth in (energy_crater_depth, energy_crater_depth_ratio):
-            found = depth(1, ANGLE, coefficients=(3.0, 2.0, 1.0), decay=2e4, compression_time=5e-5)
+            found = depth(1, ANGLE, compression_time=5e-5)
             assert found == pytest.approx(expected, rel=1e-14)
 
     def test_plies_are_those_of_print(self) -> None:

@@ -17,11 +17,11 @@ SCRIPTS = sorted((ROOT / "scenarios").glob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 RANKS = {
+    "arrays": 0,
     "quantity": 0,
     "files": 0,
     "force_file": 0,
     "parameters": 1,
-    "crater_parameters": 1,
     "settings": 1,
     "stop_reason": 1,
     "parameter_file": 2,

@@ -87,7 +87,7 @@ def test_energies_have_their_kinks_where_contacts_begin_and_end():
     """A ramp that sets in with a sustained contact is met exactly by splines that end there."""
     run = make_trajectory()
     begin = float(run.time[20])
-    held = dataclasses.replace(run.contacts[0], time=begin, duration=float(run.time[40]) - begin, law="hold")
+    held = dataclasses.replace(run.contacts[0], time=begin, duration=float(run.time[40]) - begin, law="sustained")
     motion = Motion(dataclasses.replace(run, contacts=(held,)))
     time = motion.course().time
     ramp = np.clip(run.time - begin, 0.0, held.duration)

@@ -9,9 +9,8 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.settings import Settings
-from bristle_sim.studies.load_cell import load_cell_response
 from bristle_sim.studies.periodic_turn import TurnNotCompleted, periodic_turn
-from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, turn_forces
+from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, load_cell_response, turn_forces
 from bristle_sim.studies.whole_tool import Assembly, load_cell_series, whole_tool
 
 FINE = Settings(accuracy=1e-8)

@@ -20,7 +20,7 @@ from bristle_sim.dissertation.audit_force import force_rows
 from bristle_sim.dissertation.audit_impact import impact_rows
 from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
 from bristle_sim.dissertation.audit_tool import tool_rows
-from bristle_sim.quantity import choice, validate
+from bristle_sim.quantity import Declared, choice
 
 WIDTH = 100
 """Columns of a terminal that the table fits in."""
@@ -30,7 +30,7 @@ PRINTED, COMPUTED, UNIT = 22, 12, 9
 
 
 @dataclass(frozen=True, slots=True)
-class AuditView:
+class AuditView(Declared):
     """Which rows the table shows; the JSON always has them all."""
 
     show: str = choice(
@@ -40,9 +40,6 @@ class AuditView:
         source="chosen: rows of the table on the terminal",
         meaning="which rows the table shows; the JSON has all",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 def audit_rows() -> tuple[AuditRow, ...]:

@@ -9,11 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
 from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import panel_title, say
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.bent_bristles import BentBristles, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
 

@@ -14,9 +14,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE
 from bristle_sim.render.panels import note
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, axes_at, blank_figure, styled
 
 WIDTH = 16.0
 """Printed width of the page's text, cm."""
@@ -35,7 +34,7 @@ NOTE = 62
 COLUMNS = 2
 """Columns of a panel's legend."""
 
-COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN, "exudyn": PURPLE}
+COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN}
 MARKERS = "osD^vPX*"
 OTHERS = "#c4c4c4"
 """Colour of peers' methods that are not their package's best."""

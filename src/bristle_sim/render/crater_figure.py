@@ -10,11 +10,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.arrays import Array
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, signed, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    SERIES,
+    VERMILION,
+    axes_at,
+    blank_figure,
+    signed,
+    styled,
+)
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 from bristle_sim.studies.crater_sums import (
     IMPACT_ANGLES_DEG,
@@ -25,8 +36,6 @@ from bristle_sim.studies.crater_sums import (
 )
 from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
-
-Array = NDArray[np.float64]
 
 WIDTH, HEIGHT = 22.4, 15.6
 """Printed size, cm."""

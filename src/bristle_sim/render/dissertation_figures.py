@@ -22,9 +22,8 @@ from PIL import Image
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.colours import BLACK, GREY, LIGHT
 from bristle_sim.render.panels import draw_panel, line_entries, point_entries
-from bristle_sim.render.style import axes_at, blank_figure, checked_target, save_figure, styled
+from bristle_sim.render.style import BLACK, GREY, LIGHT, axes_at, blank_figure, checked_target, save_figure, styled
 from bristle_sim.studies.curves import Panel
 
 SHEET_DOTS_PER_INCH = 100.0

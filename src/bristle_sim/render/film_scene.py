@@ -11,13 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bristle_sim.render.colours import BLACK
-from bristle_sim.render.style import styled
+from bristle_sim.arrays import Array
+from bristle_sim.render.style import BLACK, styled
 from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
-
-Array = NDArray[np.float64]
 
 LONGEST = 3600.0
 """Longest film, s."""

@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segment_table
 from bristle_sim.studies.force_fits import FitTrial

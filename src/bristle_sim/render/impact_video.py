@@ -8,14 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import ConnectionPatch, Rectangle
 
-from bristle_sim.render.chain_drawing import ChainDrawing
-from bristle_sim.render.colours import BLACK, GREY
-from bristle_sim.render.contact_closeup import CloseUp
 from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion
-from bristle_sim.render.contact_panels import NORMAL, TANGENTIAL, ContactPanels
 from bristle_sim.render.film_scene import BORDER, HEADER, FilmScene, TimeWarp, slow_motion, write_film
+from bristle_sim.render.impact_drawings import NORMAL, TANGENTIAL, ChainDrawing, CloseUp, ContactPanels
 from bristle_sim.render.story import Phase, phase_at
-from bristle_sim.render.style import scale_for, signed, styled
+from bristle_sim.render.style import BLACK, GREY, scale_for, signed, styled
 from bristle_sim.studies.impacts import Impacts
 
 CAPTION_SHOWN = 0.9

@@ -7,10 +7,9 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLUE, GREY, VERMILION
 from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLUE, GREY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.trajectory import Trajectory
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.render.style import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
 

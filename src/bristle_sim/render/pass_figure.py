@@ -12,17 +12,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Transform
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.motion import Course, Motion
 from bristle_sim.render.story import CARRIED, key_events, story_end
-from bristle_sim.render.style import axes_at, blank_figure, signed, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    axes_at,
+    blank_figure,
+    signed,
+    styled,
+)
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.trajectory import Event, Trajectory
-
-Array = NDArray[np.float64]
 
 MILLISECONDS, MILLIJOULES = 1e3, 1e3
 

@@ -7,19 +7,15 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
 from bristle_sim.render.drawing import draw_scale_bar
 from bristle_sim.render.film_scene import HEADER, FilmScene, TimeWarp, slow_motion, write_film
 from bristle_sim.render.motion import Course, Motion
 from bristle_sim.render.story import phase_at, phases, story_end
-from bristle_sim.render.style import signed, styled
+from bristle_sim.render.style import BLACK, BLUE, SKY, VERMILION, signed, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts
 from bristle_sim.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 CAPTION_SHOWN = 0.5
 """Film time for which the instant of the strike keeps its caption, s."""

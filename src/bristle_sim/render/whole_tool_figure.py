@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, GREY, SKY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.turn_forces import SampledForce
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 
@@ -21,7 +20,7 @@ PASSES = 12
 """Bristles that pass in the second panel."""
 
 BANDWIDTHS = np.geomspace(100.0, 1e4, 21)
-"""Of the third panel, Hz."""
+"""Bandwidths of the third panel, Hz."""
 
 
 @styled()

@@ -159,7 +159,7 @@ def simulation(settings: Settings) -> Strike:
 
 
 def reference_solution(settings: Settings) -> Strike:
-    """The same by the independent solution."""
+    """Return the strike by the independent solution."""
     from bristle_sim.reference import simulate_reference
 
     def strike(tool: Tool) -> Measures:

@@ -15,16 +15,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_results import require_result, stopped
+from bristle_sim.studies.strike_point import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
-
-Array = NDArray[np.float64]
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
 

@@ -14,8 +14,8 @@ import math
 from dataclasses import dataclass
 
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.parameters.crater import Crater
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.crater_sums import (

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import ANY, quantity, validate
+from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
@@ -54,18 +54,11 @@ MOVES = {
 
 
 @dataclass(frozen=True, slots=True)
-class MapGrid:
+class MapGrid(Declared):
     """Resolution of the maps, and the processes that compute them."""
 
-    points: float = quantity(
-        25.0,
-        "map_points",
-        "1",
-        at_least=2.0,
-        at_most=2000.0,
-        source="chosen",
-        meaning="points of each axis of the maps",
-        usual=ANY,
+    points: int = count(
+        25, "map_points", at_least=2, at_most=2000, source="chosen", meaning="points of each axis of the maps"
     )
     half_width: float = quantity(
         0.008,
@@ -76,15 +69,7 @@ class MapGrid:
         source="chosen",
         meaning="half-width of the maps about the bar's position",
     )
-    workers: float = quantity(
-        1.0, "workers", "1", at_least=1.0, at_most=4096.0, source="chosen", meaning="processes for the maps", usual=ANY
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        for key, value in (("map_points", self.points), ("workers", self.workers)):
-            if value != int(value):
-                raise ValueError(f"{key} = {value!r}: must be a whole number (dimensionless)")
+    workers: int = count(1, "workers", at_least=1, at_most=4096, source="chosen", meaning="processes for the maps")
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,10 +247,10 @@ def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
     except ImportError as error:
         raise ValueError(f"maps need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
     assert tool.bar is not None
-    offsets = np.linspace(-grid.half_width, grid.half_width, int(grid.points))
+    offsets = np.linspace(-grid.half_width, grid.half_width, grid.points)
     fixed = {key: value for key, value in keys_of(tool).items() if key not in ("bar_horizontal", "bar_vertical")}
     horizontal = tool.bar.horizontal + offsets
     space = {"bar_vertical": tool.bar.vertical + offsets, "bar_horizontal": horizontal[horizontal >= 0.0]}
     point = functools.partial(strike_of_keys, settings, **fixed)
     units = {**STRIKE_UNITS, "bar_horizontal": "m", "bar_vertical": "m"}
-    return sweep(point, space, units=units, workers=None if grid.workers == 1.0 else int(grid.workers))
+    return sweep(point, space, units=units, workers=None if grid.workers == 1 else grid.workers)

@@ -11,19 +11,17 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, minimize_scalar
 
+from bristle_sim.arrays import Array
 from bristle_sim.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 PITCH_STEP = math.radians(0.25)
 """Between the pitches that are tried one after the other, rad; local minima of the distance between them are refined."""
 
 PITCH_TOLERANCE = 1e-9
-"""Of the least pitch, rad: 6e-8 deg."""
+"""Error of the least pitch, rad: 6e-8 deg."""
 
 INSTANTS = 1500
 """Even instants of a pass at which the distance is looked at, besides the samples; 0.2 deg of the hub's turn in a pass."""

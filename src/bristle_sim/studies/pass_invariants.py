@@ -10,14 +10,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
-
-Array = NDArray[np.float64]
 
 MAGNIFIED = 10.0
 """Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two

@@ -15,7 +15,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.pass_invariants import invariant_rows
-from bristle_sim.studies.strike_results import (
+from bristle_sim.studies.strike_point import (
     CONTACT_UNITS,
     STATE_UNITS,
     contact_quantities,

@@ -21,17 +21,13 @@ motion exists.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.quantity import shown
-from bristle_sim.theory.checks import positive, require
-from bristle_sim.theory.ranges import RANGES, checked_arguments
-
-Number = Any
-"""A float or an array of floats; results have the arguments' broadcast shape."""
+from bristle_sim.theory.checks import RANGES, checked_arguments, positive, require
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""

@@ -18,11 +18,10 @@ import math
 
 import numpy as np
 
-from bristle_sim.theory.checks import require, single
-from bristle_sim.theory.ranges import checked_arguments
+from bristle_sim.theory.checks import checked_arguments, require, single
 
 LEAST_SPEED = 1e-100
-"""In rad/s: the squares of smaller speeds vanish beside the least inertia."""
+"""Least speed, rad/s: the squares of smaller speeds vanish beside the least inertia."""
 
 _RULE = np.polynomial.legendre.leggauss(60)
 NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]

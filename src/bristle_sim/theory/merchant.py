@@ -21,17 +21,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import require
+from bristle_sim.arrays import Number
+from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
-from bristle_sim.theory.ranges import checked_arguments
-
-Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
 
 Surface = Literal["parallel", "inclined"]
 """How the surface lies to the path where the shear plane ends."""
@@ -99,7 +96,6 @@ def oblique_angles(
     impact_angle: ArrayLike,
     *,
     constant: ArrayLike = LEAST_WORK,
-    rake_offset: ArrayLike = RAKE_OFFSET,
     check: bool = True,
 ) -> CuttingAngles:
     """Return the modified circle's angles, alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45).
@@ -108,7 +104,6 @@ def oblique_angles(
         friction: mu, ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives.
         impact_angle: gamma, rad.
         constant: C of (4.45).
-        rake_offset: alpha - gamma, rad.
         check: refuse eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but
             the shear plane does not come out of the surface.
 
@@ -119,7 +114,7 @@ def oblique_angles(
     gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
     require("impact_angle", gamma, gamma < 0.5 * math.pi, "must be below pi/2 (in rad)")
-    angles = CuttingAngles(gamma + rake_offset, rake_offset + upright, shear_angle(upright - gamma, constant))
+    angles = CuttingAngles(gamma + RAKE_OFFSET, RAKE_OFFSET + upright, shear_angle(upright - gamma, constant))
     # The rounding of arccot must not refuse mu = tan(gamma) itself.
     buried = angles.shear < gamma - 1e-12
     if check and np.any(buried):

@@ -23,19 +23,15 @@ rotation. Every function raises ValueError for an argument outside its range, an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from bristle_sim.theory.checks import require
+from bristle_sim.arrays import Number
+from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
-from bristle_sim.theory.ranges import checked_arguments
-
-Number = Any
-"""A float, or an array of the arguments' broadcast shape."""
 
 LEAST_ANGLE = 1e-150
-"""In rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
+"""Least impact angle, rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
 
 
 @dataclass(frozen=True, slots=True)

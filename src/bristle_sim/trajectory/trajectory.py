@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory.interpolation import motion_at
@@ -18,8 +18,6 @@ from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Ev
 from bristle_sim.trajectory.storage import read, write
 from bristle_sim.trajectory.summary import summary, summary_page
 from bristle_sim.trajectory.tables import to_dataframe, to_xarray
-
-Array = NDArray[np.float64]
 
 NOTABLE = 0.01
 """Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""

@@ -17,13 +17,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.impulse_course import tip_response, tip_velocity
 
-Array = NDArray[np.float64]
 Ends = Callable[[float, Sequence[float]], float]
 
 

@@ -16,14 +16,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
-from bristle_sim.quantity import choice, validate
+from bristle_sim.quantity import Declared, choice
 
 OURS = "bristle_sim"
 """This package among those that are measured."""
 
 
 @dataclass(frozen=True, slots=True)
-class Effort:
+class Effort(Declared):
     """How much to measure."""
 
     effort: str = choice(
@@ -40,9 +40,6 @@ class Effort:
         source="chosen: every installed peer takes part",
         meaning="whether other packages are timed too",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
     @property
     def rounds(self) -> int:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.quantity import choice, validate
+from bristle_sim.quantity import Declared, choice
 
 TABLES = {
     "mass_ratio": "impacts",
@@ -32,7 +32,7 @@ TABLES = {
 
 
 @dataclass(frozen=True, slots=True)
-class HardCaseChoice:
+class HardCaseChoice(Declared):
     """Which cases to try."""
 
     theme: str = choice(
@@ -45,9 +45,6 @@ class HardCaseChoice:
         source="chosen: quick leaves out what takes long",
         meaning="whether the cases that take long are tried too",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:

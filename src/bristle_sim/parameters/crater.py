@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.quantity import ANY, Range, count, quantity, shown, validate
+from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
+from bristle_sim.quantity import ANY, Declared, Range, count, quantity, shown
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,7 +106,7 @@ class Measurement:
 
 
 @dataclass(frozen=True, slots=True)
-class ForceHistory:
+class ForceHistory(Declared):
     """The contact compared with a force curve, and the points on which the fit is tried.
 
     ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse needs, as long as
@@ -121,15 +122,7 @@ class ForceHistory:
         source="the one that gives the curve's compressive impulse",
         meaning="bristle's rate over the hub's speed when it strikes, R; none: from the curve's impulse",
     )
-    impact_angle_deg: float = quantity(
-        23.4,
-        "impact_angle_deg",
-        "deg",
-        at_least=1e-30,
-        at_most=90.0,
-        source="Zhang 2020, eq. 3.9: gamma",
-        meaning="angle between the radial bristle and the workpart's normal, gamma",
-    )
+    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 3.9: gamma")
     compression_time: float | None = quantity(
         None,
         "compression_time",
@@ -158,32 +151,13 @@ class ForceHistory:
         usual=ANY,
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 @dataclass(frozen=True, slots=True)
-class Crater:
+class Crater(Declared):
     """A bristle's tip that cuts."""
 
-    speed_ratio: float = quantity(
-        3.23,
-        "speed_ratio",
-        "1",
-        at_least=0.0,
-        at_most=1e6,
-        source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
-        meaning="bristle's rate over the hub's speed when it strikes, R",
-    )
-    impact_angle_deg: float = quantity(
-        23.4,
-        "impact_angle_deg",
-        "deg",
-        at_least=1e-30,
-        at_most=89.0,
-        source="Zhang 2020, eq. 4.51: gamma",
-        meaning="angle between the radial bristle and the workpart's normal, gamma",
-    )
+    speed_ratio: float = speed_ratio_at_strike()
+    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
     friction: float = quantity(
         0.5,
         "friction",
@@ -219,6 +193,3 @@ class Crater:
         source="Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
         meaning="time from first touch to deepest penetration, t_c",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
