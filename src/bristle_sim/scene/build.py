@@ -18,7 +18,7 @@ import pymunk
 from numpy.linalg import eigvalsh
 
 from bristle_sim.scene.engine import EngineSteps, placer
-from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
+from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
 
@@ -27,6 +27,10 @@ __all__ = ["Effects", "Scene"]
 HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
 quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""
+
+FAST_SLIP, STICKING = 10.0, 1e9
+"""A slip beyond what slip turns back by within an interval, in the scene's units, and a friction beyond any. The slip's rounding
+disturbs the normal velocity."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 
@@ -116,6 +120,17 @@ class Scene:
             shape.filter = own if index in (0, 1 + piece) else _NOWHERE
         shapes[0].friction, shapes[0].elasticity = friction, elasticity
         self.space.iterations = iterations
+
+    def direct_friction(self, obstacle: Obstacle, slip: int, tangent: Vector) -> None:
+        """Let friction of an engaged pair act against slip of that sense, whatever it is; with 0 let it stick, come what may.
+
+        Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, or a
+        friction without end, until the run changes it.
+        """
+        shape = self._shapes[obstacle.name, obstacle.link][0]
+        shape.surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
+        if slip == 0:
+            shape.friction = STICKING
 
     def release(self) -> None:
         """Let the engine ignore all obstacles again."""

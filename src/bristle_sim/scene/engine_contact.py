@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine import take_back
+from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State, cross
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED, contact_rounds
-from bristle_sim.scene.sustained_contact import Sustained
+from bristle_sim.scene.sustained_contact import STILL, Sustained
 
-__all__ = ["LEAST_LEVER", "MOST_GRIP", "STILL", "EngineContacts", "opening_rate", "set_back"]
+__all__ = ["LEAST_LEVER", "MOST_GRIP", "EngineContacts", "opening_rate", "set_back"]
 
 Array = NDArray[np.float64]
 
@@ -26,14 +27,8 @@ MOMENT = 1e-6
 LEAST_LEVER = 1e-6
 """With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
 
-STILL = 1e-9
-"""Slip below this fraction of the scene's unit is rest: friction then has no direction."""
-
 MOST_GRIP = 1.99
 """With more, each iteration of the engine's solver overshoots twofold."""
-
-STICKS = 1.0 - 1e-9
-"""A tangential force below this fraction of friction's limit keeps a contact from slipping."""
 
 NEWTON = 3
 """Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
@@ -46,17 +41,20 @@ class EngineContacts:
         scene: of the contacts.
         obstacles: the pairs in contact.
         pieces: which straight piece of its link touches, for each of them.
-        sticks: whether friction keeps it from slipping, for each of them.
+        slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks. A single
+            link's follows from its geometry, and is left to the engine.
         solvable: whether the engine's iterations tend to a solution.
+        reached: totals of the last interval.
     """
 
-    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None] = (None,)) -> None:
         """Prepare the contacts."""
         self.scene = scene
         self.obstacles = tuple(obstacles)
         self.pieces: list[int | None] = [None] * len(obstacles)
-        self.sticks = [False] * len(obstacles)
+        self.slips = list(slips)
         self.solvable = True
+        self.reached: Sequence[float] = ()
         self._in_flight = scene.space.iterations
         self._last: list[tuple[float, float]] = []
         self._sums: list[float] = []
@@ -73,7 +71,9 @@ class EngineContacts:
         obstacle, mechanism = self.obstacles[index], self.scene.mechanism
         touch, link = gaps.touch(obstacle, state), mechanism.links[obstacle.link]
         pose = gaps.poses(state)[obstacle.link]
-        slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
+        slip: float | None = self.slips[index]
+        if slip is None:
+            slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
         if len(mechanism.links) == 1:
             lever, along = cross(touch.arm, touch.normal), cross(touch.arm, touch.tangent)
             normal, coupling = (lever * each / link.inertia_about_joint for each in (lever, along))
@@ -99,11 +99,15 @@ class EngineContacts:
             self.solvable = grips[0] <= MOST_GRIP
         else:
             touches = [gaps.touch(each, state, piece) for each, piece in zip(self.obstacles, self.pieces, strict=True)]
-            rounds, self.solvable = contact_rounds(self.scene.mechanism, gaps.poses(state), self.obstacles, touches)
-        for obstacle, piece in zip(self.obstacles, self.pieces, strict=True):
+            rounds, self.solvable = contact_rounds(
+                self.scene.mechanism, gaps.poses(state), self.obstacles, touches, self.slips
+            )
+        for index, (obstacle, piece) in enumerate(zip(self.obstacles, self.pieces, strict=True)):
             self.scene.engage(
                 obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0
             )
+            if (slip := self.slips[index]) is not None:
+                self.scene.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
         return min(grips)
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
@@ -115,7 +119,7 @@ class EngineContacts:
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and stay so."""
-        return set_back(gaps, self.obstacles, state, self.pieces, self.sticks)
+        return set_back(gaps, self.obstacles, state, self.pieces, self.slips)
 
     # What the contacts add up, as a load
 
@@ -153,13 +157,22 @@ class EngineContacts:
         """Return by how much friction's limit exceeds the tangential force of a contact."""
         return self.obstacles[index].friction * totals[index] - abs(totals[4 * len(self.obstacles) + index])
 
+    def driven(self, totals: Sequence[float], index: int) -> int:
+        """Return the sense in which a contact that sticks would slip."""
+        return -1 if totals[4 * len(self.obstacles) + index] > 0.0 else 1
+
+    def breaks_away(self, totals: Sequence[float]) -> Slip | None:
+        """Return the slip of a contact that cannot stick, if there is one."""
+        for index, obstacle in enumerate(self.obstacles):
+            if self.slips[index] == 0 and self.spare_friction(totals, index) < 0.0:
+                return Slip(obstacle, self.driven(totals, index))
+        return None
+
     def share_out(self, totals: Sequence[float], sustained: Sequence[Sustained], length: float) -> None:
-        """Add what was added up in an interval to the contacts' own sums, and note which of them stick."""
-        count = len(self.obstacles)
+        """Add what was added up in an interval to the contacts' own sums."""
+        count, self.reached = len(self.obstacles), totals
         for index, each in enumerate(sustained):
             each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
-            if len(self.scene.links) > 1 and each.obstacle.friction:
-                self.sticks[index] = self.spare_friction(totals, index) > (1.0 - STICKS) * totals[index]
 
     def _add(self) -> None:
         if len(self.obstacles) == 1:
@@ -188,7 +201,7 @@ def set_back(
     obstacles: Sequence[Obstacle],
     state: State,
     pieces: Sequence[int | None] | None = None,
-    sticks: Sequence[bool] | None = None,
+    slips: Sequence[int | None] = (),
 ) -> State:
     """Return the nearest state at which links touch what they are in contact with, and keep touching it.
 
@@ -205,7 +218,7 @@ def set_back(
             each.touch(poses[each.link], state.rates[each.link], piece)
             for each, piece in zip(obstacles, pieces, strict=True)
         ]
-        stuck = [index for index, each in enumerate(sticks or []) if each]
+        stuck = [index for index, each in enumerate(slips) if each == 0]
         across = np.array([mechanism.row(poses, o.link, t.arm, t.normal) for o, t in zip(obstacles, touches, strict=True)])
         along = [mechanism.row(poses, obstacles[i].link, touches[i].arm, touches[i].tangent) for i in stuck]
         mass = mechanism.mass_matrix(poses)

@@ -130,6 +130,13 @@ class Progress:
                     return True
         return False
 
+    def at_joint(self, obstacle: Obstacle) -> Obstacle:
+        """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
+        lower = self.neighbour(obstacle, -1)
+        if lower is None or obstacle.foot(self.gaps.poses(self.state)[obstacle.link])[0] > 0.0:
+            return obstacle
+        return lower
+
     def cubic_error(self, length: float) -> float:
         """Return how far the cubic through the ends of an interval may be off a motion of the shortest time scale."""
         return 0.0 if self.plan.time_scale == 1.0 else VIBRATION * length * (length / self.plan.time_scale) ** 3

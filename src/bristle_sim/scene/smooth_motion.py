@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from bristle_sim.scene.engine_contact import EngineContacts
-from bristle_sim.scene.event_functions import Change, EventFunction, Release, Touch, freedom, in_flight, retraction
+from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch, freedom, in_flight, retraction
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
@@ -62,6 +62,8 @@ class SmoothMotion:
         self.limit = limit
         self.ending = False
         self.load: EngineContacts | None = None
+        for each in self.sustained:
+            each.look_up_slip(progress.gaps, progress.state)
         progress.changes.begin(progress.state, self._shared_functions())
         if self.sustained:
             self._begin_contact()
@@ -75,6 +77,8 @@ class SmoothMotion:
         result = self.advance(length)
         if self.load is not None and (result.failed or min(self.load.forces(result.totals)) <= 0.0):
             return self._approach_release(result, length)
+        if self.load is not None and self.before is None and (slip := self.load.breaks_away(result.totals)) is not None:
+            return slip
         if not progress.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
                 progress.stop(StopReason.ACCURACY)
@@ -88,7 +92,10 @@ class SmoothMotion:
         return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, self.load)
 
     def _approach_release(self, result: Advance, length: float) -> Change | None:
-        """Come closer to where a force vanishes, or release what it was on."""
+        """Come closer to where a force vanishes, or release what it was on; stick that would pull is no stick."""
+        for each in self.sustained:
+            if self.before is None and each.stopped:
+                return Slip(each.obstacle, -each.stopped)
         at_once = self.before is None and len(self.progress.mechanism.links) == 1
         shortest = max(1e-9, 0.1 * self.progress.plan.accuracy) * self.progress.plan.time_scale
         if at_once or length <= shortest:
@@ -131,7 +138,8 @@ class SmoothMotion:
     def _begin_contact(self) -> None:
         """Let the engine's contacts act from here on, if they can."""
         progress = self.progress
-        self.load = EngineContacts(progress.scene, [each.obstacle for each in self.sustained])
+        obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
+        self.load = EngineContacts(progress.scene, obstacles, slips)
         progress.state = self.load.set_back(progress.gaps, progress.state)
         for each in self.sustained:
             each.begin(progress.state)
@@ -226,7 +234,7 @@ class SmoothMotion:
         progress = self.progress
         if not self.sustained:
             return in_flight(progress.scene)
-        kinks = [function for each in self.sustained for function in in_touch(progress.gaps, each.obstacle, progress.state)]
+        kinks = [function for each in self.sustained for function in in_touch(progress.gaps, each, progress.state)]
         return [*retraction(progress.mechanism), *kinks]
 
     def _limits(self) -> list[EventFunction]:

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.engine_contact import STILL, opening_rate
-from bristle_sim.scene.event_functions import Change, HandOver, Touch
+from bristle_sim.scene.engine_contact import opening_rate
+from bristle_sim.scene.event_functions import Change, HandOver, Slip, Touch
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress, Rebound
 from bristle_sim.scene.smooth_motion import SmoothMotion
-from bristle_sim.scene.sustained_contact import Sustained
+from bristle_sim.scene.sustained_contact import STILL, Sustained
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
@@ -41,6 +41,11 @@ def enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
     """Return the motion that follows a change of contact."""
     if isinstance(change, Touch):
         return _after_touch(motion, change)
+    if isinstance(change, Slip):
+        for each in motion.sustained:
+            if each.obstacle is change.obstacle:
+                each.turn(change.sense)
+        return _next(motion.progress, motion.sustained, motion.separating)
     leaving = [change.obstacle] if isinstance(change, HandOver) else list(change.obstacles)
     kept = [each for each in motion.sustained if each.obstacle not in leaving]
     separating = list(motion.separating)
@@ -78,7 +83,7 @@ def _next(progress: Progress, sustained: Sequence[Sustained], separating: Sequen
 
 def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
     """Resolve an impact and those that follow it at the same instant; return the motion after it."""
-    progress, obstacle = motion.progress, touch.obstacle
+    progress, obstacle = motion.progress, motion.progress.at_joint(touch.obstacle)
     if any(each.obstacle is obstacle for each in motion.sustained):
         # Another piece of the same link takes over.
         end(motion, obstacle.name, [obstacle])
@@ -136,6 +141,8 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactR
     leaving = [each for each in closed if rates[each] > progress.slow]
     staying = [each for each in closed if each not in leaving]
     _release(motion, [each for each in lasting if each in leaving])
+    for contact in lasting.values():
+        contact.slip = None
     return _next(progress, [lasting.get(each) or Sustained(each) for each in staying], leaving)
 
 
