@@ -165,7 +165,7 @@ class SmoothMotion:
         resolve: Resolve | None = None
         active = [each.obstacle for each in self.sustained]
         for obstacle in self.progress.obstacles:
-            if obstacle not in active:
+            if obstacle not in active and result.state.time > self.progress.state.time:
                 result, resolve = self._search_touch(obstacle, result, resolve)
         for function in self.event_functions():
             changed = self.progress.changes.find(function, self.interval_to(result), self.before)
@@ -199,7 +199,8 @@ class SmoothMotion:
         if gap >= -GAP_ROUNDING or rate >= 0.0:
             return result, resolve
         entered = self.progress.gaps.gap(obstacle, self.progress.state) >= -GAP_ROUNDING
-        if entered and gap < -self.progress.plan.accuracy:
+        # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
+        if entered and (gap < -self.progress.plan.accuracy or len(self.progress.mechanism.links) > 1):
             result = self._rise(obstacle, result)
             if self.progress.gaps.gap(obstacle, result.state) > GAP_ROUNDING:
                 return result, None

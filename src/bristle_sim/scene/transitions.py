@@ -69,10 +69,10 @@ def end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None
                 progress.recording.contacts.append(record)
 
 
-def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle]) -> None:
-    """Leave obstacles, whose forces have fallen to zero."""
+def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str = "release") -> None:
+    """Leave obstacles, whose forces have fallen to zero or which an impact has ended."""
     progress = motion.progress
-    end(motion, "release", obstacles)
+    end(motion, outcome, obstacles)
     for each in obstacles:
         progress.event(f"{each.name} release", progress.state.time)
 
@@ -89,6 +89,11 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
         end(motion, obstacle.name, [obstacle])
     elif len(progress.mechanism.links) == 1:
         _release(motion, [each.obstacle for each in motion.sustained])
+    elif touch.rests:
+        # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
+        progress.event(f"{obstacle.name} touch", progress.state.time)
+        others = [each for each in motion.separating if each is not obstacle]
+        return _next(progress, [*motion.sustained, Sustained(obstacle)], others)
     left = least_opening_rate(progress, obstacle)
     first = not any(each.obstacle == obstacle.name for each in progress.recording.contacts)
     progress.scene.release()
@@ -140,7 +145,7 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactR
         return _next(progress, (), ())
     leaving = [each for each in closed if rates[each] > progress.slow]
     staying = [each for each in closed if each not in leaving]
-    _release(motion, [each for each in lasting if each in leaving])
+    _release(motion, [each for each in lasting if each in leaving], touched.name)
     for contact in lasting.values():
         contact.slip = None
     return _next(progress, [lasting.get(each) or Sustained(each) for each in staying], leaving)
