@@ -19,8 +19,9 @@ from numpy.linalg import eigvalsh
 
 from bristle_sim.scene.engine import EngineSteps, placer
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector
-from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.obstacles import MARGIN, BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
+from bristle_sim.scene.wire_pair import WirePair
 
 __all__ = ["Effects", "Scene"]
 
@@ -80,8 +81,8 @@ class Scene:
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
         _add_springs(self.space, mechanism, effects, self.hub, self.links)
-        self._shapes = {(each.name, each.link): self._add_obstacle(each) for each in effects.obstacles}
-        self._engaged: list[tuple[str, int]] = []
+        self._shapes = {_key(each): self._add(each) for each in effects.obstacles if not isinstance(each, WirePair)}
+        self._engaged: dict[Key, tuple[pymunk.Shape, pymunk.Shape]] = {}
         self._engine = EngineSteps(self.space, self.links if self.hub is None else [self.hub, *self.links], self.joints)
         self._placement = Placement(mechanism, self.hub, self.links)
 
@@ -109,16 +110,18 @@ class Scene:
         self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
     ) -> None:
         """Let the engine's own contact act between a straight piece of a link and an obstacle from now on."""
-        key = (obstacle.name, obstacle.link)
-        if key not in self._engaged:
-            self._engaged.append(key)
-        # What is engaged touches its own partner only.
-        own = pymunk.ShapeFilter(categories=1 << self._engaged.index(key), mask=1 << self._engaged.index(key))
+        key = _key(obstacle)
+        if key not in self._shapes:
+            self._shapes[key] = self._add(obstacle)
         shapes = self._shapes[key]
-        for index, shape in enumerate(shapes):
-            # The obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
-            shape.filter = own if index in (0, 1 + piece) else _NOWHERE
-        shapes[0].friction, shapes[0].elasticity = friction, elasticity
+        # An obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
+        touching = obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        self._engaged[key] = touching
+        bit = 1 << list(self._engaged).index(key)
+        own = pymunk.ShapeFilter(categories=bit, mask=bit)
+        for shape in shapes:
+            shape.filter = own if shape in touching else _NOWHERE
+        touching[0].friction, touching[0].elasticity = friction, elasticity
         self.space.iterations = iterations
 
     def direct_friction(self, obstacle: Obstacle, slip: int, tangent: Vector) -> None:
@@ -127,7 +130,7 @@ class Scene:
         Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, or a
         friction without end, until the run changes it.
         """
-        shape = self._shapes[obstacle.name, obstacle.link][0]
+        shape = self._engaged[_key(obstacle)][0]
         shape.surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
         if slip == 0:
             shape.friction = STICKING
@@ -137,7 +140,7 @@ class Scene:
         for key in self._engaged:
             for shape in self._shapes[key]:
                 shape.filter = _NOWHERE
-        self._engaged = []
+        self._engaged = {}
         self.space.iterations = self._in_flight
 
     def place(self, state: State, drift: float = 0.0) -> None:
@@ -186,7 +189,7 @@ class Scene:
 
     def contact_impulses(self, obstacles: Sequence[Obstacle]) -> list[tuple[float, float]]:
         """Return (normal, tangential) impulse of the last step on each engaged pair's link."""
-        found = {self._shapes[each.name, each.link][0]: (0.0, 0.0) for each in obstacles}
+        found = {self._engaged[_key(each)][0]: (0.0, 0.0) for each in obstacles}
 
         def add(arbiter: pymunk.Arbiter) -> None:
             for shape in arbiter.shapes:
@@ -199,7 +202,7 @@ class Scene:
 
     def slip(self, obstacle: Obstacle) -> float:
         """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
-        body, partner = self.links[obstacle.link], self._shapes[obstacle.name, obstacle.link][0]
+        body, (partner, _) = self.links[obstacle.link], self._engaged[_key(obstacle)]
         found = [0.0]
 
         def look(arbiter: pymunk.Arbiter) -> None:
@@ -207,24 +210,37 @@ class Scene:
                 return
             points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
             for each in points.points:
-                velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
+                place = each.point_a if first else each.point_b
+                velocity = body.velocity_at_world_point(place) - partner.body.velocity_at_world_point(place)
                 outwards = -1.0 if first else 1.0
                 found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
 
         body.each_arbiter(look)
         return found[0]
 
-    def _add_obstacle(self, obstacle: Obstacle) -> list[pymunk.Shape]:
-        """Add the shapes of an obstacle and of its link, which the engine ignores until they are engaged."""
-        link = self.mechanism.links[obstacle.link]
-        corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
-        shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
+    def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
+        """Add the shapes of a pair, which the engine ignores until they are engaged."""
+        if isinstance(obstacle, WirePair):
+            shapes = obstacle.shapes(self.links, self.mechanism)
+        elif isinstance(obstacle, BarObstacle | WorkpartObstacle):
+            link = self.mechanism.links[obstacle.link]
+            corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
+            shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
         for shape in shapes:
             shape.filter = _NOWHERE
             shape.friction = 1.0
             shape.elasticity = 1.0
         self.space.add(*shapes)
         return shapes
+
+
+Key = tuple[str, int, int | None, int]
+"""Tells pairs apart, whatever their surfaces."""
+
+
+def _key(obstacle: Obstacle) -> Key:
+    pieces = 8 * obstacle.own_piece + obstacle.partner_piece if isinstance(obstacle, WirePair) else 0
+    return obstacle.name, obstacle.link, obstacle.partner, pieces
 
 
 def _push_and_rub(arbiter: pymunk.Arbiter) -> tuple[float, float]:

@@ -12,8 +12,8 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine import take_back
 from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps
-from bristle_sim.scene.mechanism import State, cross
-from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector, cross
+from bristle_sim.scene.obstacles import MARGIN, Obstacle, Touch
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED, contact_rounds
 from bristle_sim.scene.sustained_contact import STILL, Sustained
 
@@ -69,20 +69,21 @@ class EngineContacts:
         Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
         obstacle, mechanism = self.obstacles[index], self.scene.mechanism
-        touch, link = gaps.touch(obstacle, state), mechanism.links[obstacle.link]
-        pose = gaps.poses(state)[obstacle.link]
+        touch, poses = gaps.touch(obstacle, state), gaps.poses(state)
         slip: float | None = self.slips[index]
         if slip is None:
             slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
         if len(mechanism.links) == 1:
             lever, along = cross(touch.arm, touch.normal), cross(touch.arm, touch.tangent)
-            normal, coupling = (lever * each / link.inertia_about_joint for each in (lever, along))
+            normal, coupling = (lever * each / mechanism.links[0].inertia_about_joint for each in (lever, along))
         else:
-            poses = gaps.poses(state)
-            rows = np.array([mechanism.row(poses, obstacle.link, touch.arm, each) for each in (touch.normal, touch.tangent)])
+            directions = (touch.normal, touch.tangent)
+            rows = np.array([contact_row(mechanism, poses, obstacle, touch, each) for each in directions])
             normal, coupling = (rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])).tolist()
-        arm = (pose.joint[0] + touch.arm[0] - pose.centre[0], pose.joint[1] + touch.arm[1] - pose.centre[1])
-        free = 1.0 / link.mass + cross(arm, touch.normal) ** 2 / link.inertia
+        free = _free_response(mechanism.links[obstacle.link], poses[obstacle.link], touch.arm, touch.normal)
+        if obstacle.partner is not None and touch.partner_arm is not None:
+            partner = mechanism.links[obstacle.partner], poses[obstacle.partner]
+            free += _free_response(*partner, touch.partner_arm, touch.normal)
         return (normal - obstacle.friction * slip * coupling) / free
 
     def engage(self, gaps: Gaps, state: State) -> float:
@@ -114,8 +115,7 @@ class EngineContacts:
         """Return the piece that touches from now on: at a corner two do, a moment later one."""
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
         later = State(state.time + MOMENT, angles, state.rates)
-        pose = self.scene.mechanism.poses(later)[obstacle.link]
-        return obstacle.touch(pose, later.rates[obstacle.link]).piece
+        return obstacle.touch_between(self.scene.mechanism.poses(later), later.rates).piece
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and stay so."""
@@ -125,7 +125,7 @@ class EngineContacts:
 
     def begin(self) -> None:
         """Forget what was added up."""
-        self._sums, self._due = [0.0] * (3 * len(self.obstacles)), False
+        self._sums, self._last, self._due = [0.0] * (3 * len(self.obstacles)), [], False
 
     def apply(self, step: float) -> None:
         """Add up what the engine, which acts by itself, did in the step before."""
@@ -134,6 +134,10 @@ class EngineContacts:
         elif step != self._step:
             self._warm_up(step)
         self._due, self._step = True, step
+        for obstacle, (_, rub) in zip(self.obstacles, self._last, strict=False):
+            if obstacle.partner is not None and rub:
+                # The partner's shape is larger than it, which lengthens the lever of friction on it.
+                self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
 
     def totals(self, step: float) -> list[float]:
         """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
@@ -196,6 +200,22 @@ class EngineContacts:
         take_back(bodies, lambda: self.scene.step(step, 1))
 
 
+def contact_row(
+    mechanism: Mechanism, poses: Sequence[Pose], obstacle: Obstacle, touch: Touch, direction: Vector
+) -> Array:
+    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
+    row = mechanism.row(poses, obstacle.link, touch.arm, direction)
+    if obstacle.partner is not None and touch.partner_arm is not None:
+        row -= mechanism.row(poses, obstacle.partner, touch.partner_arm, direction)
+    return row
+
+
+def _free_response(link: Link, pose: Pose, arm: Vector, normal: Vector) -> float:
+    """Return the velocity that a unit impulse at an arm from the joint gives a link that is free."""
+    to_centre = (pose.joint[0] + arm[0] - pose.centre[0], pose.joint[1] + arm[1] - pose.centre[1])
+    return 1.0 / link.mass + cross(to_centre, normal) ** 2 / link.inertia
+
+
 def set_back(
     gaps: Gaps,
     obstacles: Sequence[Obstacle],
@@ -215,14 +235,13 @@ def set_back(
     for _ in range(NEWTON):
         poses = mechanism.poses(state)
         touches = [
-            each.touch(poses[each.link], state.rates[each.link], piece)
-            for each, piece in zip(obstacles, pieces, strict=True)
+            each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)
         ]
         stuck = [index for index, each in enumerate(slips) if each == 0]
-        across = np.array([mechanism.row(poses, o.link, t.arm, t.normal) for o, t in zip(obstacles, touches, strict=True)])
-        along = [mechanism.row(poses, obstacles[i].link, touches[i].arm, touches[i].tangent) for i in stuck]
+        across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
+        along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]
         mass = mechanism.mass_matrix(poses)
-        angles = _nearest(mass, across, [touch.gap for touch in touches])
+        angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
         speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
         rates = _nearest(mass, np.array([*across, *along]), speeds)
         state = State(
@@ -246,7 +265,7 @@ def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None
     (angle,), (rate,) = state.angles, state.rates
     for _ in range(NEWTON):
         placed = State(state.time, (angle,), (rate,))
-        touch = obstacle.touch(gaps.mechanism.poses(placed)[0], rate, piece)
+        touch = obstacle.touch_between(gaps.mechanism.poses(placed), placed.rates, piece)
         lever = cross(touch.arm, touch.normal)
         if abs(lever) < LEAST_LEVER:
             return state

@@ -111,7 +111,7 @@ class SmoothMotion:
         """Take over an interval's end; links in sustained contact are set back onto what they touch."""
         progress, start = self.progress, self.progress.state
         length = result.state.time - start.time
-        force = 0.0
+        force: float | tuple[float, ...] = 0.0
         progress.state = result.state
         if self.load is not None:
             self.load.share_out(result.totals, self.sustained, length)
@@ -120,7 +120,7 @@ class SmoothMotion:
         self.before = result
         if self.load is not None:
             self._engage()
-            force = math.fsum(self.load.forces(result.totals))
+            force = self._forces(self.load.forces(result.totals))
         progress.recording.error += result.error
         progress.sample(force)
         if self.limit is not None:
@@ -128,6 +128,15 @@ class SmoothMotion:
         if self.separating:
             gaps, state = progress.gaps, progress.state
             self.separating = tuple(each for each in self.separating if gaps.gap(each, state) <= GAP_ROUNDING)
+
+    def _forces(self, forces: Sequence[float]) -> float | tuple[float, ...]:
+        """Return the sum of the normal forces, for each wire if there are several."""
+        progress = self.progress
+        if progress.mechanism.wires == 1:
+            return math.fsum(forces)
+        wires = [progress.wires_of(each.obstacle) for each in self.sustained]
+        pairs = list(zip(forces, wires, strict=True))
+        return tuple(math.fsum(force for force, of in pairs if wire in of) for wire in range(progress.mechanism.wires))
 
     def _next_limit(self, length: float) -> float:
         """Return the longest interval after one of a length: they grow after a contact, but not towards a release."""
@@ -260,7 +269,7 @@ class SmoothMotion:
         """Record what an event function found, and return what it changes about the contacts."""
         progress = self.progress
         if function.event is not None:
-            progress.event(function.event, progress.state.time)
+            progress.event(function.event, progress.state.time, (function.wire,))
         if function.final is not None:
             progress.stop(function.final)
         return None if function.act is None else function.act()

@@ -40,6 +40,9 @@ def contact_rounds(
         x, y = poses[obstacle.link].joint
         point = (x + touch.arm[0], y + touch.arm[1])
         across, along = (_entries(mechanism, poses, obstacle.link, point, each) for each in (touch.normal, touch.tangent))
+        if obstacle.partner is not None:
+            across -= _entries(mechanism, poses, obstacle.partner, point, touch.normal)
+            along -= _entries(mechanism, poses, obstacle.partner, point, touch.tangent)
         rows.append(across)
         columns.append(across - obstacle.friction * slip * along if slip else across)
         blocks.append(-1.0)

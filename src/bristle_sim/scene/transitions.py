@@ -66,7 +66,7 @@ def end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None
         if obstacles is None or each.obstacle in obstacles:
             record = each.record(progress.gaps, progress.state, outcome)
             if record is not None:
-                progress.recording.contacts.append(record)
+                progress.contact(record, each.obstacle)
 
 
 def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str = "release") -> None:
@@ -74,7 +74,7 @@ def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str =
     progress = motion.progress
     end(motion, outcome, obstacles)
     for each in obstacles:
-        progress.event(f"{each.name} release", progress.state.time)
+        progress.event(f"{each.name} release", progress.state.time, progress.wires_of(each))
 
 
 def _next(progress: Progress, sustained: Sequence[Sustained], separating: Sequence[Obstacle]) -> SmoothMotion:
@@ -91,11 +91,11 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
         _release(motion, [each.obstacle for each in motion.sustained])
     elif touch.rests:
         # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
-        progress.event(f"{obstacle.name} touch", progress.state.time)
+        progress.event(f"{obstacle.name} touch", progress.state.time, progress.wires_of(obstacle))
         others = [each for each in motion.separating if each is not obstacle]
         return _next(progress, [*motion.sustained, Sustained(obstacle)], others)
     left = least_opening_rate(progress, obstacle)
-    first = not any(each.obstacle == obstacle.name for each in progress.recording.contacts)
+    first = not progress.touched(obstacle)
     progress.scene.release()
     try:
         record = _resolve(progress, obstacle, rests=touch.rests or left <= STILL)
@@ -107,9 +107,9 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
     jams = record.outcome == "jam" or left < -STILL
     if jams:
         progress.stop(StopReason.JAM)
-    progress.event(touch_event(obstacle.name, first), record.time)
+    progress.event(touch_event(obstacle.name, first), record.time, progress.wires_of(obstacle))
     if jams:
-        progress.event("jam", progress.state.time)
+        progress.event("jam", progress.state.time, progress.wires_of(obstacle))
         return _next(progress, (), ())
     if record.duration:
         obstacle = progress.in_dent(obstacle)
@@ -141,7 +141,7 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactR
     if record.outcome == "jam":
         progress.stop(StopReason.JAM)
     if progress.stopped:
-        progress.event("jam", progress.state.time)
+        progress.event("jam", progress.state.time, progress.wires_of(fastest))
         return _next(progress, (), ())
     leaving = [each for each in closed if rates[each] > progress.slow]
     staying = [each for each in closed if each not in leaving]
@@ -159,7 +159,7 @@ def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactR
     if rests or approach <= progress.slow:
         law, coefficients = EnergeticLaw(), Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
     after, record = law.resolve(progress.scene, progress.state, obstacle, coefficients)
-    progress.recording.contacts.append(record)
+    progress.contact(record, obstacle)
     if record.history is not None:
         progress.sample(0.0)
     progress.state = after
