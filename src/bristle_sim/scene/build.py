@@ -21,15 +21,20 @@ from numpy.linalg import eigvalsh
 from bristle_sim.scene.arbiters import impulse_reader
 from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.joints import Connected, joined
-from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.mechanism import Link, Mechanism, State, Vector
+from bristle_sim.scene.obstacles import MARGIN, BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
+from bristle_sim.scene.wire_pair import WirePair
 
 __all__ = ["Effects", "Scene"]
 
 HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
 quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""
+
+FAST_SLIP, STICKING = 10.0, 1e9
+"""A slip beyond what slip turns back by within an interval, in the scene's units, and a friction beyond any. The slip's rounding
+disturbs the normal velocity."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 
@@ -82,8 +87,8 @@ class Scene:
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
         _add_springs(self.space, mechanism, effects, self.hub, self.links)
-        self._shapes = {(each.name, each.link): self._add_obstacle(each) for each in effects.obstacles}
-        self._engaged: list[tuple[str, int]] = []
+        self._shapes = {_key(each): self._add(each) for each in effects.obstacles if not isinstance(each, WirePair)}
+        self._engaged: dict[Key, tuple[pymunk.Shape, pymunk.Shape]] = {}
         self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
         self._engine.set_iterations(self._in_flight)
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
@@ -125,24 +130,39 @@ class Scene:
         self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
     ) -> None:
         """Let the engine's own contact act between a straight piece of a link and an obstacle from now on."""
-        key = (obstacle.name, obstacle.link)
-        if key not in self._engaged:
-            self._engaged.append(key)
-        # What is engaged touches its own partner only.
-        own = pymunk.ShapeFilter(categories=1 << self._engaged.index(key), mask=1 << self._engaged.index(key))
+        key = _key(obstacle)
+        if key not in self._shapes:
+            self._shapes[key] = self._add(obstacle)
         shapes = self._shapes[key]
-        for index, shape in enumerate(shapes):
-            # The obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
-            shape.filter = own if index in (0, 1 + piece) else _NOWHERE
-        shapes[0].friction, shapes[0].elasticity = friction, elasticity
+        # An obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
+        touching = (
+            obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        )
+        self._engaged[key] = touching
+        bit = 1 << list(self._engaged).index(key)
+        own = pymunk.ShapeFilter(categories=bit, mask=bit)
+        for shape in shapes:
+            shape.filter = own if shape in touching else _NOWHERE
+        touching[0].friction, touching[0].elasticity = friction, elasticity
         self._engine.set_iterations(iterations)
+
+    def direct_friction(self, obstacle: Obstacle, slip: int, tangent: Vector) -> None:
+        """Let friction of an engaged pair act against slip of that sense, whatever it is; with 0 let it stick, come what may.
+
+        Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, or a
+        friction without end, until the run changes it.
+        """
+        shape = self._engaged[_key(obstacle)][0]
+        shape.surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
+        if slip == 0:
+            shape.friction = STICKING
 
     def release(self) -> None:
         """Let the engine ignore all obstacles again."""
         for key in self._engaged:
             for shape in self._shapes[key]:
                 shape.filter = _NOWHERE
-        self._engaged = []
+        self._engaged = {}
         self._engine.set_iterations(self._in_flight)
 
     def drift(self, duration: float) -> None:
@@ -162,7 +182,7 @@ class Scene:
 
     def contact_impulses(self, obstacles: Sequence[Obstacle]) -> list[tuple[float, float]]:
         """Return (normal, tangential) impulse of the last step on each engaged pair's link."""
-        found = {self._shapes[each.name, each.link][0]: (0.0, 0.0) for each in obstacles}
+        found = {self._engaged[_key(each)][0]: (0.0, 0.0) for each in obstacles}
 
         def add(arbiter: pymunk.Arbiter) -> None:
             for shape in arbiter.shapes:
@@ -175,7 +195,8 @@ class Scene:
 
     def slip(self, obstacle: Obstacle) -> float:
         """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
-        body, partner = self.links[obstacle.link], self._shapes[obstacle.name, obstacle.link][0]
+        body, (partner, _) = self.links[obstacle.link], self._engaged[_key(obstacle)]
+        other = partner.body or self.space.static_body
         found = [0.0]
 
         def look(arbiter: pymunk.Arbiter) -> None:
@@ -183,24 +204,37 @@ class Scene:
                 return
             points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
             for each in points.points:
-                velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
+                place = each.point_a if first else each.point_b
+                velocity = body.velocity_at_world_point(place) - other.velocity_at_world_point(place)
                 outwards = -1.0 if first else 1.0
                 found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
 
         body.each_arbiter(look)
         return found[0]
 
-    def _add_obstacle(self, obstacle: Obstacle) -> list[pymunk.Shape]:
-        """Add the shapes of an obstacle and of its link, which the engine ignores until they are engaged."""
-        link = self.mechanism.links[obstacle.link]
-        corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
-        shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
+    def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
+        """Add the shapes of a pair, which the engine ignores until they are engaged."""
+        if isinstance(obstacle, WirePair):
+            shapes = obstacle.shapes(self.links, self.mechanism)
+        elif isinstance(obstacle, BarObstacle | WorkpartObstacle):
+            link = self.mechanism.links[obstacle.link]
+            corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
+            shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
         for shape in shapes:
             shape.filter = _NOWHERE
             shape.friction = 1.0
             shape.elasticity = 1.0
         self.space.add(*shapes)
         return shapes
+
+
+Key = tuple[str, int, int | None, int]
+"""Tells pairs apart, whatever their surfaces."""
+
+
+def _key(obstacle: Obstacle) -> Key:
+    pieces = 8 * obstacle.own_piece + obstacle.partner_piece if isinstance(obstacle, WirePair) else 0
+    return obstacle.name, obstacle.link, obstacle.partner, pieces
 
 
 def _push_and_rub(arbiter: pymunk.Arbiter) -> tuple[float, float]:

@@ -46,10 +46,12 @@ class ContactLaw(Protocol):
 def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[Touch, ContactSpace]:
     """Place the scene and describe its contact with an obstacle, from the bodies as they are in the engine."""
     scene.place(state)
-    pose = scene.mechanism.poses(state)[obstacle.link]
-    touch = obstacle.touch(pose, state.rates[obstacle.link])
-    point = (pose.joint[0] + touch.arm[0], pose.joint[1] + touch.arm[1])
-    return touch, contact_space(scene.links[obstacle.link], point, touch.normal, connected=scene.connected)
+    poses = scene.mechanism.poses(state)
+    touch = obstacle.touch_between(poses, state.rates)
+    joint = poses[obstacle.link].joint
+    point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
+    partner = None if obstacle.partner is None else scene.links[obstacle.partner]
+    return touch, contact_space(scene.links[obstacle.link], point, touch.normal, partner, connected=scene.connected if scene.mechanism.wires == 1 else None)
 
 
 class EnergeticLaw:
@@ -122,8 +124,7 @@ class EngineLaw:
         scene.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
-        pose = scene.mechanism.poses(after)[obstacle.link]
-        velocity = obstacle.touch(pose, after.rates[obstacle.link]).velocity
+        velocity = obstacle.touch_between(scene.mechanism.poses(after), after.rates).velocity
         record = ContactRecord(
             obstacle=obstacle.name,
             law=self.name,

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps
-from bristle_sim.scene.mechanism import State, cross
-from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector, cross
+from bristle_sim.scene.obstacles import MARGIN, Obstacle, Touch
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED, contact_rounds
-from bristle_sim.scene.sustained_contact import Sustained
+from bristle_sim.scene.sustained_contact import STILL, Sustained
 
-__all__ = ["LEAST_LEVER", "MOST_GRIP", "STILL", "EngineContacts", "opening_rate", "set_back"]
+__all__ = ["LEAST_LEVER", "MOST_GRIP", "EngineContacts", "opening_rate", "set_back"]
 
 Array = NDArray[np.float64]
 
@@ -25,14 +26,8 @@ MOMENT = 1e-6
 LEAST_LEVER = 1e-6
 """With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
 
-STILL = 1e-9
-"""Slip below this fraction of the scene's unit is rest: friction then has no direction."""
-
 MOST_GRIP = 1.99
 """With more, each iteration of the engine's solver overshoots twofold."""
-
-STICKS = 1.0 - 1e-9
-"""A tangential force below this fraction of friction's limit keeps a contact from slipping."""
 
 NEWTON = 3
 """Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
@@ -45,17 +40,20 @@ class EngineContacts:
         scene: of the contacts.
         obstacles: the pairs in contact.
         pieces: which straight piece of its link touches, for each of them.
-        sticks: whether friction keeps it from slipping, for each of them.
+        slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks. A single
+            link's follows from its geometry, and is left to the engine.
         solvable: whether the engine's iterations tend to a solution.
+        reached: totals of the last interval.
     """
 
-    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None] = (None,)) -> None:
         """Prepare the contacts."""
         self.scene = scene
         self.obstacles = tuple(obstacles)
         self.pieces: list[int | None] = [None] * len(obstacles)
-        self.sticks = [False] * len(obstacles)
+        self.slips = list(slips)
         self.solvable = True
+        self.reached: Sequence[float] = ()
         self._in_flight = scene.space.iterations
         self._last: list[tuple[float, float]] = []
         self._sums: list[float] = []
@@ -70,20 +68,21 @@ class EngineContacts:
         Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
         obstacle, mechanism = self.obstacles[index], self.scene.mechanism
-        touch, link = gaps.touch(obstacle, state), mechanism.links[obstacle.link]
-        pose = gaps.poses(state)[obstacle.link]
-        slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
+        touch, poses = gaps.touch(obstacle, state), gaps.poses(state)
+        slip: float | None = self.slips[index]
+        if slip is None:
+            slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
         if len(mechanism.links) == 1:
             lever, along = cross(touch.arm, touch.normal), cross(touch.arm, touch.tangent)
-            normal, coupling = (lever * each / link.inertia_about_joint for each in (lever, along))
+            normal, coupling = (lever * each / mechanism.links[0].inertia_about_joint for each in (lever, along))
         else:
-            poses = gaps.poses(state)
-            rows = np.array(
-                [mechanism.row(poses, obstacle.link, touch.arm, each) for each in (touch.normal, touch.tangent)]
-            )
+            directions = (touch.normal, touch.tangent)
+            rows = np.array([contact_row(mechanism, poses, obstacle, touch, each) for each in directions])
             normal, coupling = (rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])).tolist()
-        arm = (pose.joint[0] + touch.arm[0] - pose.centre[0], pose.joint[1] + touch.arm[1] - pose.centre[1])
-        free = 1.0 / link.mass + cross(arm, touch.normal) ** 2 / link.inertia
+        free = _free_response(mechanism.links[obstacle.link], poses[obstacle.link], touch.arm, touch.normal)
+        if obstacle.partner is not None and touch.partner_arm is not None:
+            partner = mechanism.links[obstacle.partner], poses[obstacle.partner]
+            free += _free_response(*partner, touch.partner_arm, touch.normal)
         return (normal - obstacle.friction * slip * coupling) / free
 
     def engage(self, gaps: Gaps, state: State) -> float:
@@ -100,27 +99,30 @@ class EngineContacts:
             self.solvable = grips[0] <= MOST_GRIP
         else:
             touches = [gaps.touch(each, state, piece) for each, piece in zip(self.obstacles, self.pieces, strict=True)]
-            rounds, self.solvable = contact_rounds(self.scene.mechanism, gaps.poses(state), self.obstacles, touches)
-        for obstacle, piece in zip(self.obstacles, self.pieces, strict=True):
+            rounds, self.solvable = contact_rounds(
+                self.scene.mechanism, gaps.poses(state), self.obstacles, touches, self.slips
+            )
+        for index, (obstacle, piece) in enumerate(zip(self.obstacles, self.pieces, strict=True)):
             self.scene.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0)
+            if (slip := self.slips[index]) is not None:
+                self.scene.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
         return min(grips)
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
         """Return the piece that touches from now on: at a corner two do, a moment later one."""
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
         later = State(state.time + MOMENT, angles, state.rates)
-        pose = self.scene.mechanism.poses(later)[obstacle.link]
-        return obstacle.touch(pose, later.rates[obstacle.link]).piece
+        return obstacle.touch_between(self.scene.mechanism.poses(later), later.rates).piece
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and stay so."""
-        return set_back(gaps, self.obstacles, state, self.pieces, self.sticks)
+        return set_back(gaps, self.obstacles, state, self.pieces, self.slips)
 
     # What the contacts add up, as a load
 
     def begin(self) -> None:
         """Forget what was added up."""
-        self._sums, self._due = [0.0] * (3 * len(self.obstacles)), False
+        self._sums, self._last, self._due = [0.0] * (3 * len(self.obstacles)), [], False
 
     def apply(self, step: float) -> None:
         """Add up what the engine, which acts by itself, did in the step before."""
@@ -129,6 +131,10 @@ class EngineContacts:
         elif step != self._step:
             self.scene.warm_up(step)
         self._due, self._step = True, step
+        for obstacle, (_, rub) in zip(self.obstacles, self._last, strict=False):
+            if obstacle.partner is not None and rub:
+                # The partner's shape is larger than it, which lengthens the lever of friction on it.
+                self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
 
     def totals(self, step: float) -> list[float]:
         """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
@@ -152,13 +158,22 @@ class EngineContacts:
         """Return by how much friction's limit exceeds the tangential force of a contact."""
         return self.obstacles[index].friction * totals[index] - abs(totals[4 * len(self.obstacles) + index])
 
+    def driven(self, totals: Sequence[float], index: int) -> int:
+        """Return the sense in which a contact that sticks would slip."""
+        return -1 if totals[4 * len(self.obstacles) + index] > 0.0 else 1
+
+    def breaks_away(self, totals: Sequence[float]) -> Slip | None:
+        """Return the slip of a contact that cannot stick, if there is one."""
+        for index, obstacle in enumerate(self.obstacles):
+            if self.slips[index] == 0 and self.spare_friction(totals, index) < 0.0:
+                return Slip(obstacle, self.driven(totals, index))
+        return None
+
     def share_out(self, totals: Sequence[float], sustained: Sequence[Sustained], length: float) -> None:
-        """Add what was added up in an interval to the contacts' own sums, and note which of them stick."""
-        count = len(self.obstacles)
+        """Add what was added up in an interval to the contacts' own sums."""
+        count, self.reached = len(self.obstacles), totals
         for index, each in enumerate(sustained):
             each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
-            if len(self.scene.links) > 1 and each.obstacle.friction:
-                self.sticks[index] = self.spare_friction(totals, index) > (1.0 - STICKS) * totals[index]
 
     def _add(self) -> None:
         if len(self.obstacles) == 1:
@@ -173,12 +188,28 @@ class EngineContacts:
         self._due = False
 
 
+def contact_row(
+    mechanism: Mechanism, poses: Sequence[Pose], obstacle: Obstacle, touch: Touch, direction: Vector
+) -> Array:
+    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
+    row = mechanism.row(poses, obstacle.link, touch.arm, direction)
+    if obstacle.partner is not None and touch.partner_arm is not None:
+        row -= mechanism.row(poses, obstacle.partner, touch.partner_arm, direction)
+    return row
+
+
+def _free_response(link: Link, pose: Pose, arm: Vector, normal: Vector) -> float:
+    """Return the velocity that a unit impulse at an arm from the joint gives a link that is free."""
+    to_centre = (pose.joint[0] + arm[0] - pose.centre[0], pose.joint[1] + arm[1] - pose.centre[1])
+    return 1.0 / link.mass + cross(to_centre, normal) ** 2 / link.inertia
+
+
 def set_back(
     gaps: Gaps,
     obstacles: Sequence[Obstacle],
     state: State,
     pieces: Sequence[int | None] | None = None,
-    sticks: Sequence[bool] | None = None,
+    slips: Sequence[int | None] = (),
 ) -> State:
     """Return the nearest state at which links touch what they are in contact with, and keep touching it.
 
@@ -191,17 +222,12 @@ def set_back(
     mechanism = gaps.mechanism
     for _ in range(NEWTON):
         poses = mechanism.poses(state)
-        touches = [
-            each.touch(poses[each.link], state.rates[each.link], piece)
-            for each, piece in zip(obstacles, pieces, strict=True)
-        ]
-        stuck = [index for index, each in enumerate(sticks or []) if each]
-        across = np.array(
-            [mechanism.row(poses, o.link, t.arm, t.normal) for o, t in zip(obstacles, touches, strict=True)]
-        )
-        along = [mechanism.row(poses, obstacles[i].link, touches[i].arm, touches[i].tangent) for i in stuck]
+        touches = [each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
+        stuck = [index for index, each in enumerate(slips) if each == 0]
+        across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
+        along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]
         mass = mechanism.mass_matrix(poses)
-        angles = _nearest(mass, across, [touch.gap for touch in touches])
+        angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
         speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
         rates = _nearest(mass, np.array([*across, *along]), speeds)
         state = State(
@@ -225,7 +251,7 @@ def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None
     (angle,), (rate,) = state.angles, state.rates
     for _ in range(NEWTON):
         placed = State(state.time, (angle,), (rate,))
-        touch = obstacle.touch(gaps.mechanism.poses(placed)[0], rate, piece)
+        touch = obstacle.touch_between(gaps.mechanism.poses(placed), placed.rates, piece)
         lever = cross(touch.arm, touch.normal)
         if abs(lever) < LEAST_LEVER:
             return state

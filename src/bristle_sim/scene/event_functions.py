@@ -15,7 +15,7 @@ from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["Change", "EventFunction", "HandOver", "Release", "Touch", "freedom", "in_flight", "retraction"]
+__all__ = ["Change", "EventFunction", "HandOver", "Release", "Slip", "Touch", "freedom", "in_flight", "retraction"]
 
 
 class Touch(NamedTuple):
@@ -38,7 +38,14 @@ class HandOver(NamedTuple):
     following: Obstacle
 
 
-Change = Touch | Release | HandOver
+class Slip(NamedTuple):
+    """A sustained contact slips in another sense from now on; 0 sticks."""
+
+    obstacle: Obstacle
+    sense: int
+
+
+Change = Touch | Release | HandOver | Slip
 """What an event changes about the contacts."""
 
 

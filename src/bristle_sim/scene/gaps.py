@@ -22,7 +22,7 @@ class Gaps:
 
     def touch(self, obstacle: Obstacle, state: State, piece: int | None = None) -> Touch:
         """Return where and how the link would touch the obstacle, with one of its pieces if it is named."""
-        return obstacle.touch(self.poses(state)[obstacle.link], state.rates[obstacle.link], piece)
+        return obstacle.touch_between(self.poses(state), state.rates, piece)
 
     def gap(self, obstacle: Obstacle, state: State) -> float:
         """Return the distance of link and obstacle, negative inside."""

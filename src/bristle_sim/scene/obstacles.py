@@ -45,6 +45,7 @@ class Touch(NamedTuple):
         kinks: the motion in sustained contact has a kink where one of these passes through 0: the contact leaves a straight
             piece of the centre line for a corner or the end, or comes back.
         piece: which straight piece of the centre line touches, counted from the joint.
+        partner_arm: contact point seen from the joint of the other wire's link; None on what is fixed.
     """
 
     gap: float
@@ -53,6 +54,7 @@ class Touch(NamedTuple):
     velocity: Vector
     kinks: tuple[float, ...]
     piece: int = 0
+    partner_arm: Vector | None = None
 
     @property
     def tangent(self) -> Vector:
@@ -72,6 +74,10 @@ class Obstacle(Protocol):
         """Number of the link, from 0; the last one is also -1."""
 
     @property
+    def partner(self) -> int | None:
+        """Number of the other wire's link; None where it is fixed."""
+
+    @property
     def friction(self) -> float:
         """Coulomb's mu, in compression and in sustained slip."""
 
@@ -83,20 +89,14 @@ class Obstacle(Protocol):
     def restitution(self) -> float:
         """Coefficient of restitution."""
 
-    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """Return the closest approach of a link in the given pose, or of one straight piece of its centre line."""
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+        """Return the closest approach of the links in given poses, or of one straight piece."""
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the gap of the other straight pieces of the centre line, but for the corners common with this one."""
+        """Return the gap of the link's other straight pieces, but for the corners common with this one."""
 
     def foot(self, pose: Pose) -> tuple[float, float]:
         """Return the obstacle's foot on the centre line past the link's joint and past its tip, in the pieces' lengths."""
-
-    def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """Return engine shapes: first the obstacle's on the static body, then the link's on its body.
-
-        ``corners`` are those of the link's centre line from joint to tip, seen from the body's centre.
-        """
 
 
 _Closest = tuple[float, Vector, tuple[float, float]]
@@ -130,6 +130,7 @@ class BarObstacle:
     restitution: float
     name: str = "bar"
     link: int = -1
+    partner: None = None
 
     def __post_init__(self) -> None:
         """Refuse a bar so thin that rounding decides on which side of it the wire is."""
@@ -161,6 +162,10 @@ class BarObstacle:
             return touches[piece]
         least = min(touch.gap for touch in touches)
         return min((touch for touch in touches if touch.gap <= least + SAME_GAP), key=lambda touch: touch.velocity[0])
+
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+        """Return the closest approach of the pair's link."""
+        return self.touch(poses[self.link], rates[self.link], piece)
 
     def _touch(self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]) -> Touch:
         square, arm, _ = found
@@ -205,6 +210,7 @@ class WorkpartObstacle:
     restitution: float
     name: str = "workpart"
     link: int = -1
+    partner: None = None
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
         """Return the tip above the surface; normal +y, tangent +x."""
@@ -212,6 +218,10 @@ class WorkpartObstacle:
         arm = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
         normal = (0.0, 1.0)
         return Touch(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), ())
+
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+        """Return the closest approach of the pair's link."""
+        return self.touch(poses[self.link], rates[self.link], piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Only the tip touches."""

@@ -17,7 +17,7 @@ from bristle_sim.scene.obstacles import Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.stepping import Stepper
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import Event
+from bristle_sim.trajectory import ContactRecord, Event
 
 __all__ = ["Progress", "Rebound"]
 
@@ -115,7 +115,7 @@ class Progress:
     def neighbour(self, obstacle: Obstacle, step: int) -> Obstacle | None:
         """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
         link, size = obstacle.link + step, self.mechanism.wire_links
-        if obstacle.link < 0 or link // size != obstacle.link // size:
+        if obstacle.link < 0 or obstacle.partner is not None or link // size != obstacle.link // size:
             return None
         return next((each for each in self.obstacles if (each.name, each.link) == (obstacle.name, link)), None)
 
@@ -130,20 +130,54 @@ class Progress:
                     return True
         return False
 
+    def at_joint(self, obstacle: Obstacle) -> Obstacle:
+        """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
+        lower = self.neighbour(obstacle, -1)
+        if lower is None or obstacle.foot(self.gaps.poses(self.state)[obstacle.link])[0] > 0.0:
+            return obstacle
+        return lower
+
     def cubic_error(self, length: float) -> float:
         """Return how far the cubic through the ends of an interval may be off a motion of the shortest time scale."""
         return 0.0 if self.plan.time_scale == 1.0 else VIBRATION * length * (length / self.plan.time_scale) ** 3
 
-    def sample(self, force: float) -> None:
-        """Record the state that was reached, with the normal force."""
+    def sample(self, force: float | tuple[float, ...]) -> None:
+        """Record the state that was reached, with the normal force, of each wire if there are several."""
         self.recording.states.append(self.state)
         self.recording.forces.append(force)
 
-    def event(self, name: str, time: float) -> None:
-        """Record an event, which may be the one that ends the run."""
-        self.recording.events.append(Event(name, time))
-        if name == self.plan.stop_after:
-            self.stop(FINAL.get(name, StopReason.EVENT))
+    def wires_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+        """Return the numbers of the wires that take part in a contact."""
+        own, size = obstacle.link % len(self.mechanism.links), self.mechanism.wire_links
+        return (own // size,) if obstacle.partner is None else (own // size, obstacle.partner // size)
+
+    def event(self, name: str, time: float, wires: Sequence[int] = (0,)) -> None:
+        """Record an event of some wires; the run ends once every wire has had the one that is to end it."""
+        record = self.recording
+        record.events.append(Event(name, time))
+        record.event_wires.append(tuple(wires))
+        if name in FINAL and name == self.plan.stop_after:
+            self.stop(FINAL[name])
+        elif name == self.plan.stop_after:
+            happened = {
+                wire
+                for each, of in zip(record.events, record.event_wires, strict=True)
+                if each.name == name
+                for wire in of
+            }
+            if len(happened) == self.mechanism.wires:
+                self.stop(StopReason.EVENT)
+
+    def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
+        """Record a contact."""
+        self.recording.contacts.append(record)
+        self.recording.contact_wires.append(self.wires_of(obstacle))
+
+    def touched(self, obstacle: Obstacle) -> bool:
+        """Whether a pair's wire has been in contact with the obstacle of that name."""
+        wire, record = self.wires_of(obstacle)[0], self.recording
+        pairs = zip(record.contacts, record.contact_wires, strict=True)
+        return any(each.obstacle == obstacle.name and wire in wires for each, wires in pairs)
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
         """End the run, for a reason and with what a law says about it; the first reason counts."""

@@ -126,7 +126,7 @@ def _name_from_now_on(trajectory: Trajectory, event: str | None) -> str | None:
 
 
 def _touch(scene: Scene, state: State, obstacle: Obstacle) -> Touch:
-    return obstacle.touch(scene.mechanism.poses(state)[-1], state.rates[-1])
+    return obstacle.touch_between(scene.mechanism.poses(state), state.rates)
 
 
 def _clear(scene: Scene, state: State, accuracy: float, trajectory: Trajectory) -> tuple[State, list[str]]:

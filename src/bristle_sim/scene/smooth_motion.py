@@ -11,7 +11,16 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from bristle_sim.scene.engine_contact import EngineContacts
-from bristle_sim.scene.event_functions import Change, EventFunction, Release, Touch, freedom, in_flight, retraction
+from bristle_sim.scene.event_functions import (
+    Change,
+    EventFunction,
+    Release,
+    Slip,
+    Touch,
+    freedom,
+    in_flight,
+    retraction,
+)
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
@@ -62,6 +71,8 @@ class SmoothMotion:
         self.limit = limit
         self.ending = False
         self.load: EngineContacts | None = None
+        for each in self.sustained:
+            each.look_up_slip(progress.gaps, progress.state)
         progress.changes.begin(progress.state, self._shared_functions())
         if self.sustained:
             self._begin_contact()
@@ -75,6 +86,8 @@ class SmoothMotion:
         result = self.advance(length)
         if self.load is not None and (result.failed or min(self.load.forces(result.totals)) <= 0.0):
             return self._approach_release(result, length)
+        if self.load is not None and self.before is None and (slip := self.load.breaks_away(result.totals)) is not None:
+            return slip
         if not progress.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
                 progress.stop(StopReason.ACCURACY)
@@ -88,7 +101,10 @@ class SmoothMotion:
         return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, self.load)
 
     def _approach_release(self, result: Advance, length: float) -> Change | None:
-        """Come closer to where a force vanishes, or release what it was on."""
+        """Come closer to where a force vanishes, or release what it was on; stick that would pull is no stick."""
+        for each in self.sustained:
+            if self.before is None and each.stopped:
+                return Slip(each.obstacle, -each.stopped)
         at_once = self.before is None and len(self.progress.mechanism.links) == 1
         shortest = max(1e-9, 0.1 * self.progress.plan.accuracy) * self.progress.plan.time_scale
         if at_once or length <= shortest:
@@ -104,7 +120,7 @@ class SmoothMotion:
         """Take over an interval's end; links in sustained contact are set back onto what they touch."""
         progress, start = self.progress, self.progress.state
         length = result.state.time - start.time
-        force = 0.0
+        force: float | tuple[float, ...] = 0.0
         progress.state = result.state
         if self.load is not None:
             self.load.share_out(result.totals, self.sustained, length)
@@ -113,7 +129,7 @@ class SmoothMotion:
         self.before = result
         if self.load is not None:
             self._engage()
-            force = math.fsum(self.load.forces(result.totals))
+            force = self._forces(self.load.forces(result.totals))
         progress.recording.error += result.error
         progress.sample(force)
         if self.limit is not None:
@@ -121,6 +137,15 @@ class SmoothMotion:
         if self.separating:
             gaps, state = progress.gaps, progress.state
             self.separating = tuple(each for each in self.separating if gaps.gap(each, state) <= GAP_ROUNDING)
+
+    def _forces(self, forces: Sequence[float]) -> float | tuple[float, ...]:
+        """Return the sum of the normal forces, for each wire if there are several."""
+        progress = self.progress
+        if progress.mechanism.wires == 1:
+            return math.fsum(forces)
+        wires = [progress.wires_of(each.obstacle) for each in self.sustained]
+        pairs = list(zip(forces, wires, strict=True))
+        return tuple(math.fsum(force for force, of in pairs if wire in of) for wire in range(progress.mechanism.wires))
 
     def _next_limit(self, length: float) -> float:
         """Return the longest interval after one of a length: they grow after a contact, but not towards a release."""
@@ -131,7 +156,8 @@ class SmoothMotion:
     def _begin_contact(self) -> None:
         """Let the engine's contacts act from here on, if they can."""
         progress = self.progress
-        self.load = EngineContacts(progress.scene, [each.obstacle for each in self.sustained])
+        obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
+        self.load = EngineContacts(progress.scene, obstacles, slips)
         progress.state = self.load.set_back(progress.gaps, progress.state)
         for each in self.sustained:
             each.begin(progress.state)
@@ -157,7 +183,7 @@ class SmoothMotion:
         resolve: Resolve | None = None
         active = [each.obstacle for each in self.sustained]
         for obstacle in self.progress.obstacles:
-            if obstacle not in active:
+            if obstacle not in active and result.state.time > self.progress.state.time:
                 result, resolve = self._search_touch(obstacle, result, resolve)
         for function in self.event_functions():
             changed = self.progress.changes.find(function, self.interval_to(result), self.before)
@@ -196,7 +222,8 @@ class SmoothMotion:
         if gap >= -GAP_ROUNDING or rate >= 0.0:
             return result, resolve
         entered = self.progress.gaps.gap(obstacle, self.progress.state) >= -GAP_ROUNDING
-        if entered and gap < -self.progress.plan.accuracy:
+        # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
+        if entered and (gap < -self.progress.plan.accuracy or len(self.progress.mechanism.links) > 1):
             result = self._rise(obstacle, result)
             if self.progress.gaps.gap(obstacle, result.state) > GAP_ROUNDING:
                 return result, None
@@ -231,9 +258,7 @@ class SmoothMotion:
         progress = self.progress
         if not self.sustained:
             return in_flight(progress.scene)
-        kinks = [
-            function for each in self.sustained for function in in_touch(progress.gaps, each.obstacle, progress.state)
-        ]
+        kinks = [function for each in self.sustained for function in in_touch(progress.gaps, each, progress.state)]
         return [*retraction(progress.mechanism), *kinks]
 
     def _limits(self) -> list[EventFunction]:
@@ -258,7 +283,7 @@ class SmoothMotion:
         """Record what an event function found, and return what it changes about the contacts."""
         progress = self.progress
         if function.event is not None:
-            progress.event(function.event, progress.state.time)
+            progress.event(function.event, progress.state.time, (function.wire,))
         if function.final is not None:
             progress.stop(function.final)
         return None if function.act is None else function.act()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from bristle_sim.scene.event_functions import Change, EventFunction, HandOver, Touch
+from bristle_sim.scene.event_functions import Change, EventFunction, HandOver, Slip, Touch
 from bristle_sim.scene.events import interpolate
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State
@@ -21,13 +21,16 @@ if TYPE_CHECKING:
     from bristle_sim.scene.engine_contact import EngineContacts
     from bristle_sim.scene.progress import Progress
 
-__all__ = ["Sustained", "at_work", "in_touch", "inner_states"]
+__all__ = ["STILL", "Sustained", "at_work", "in_touch", "inner_states"]
 
 SHORTEST_SAMPLED = 2e-3
 """Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
 
 CUBIC = 0.1
 """Error of the cubic's rate, as a fraction of the requested one, above which the middle alone is not enough."""
+
+STILL = 1e-9
+"""Slip below this fraction of the scene's unit is rest: friction then has no direction."""
 
 LEAST_GRIP = 1e-3
 """With less, the force that keeps a contact closed grows beyond bounds: a jam."""
@@ -42,6 +45,8 @@ class Sustained:
         start: state at which it began; None before.
         sums: normal and tangential impulse and friction's work since.
         force, slope: normal force at the end of the last interval, and its rate over it; None and 0 before.
+        slip: sense of the slip that friction acts against; 0 sticks, None until it is looked up.
+        stopped: sense of the slip that has stopped just now; 0 where none has.
     """
 
     obstacle: Obstacle
@@ -49,11 +54,23 @@ class Sustained:
     sums: tuple[float, ...] = (0.0, 0.0, 0.0)
     force: float | None = None
     slope: float = 0.0
+    slip: int | None = None
+    stopped: int = 0
 
     def begin(self, state: State) -> None:
         """Begin a smooth motion in contact, the first one or another."""
         self.start = self.start or state
         self.force, self.slope = None, 0.0
+
+    def look_up_slip(self, gaps: Gaps, state: State) -> None:
+        """Find the sense of slip where friction may make the contact stick: on several links."""
+        if self.slip is None and self.obstacle.friction and len(state.angles) > 1:
+            slip = gaps.touch(self.obstacle, state).velocity[1]
+            self.slip = int(math.copysign(1.0, slip)) if abs(slip) > STILL else 0
+
+    def turn(self, sense: int) -> None:
+        """Slip in another sense, or stick, from now on."""
+        self.stopped, self.slip = (self.slip or 0) if sense == 0 else 0, sense
 
     def add(self, force: float, sums: Iterable[float], length: float) -> None:
         """Add up what the contact did in an interval, and note the force at its end."""
@@ -91,21 +108,27 @@ class Sustained:
         )
 
 
-def in_touch(gaps: Gaps, obstacle: Obstacle, state: State) -> list[EventFunction]:
+def in_touch(gaps: Gaps, contact: Sustained, state: State) -> list[EventFunction]:
     """Return functions of the state that have kinks of a sustained contact for zeros: it passes a corner, its slip turns."""
+    obstacle = contact.obstacle
 
     def kink(index: int, at: Advance) -> float:
         return gaps.touch(obstacle, at.state).kinks[index]
 
-    def slip(at: Advance) -> float:
-        return gaps.touch(obstacle, at.state).velocity[1]
+    def slip(sense: int, at: Advance) -> float:
+        return sense * gaps.touch(obstacle, at.state).velocity[1]
 
     where = _label(obstacle)
     functions = [
         EventFunction(f"corner {index} of {where}", partial(kink, index))
         for index in range(len(gaps.touch(obstacle, state).kinks))
     ]
-    return [*functions, EventFunction(f"slip of {where}", slip)] if obstacle.friction else functions
+    if obstacle.friction and contact.slip is None:
+        functions.append(EventFunction(f"slip of {where}", partial(slip, 1)))
+    elif contact.slip:
+        stops = partial(Slip, obstacle, 0)
+        functions.append(EventFunction(f"slip of {where}", partial(slip, contact.slip), falling=True, act=stops))
+    return functions
 
 
 def at_work(progress: Progress, load: EngineContacts) -> list[EventFunction]:
@@ -115,7 +138,7 @@ def at_work(progress: Progress, load: EngineContacts) -> list[EventFunction]:
         found += [locking(load, progress.gaps, index), elbow(load, progress.gaps, index)]
         if len(progress.mechanism.links) > 1:
             found += _hand_overs(progress, obstacle)
-            found += [_sticking(load, index)] if obstacle.friction else []
+            found += [_sticking(load, index)] if load.slips[index] == 0 else []
     return found
 
 
@@ -164,12 +187,15 @@ def _hand_overs(progress: Progress, obstacle: Obstacle) -> list[EventFunction]:
 
 
 def _sticking(load: EngineContacts, index: int) -> EventFunction:
-    """Watch the force of stick reach what friction gives: slip begins, a kink."""
+    """Watch the force of stick reach what friction gives: slip begins."""
 
     def spare(at: Advance) -> float:
         return load.spare_friction(at.totals, index) if at.totals else math.nan
 
-    return EventFunction(f"stick of {_label(load.obstacles[index])}", spare, falling=True)
+    def act() -> Change:
+        return Slip(load.obstacles[index], load.driven(load.reached, index))
+
+    return EventFunction(f"stick of {_label(load.obstacles[index])}", spare, falling=True, act=act)
 
 
 def _label(obstacle: Obstacle) -> str:

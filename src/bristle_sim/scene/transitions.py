@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.engine_contact import STILL, opening_rate
-from bristle_sim.scene.event_functions import Change, HandOver, Touch
+from bristle_sim.scene.engine_contact import opening_rate
+from bristle_sim.scene.event_functions import Change, HandOver, Slip, Touch
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress, Rebound
 from bristle_sim.scene.smooth_motion import SmoothMotion
-from bristle_sim.scene.sustained_contact import Sustained
+from bristle_sim.scene.sustained_contact import STILL, Sustained
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
@@ -41,6 +41,11 @@ def enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
     """Return the motion that follows a change of contact."""
     if isinstance(change, Touch):
         return _after_touch(motion, change)
+    if isinstance(change, Slip):
+        for each in motion.sustained:
+            if each.obstacle is change.obstacle:
+                each.turn(change.sense)
+        return _next(motion.progress, motion.sustained, motion.separating)
     leaving = [change.obstacle] if isinstance(change, HandOver) else list(change.obstacles)
     kept = [each for each in motion.sustained if each.obstacle not in leaving]
     separating = list(motion.separating)
@@ -61,15 +66,15 @@ def end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None
         if obstacles is None or each.obstacle in obstacles:
             record = each.record(progress.gaps, progress.state, outcome)
             if record is not None:
-                progress.recording.contacts.append(record)
+                progress.contact(record, each.obstacle)
 
 
-def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle]) -> None:
-    """Leave obstacles, whose forces have fallen to zero."""
+def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str = "release") -> None:
+    """Leave obstacles, whose forces have fallen to zero or which an impact has ended."""
     progress = motion.progress
-    end(motion, "release", obstacles)
+    end(motion, outcome, obstacles)
     for each in obstacles:
-        progress.event(f"{each.name} release", progress.state.time)
+        progress.event(f"{each.name} release", progress.state.time, progress.wires_of(each))
 
 
 def _next(progress: Progress, sustained: Sequence[Sustained], separating: Sequence[Obstacle]) -> SmoothMotion:
@@ -78,14 +83,19 @@ def _next(progress: Progress, sustained: Sequence[Sustained], separating: Sequen
 
 def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
     """Resolve an impact and those that follow it at the same instant; return the motion after it."""
-    progress, obstacle = motion.progress, touch.obstacle
+    progress, obstacle = motion.progress, motion.progress.at_joint(touch.obstacle)
     if any(each.obstacle is obstacle for each in motion.sustained):
         # Another piece of the same link takes over.
         end(motion, obstacle.name, [obstacle])
     elif len(progress.mechanism.links) == 1:
         _release(motion, [each.obstacle for each in motion.sustained])
+    elif touch.rests:
+        # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
+        progress.event(f"{obstacle.name} touch", progress.state.time, progress.wires_of(obstacle))
+        others = [each for each in motion.separating if each is not obstacle]
+        return _next(progress, [*motion.sustained, Sustained(obstacle)], others)
     left = least_opening_rate(progress, obstacle)
-    first = not any(each.obstacle == obstacle.name for each in progress.recording.contacts)
+    first = not progress.touched(obstacle)
     progress.scene.release()
     try:
         record = _resolve(progress, obstacle, rests=touch.rests or left <= STILL)
@@ -97,9 +107,9 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
     jams = record.outcome == "jam" or left < -STILL
     if jams:
         progress.stop(StopReason.JAM)
-    progress.event(touch_event(obstacle.name, first), record.time)
+    progress.event(touch_event(obstacle.name, first), record.time, progress.wires_of(obstacle))
     if jams:
-        progress.event("jam", progress.state.time)
+        progress.event("jam", progress.state.time, progress.wires_of(obstacle))
         return _next(progress, (), ())
     if record.duration:
         obstacle = progress.in_dent(obstacle)
@@ -131,11 +141,13 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactR
     if record.outcome == "jam":
         progress.stop(StopReason.JAM)
     if progress.stopped:
-        progress.event("jam", progress.state.time)
+        progress.event("jam", progress.state.time, progress.wires_of(fastest))
         return _next(progress, (), ())
     leaving = [each for each in closed if rates[each] > progress.slow]
     staying = [each for each in closed if each not in leaving]
-    _release(motion, [each for each in lasting if each in leaving])
+    _release(motion, [each for each in lasting if each in leaving], touched.name)
+    for contact in lasting.values():
+        contact.slip = None
     return _next(progress, [lasting.get(each) or Sustained(each) for each in staying], leaving)
 
 
@@ -147,7 +159,7 @@ def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactR
     if rests or approach <= progress.slow:
         law, coefficients = EnergeticLaw(), Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
     after, record = law.resolve(progress.scene, progress.state, obstacle, coefficients)
-    progress.recording.contacts.append(record)
+    progress.contact(record, obstacle)
     if record.history is not None:
         progress.sample(0.0)
     progress.state = after
