@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.events import locate
+from bristle_sim.scene.events import guess, locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -26,6 +27,9 @@ PROBE = 0.02
 
 CONE = 1e-9
 """Fraction of friction's limit by which rounding may lead the force in stick beyond it."""
+
+UNKNOWN = (math.nan,) * 6
+"""What a load adds up, where only the state is known."""
 
 TINY = math.ulp(1.0)
 """Velocities and penetrations of scene units to which a turn is located."""
@@ -123,20 +127,15 @@ class ContactMotion:
             if (right > 0.0) if turn.rising else (right < 0.0):
                 left = turn.value(start)
                 before = min(left, -TINY) if turn.rising else max(left, TINY)
-                result, act = self._locate(turn, result.state.time - self.state.time, before, right), turn.act
+                result, act = self._locate(turn, result.state, before, right), turn.act
         return result, act
 
-    def _locate(self, turn: Turn, span: float, left: float, right: float) -> Advance:
-        """Return the result at a turn within an interval."""
-        tried: dict[float, Advance] = {}
-
-        def value(length: float) -> float:
-            tried[length] = self.advance(length)
-            return turn.value(tried[length])
-
-        tolerance = LOCATED * self.stepper.noise * turn.scale
-        found = locate(value, 0.0, span, left, right, max(TINY, tolerance))
-        return tried[found] if found in tried else self.advance(found)
+    def _locate(self, turn: Turn, end: State, left: float, right: float) -> Advance:
+        """Return the result at a turn within the interval to a state."""
+        again = functools.cache(self.advance)
+        near = guess(lambda state: turn.value(Advance(state, (), UNKNOWN, 0.0)), self.state, end)
+        tolerance, span = max(TINY, LOCATED * self.stepper.noise * turn.scale), end.time - self.state.time
+        return again(locate(lambda length: turn.value(again(length)), 0.0, span, left, right, tolerance, near))
 
     def advance(self, length: float) -> Advance:
         """Return the result of an interval from the state that was reached."""
