@@ -26,6 +26,9 @@ __all__ = ["InSustainedContact"]
 SHORTEST_SAMPLED = 2e-3
 """Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
 
+SHY = 0.95
+"""Fraction of the time until a force vanishes, by its slope, that the next interval takes: a force that bends is met later."""
+
 CUBIC = 0.1
 """Error of the cubic's rate, as a fraction of the requested one, above which the middle alone is not enough."""
 
@@ -66,13 +69,18 @@ class InSustainedContact(ContactState):
 
     def approach_end(self, length: float) -> Change | None:
         """Come closer to where the force vanishes, or release the link."""
-        if self.before is None or length <= max(1e-9, 0.1 * self.progress.plan.accuracy):
+        if self.before is None or length <= self._shortest:
             self.release()
             return Release(self.obstacle)
         self.ending = True
         predicted = -self.before.totals[0] / self.slope if self.slope < 0.0 else 0.0
-        self.limit = min(0.5 * length, max(0.95 * predicted, length / 16.0))
+        self.limit = max(min(0.5 * length, max(SHY * predicted, length / 16.0)), 0.5 * self._shortest)
         return None
+
+    @property
+    def _shortest(self) -> float:
+        """Length of an interval within which a force that vanishes has vanished at once."""
+        return max(1e-9, 0.1 * self.progress.plan.accuracy)
 
     def commit(self, result: Advance) -> Opening | None:
         """Set the link back onto the obstacle, add up what the contact did, and let it act from there."""
@@ -88,8 +96,11 @@ class InSustainedContact(ContactState):
         self._engage()
         progress.recording.error += result.error
         progress.sample(result.totals[0])
-        near = self.ending and 0.0 < -self.slope * 4.0 * length > result.totals[0]
-        self.limit = length if near else max(2.0 * length, 0.0 if self.ending else progress.first_interval)
+        if self.ending and 0.0 < -self.slope * 4.0 * length > result.totals[0]:
+            # Close to the release; once less than the shortest interval is left, that one passes it.
+            self.limit = max(SHY * result.totals[0] / -self.slope, self._shortest)
+        else:
+            self.limit = max(2.0 * length, 0.0 if self.ending else progress.first_interval)
         return None
 
     def _sample_between(self, start: State, end: State, piece: int | None) -> None:
