@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections import deque
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -70,13 +71,24 @@ class Mechanism:
     hub_radius: float = 0.0
     hub_speed: float = 0.0
     hub_start: float = 0.0
+    _kept: deque[tuple[State, list[Pose]]] = field(
+        default_factory=lambda: deque(maxlen=3), init=False, repr=False, compare=False
+    )
 
     def hub_angle(self, time: float) -> float:
         """Return the angle of the root, rad."""
         return self.hub_start + self.hub_speed * time
 
     def poses(self, state: State) -> list[Pose]:
-        """Return where every link is and how it moves."""
+        """Return where every link is and how it moves; the last few are kept, as one state is looked at again and again."""
+        for known, poses in self._kept:
+            if known is state:
+                return poses
+        poses = self._poses(state)
+        self._kept.append((state, poses))
+        return poses
+
+    def _poses(self, state: State) -> list[Pose]:
         turn = _turn(self.hub_angle(state.time))
         joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
         poses = []
