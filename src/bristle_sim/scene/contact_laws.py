@@ -51,7 +51,13 @@ def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[Touch, C
     joint = poses[obstacle.link].joint
     point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
     partner = None if obstacle.partner is None else scene.links[obstacle.partner]
-    return touch, contact_space(scene.links[obstacle.link], point, touch.normal, partner, connected=scene.connected if scene.mechanism.wires == 1 else None)
+    return touch, contact_space(
+        scene.links[obstacle.link],
+        point,
+        touch.normal,
+        partner,
+        connected=scene.connected if scene.mechanism.wires == 1 else None,
+    )
 
 
 class EnergeticLaw:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.events import locate
+from bristle_sim.scene.events import guess, locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -33,6 +34,9 @@ between the states of an interval of 1.4 radians of the fastest motion is off by
 
 WITHIN = 0.05
 """Fraction of an interval from its ends within which no extreme is looked for: the function hardly moves there."""
+
+UNKNOWN = (math.nan,) * 6
+"""What a load adds up, where only the state is known."""
 
 TINY = math.ulp(1.0)
 """Velocities and penetrations of scene units to which a turn is located."""
@@ -141,7 +145,7 @@ class ContactMotion:
                 left = turn.value(start)
                 before = min(left, -TINY) if turn.rising else max(left, TINY)
                 right = -margin if turn.rising else margin
-                result, act = self._locate(turn, result.state.time - self.state.time, before, right), turn.act
+                result, act = self._locate(turn, result.state, before, right), turn.act
         return result, act
 
     def _inside(self, turn: Turn, start: Advance, result: Advance, last: float) -> Advance:
@@ -158,17 +162,12 @@ class ContactMotion:
         part = self.advance(at * (result.state.time - start.state.time))
         return part if turn.margin(part) < 0.0 else result
 
-    def _locate(self, turn: Turn, span: float, left: float, right: float) -> Advance:
-        """Return the result at a turn within an interval."""
-        tried: dict[float, Advance] = {}
-
-        def value(length: float) -> float:
-            tried[length] = self.advance(length)
-            return turn.value(tried[length])
-
-        tolerance = LOCATED * self.stepper.noise * turn.scale
-        found = locate(value, 0.0, span, left, right, max(TINY, tolerance))
-        return tried[found] if found in tried else self.advance(found)
+    def _locate(self, turn: Turn, end: State, left: float, right: float) -> Advance:
+        """Return the result at a turn within the interval to a state."""
+        again = functools.cache(self.advance)
+        near = guess(lambda state: turn.value(Advance(state, (), UNKNOWN, 0.0)), self.state, end)
+        tolerance, span = max(TINY, LOCATED * self.stepper.noise * turn.scale), end.time - self.state.time
+        return again(locate(lambda length: turn.value(again(length)), 0.0, span, left, right, tolerance, near))
 
     def advance(self, length: float) -> Advance:
         """Return the result of an interval from the state that was reached."""

@@ -7,6 +7,7 @@ where a version does not have them, the documented ones do the same.
 
 from __future__ import annotations
 
+import functools
 import math
 from array import array
 from collections.abc import Callable, Sequence
@@ -87,7 +88,12 @@ _CALLS = (
 
 def bare_object(owner: object, attribute: str) -> Any:
     """Return the engine's own object behind pymunk's, or None where it cannot be had."""
-    return getattr(owner, attribute, None) if all(hasattr(lib, call) for call in _CALLS) else None
+    return getattr(owner, attribute, None) if _offers_calls(lib) else None
+
+
+@functools.cache
+def _offers_calls(library: Any) -> bool:
+    return all(hasattr(library, call) for call in _CALLS)
 
 
 def stepper(space: pymunk.Space) -> Callable[[float], None]:

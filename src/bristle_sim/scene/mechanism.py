@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -74,6 +75,9 @@ class Mechanism:
     hub_start: float = 0.0
     wires: int = 1
     pitch: float = 0.0
+    _kept: deque[tuple[State, list[Pose]]] = field(
+        default_factory=lambda: deque(maxlen=3), init=False, repr=False, compare=False
+    )
 
     @property
     def wire_links(self) -> int:
@@ -95,7 +99,15 @@ class Mechanism:
         return Mechanism(links, self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch)
 
     def poses(self, state: State) -> list[Pose]:
-        """Return where every link is and how it moves."""
+        """Return where every link is and how it moves; the last few are kept, as one state is looked at again and again."""
+        for known, poses in self._kept:
+            if known is state:
+                return poses
+        poses = self._poses(state)
+        self._kept.append((state, poses))
+        return poses
+
+    def _poses(self, state: State) -> list[Pose]:
         joint = joint_velocity = (0.0, 0.0)
         poses, size = [], self.wire_links
         for number, (link, angle, rate) in enumerate(zip(self.links, state.angles, state.rates, strict=True)):

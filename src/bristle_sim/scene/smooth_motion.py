@@ -25,7 +25,7 @@ from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import Sustained, at_work, in_touch, inner_states
+from bristle_sim.scene.sustained_contact import SHY, Sustained, at_work, in_touch, inner_states
 from bristle_sim.scene.touch_search import SHORTEST, Interval, find_touch
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactAtEnd
@@ -106,15 +106,20 @@ class SmoothMotion:
             if self.before is None and each.stopped:
                 return Slip(each.obstacle, -each.stopped)
         at_once = self.before is None and len(self.progress.mechanism.links) == 1
-        shortest = max(1e-9, 0.1 * self.progress.plan.accuracy) * self.progress.plan.time_scale
-        if at_once or length <= shortest:
+        if at_once or length <= self._shortest:
             assert self.load is not None
             forces = zip(self.sustained, self.load.forces(result.totals), strict=True)
             return Release(tuple(each.obstacle for each, force in forces if force <= 0.0))
         self.ending = True
         predicted = min(each.vanishes_in() for each in self.sustained)
-        self.limit = min(0.5 * length, max(0.95 * predicted if predicted < math.inf else 0.0, length / 16.0))
+        nearer = max(SHY * predicted if predicted < math.inf else 0.0, length / 16.0)
+        self.limit = max(min(0.5 * length, nearer), 0.5 * self._shortest)
         return None
+
+    @property
+    def _shortest(self) -> float:
+        """Length of an interval within which a force that vanishes has vanished at once."""
+        return max(1e-9, 0.1 * self.progress.plan.accuracy) * self.progress.plan.time_scale
 
     def commit(self, result: Advance) -> None:
         """Take over an interval's end; links in sustained contact are set back onto what they touch."""
@@ -149,9 +154,10 @@ class SmoothMotion:
 
     def _next_limit(self, length: float) -> float:
         """Return the longest interval after one of a length: they grow after a contact, but not towards a release."""
-        first = 0.0 if self.ending else self.progress.first_interval
-        near = self.ending and any(each.vanishes_in() < 4.0 * length for each in self.sustained)
-        return length if near else max(2.0 * length, first)
+        if self.ending and (left := min(each.vanishes_in() for each in self.sustained)) < 4.0 * length:
+            # Close to the release; once less than the shortest interval is left, that one passes it.
+            return max(SHY * left, self._shortest)
+        return max(2.0 * length, 0.0 if self.ending else self.progress.first_interval)
 
     def _begin_contact(self) -> None:
         """Let the engine's contacts act from here on, if they can."""

@@ -26,6 +26,9 @@ __all__ = ["STILL", "Sustained", "at_work", "in_touch", "inner_states"]
 SHORTEST_SAMPLED = 2e-3
 """Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
 
+SHY = 0.95
+"""Fraction of the time until a force vanishes, by its slope, that the next interval takes: a force that bends is met later."""
+
 CUBIC = 0.1
 """Error of the cubic's rate, as a fraction of the requested one, above which the middle alone is not enough."""
 

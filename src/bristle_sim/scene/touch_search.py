@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
-from bristle_sim.scene.events import first_touch, locate
+from bristle_sim.scene.events import first_touch, guess, locate
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
@@ -53,18 +55,20 @@ def find_touch(
     )
     if fraction is None:
         return None
-    reached, closed = end if fraction == 1.0 else interval.again(fraction * interval.length), fraction * interval.length
+    again = functools.cache(interval.again)
+    reached, closed = end if fraction == 1.0 else again(fraction * interval.length), fraction * interval.length
     at_end, rate = gaps.gap_and_rate(obstacle, reached.state)
     if at_end > 0.0 and rate > 0.0:
-        closed, at_end = least_gap(interval, gaps, obstacle, closed, at_end)
+        closed, at_end = least_gap(interval._replace(again=again), gaps, obstacle, closed, at_end)
     if at_end > 0.0:
         return reached, False
     if at_end < 0.0:
         at_start = max(gaps.gap(obstacle, start), 1e-300)
+        near = guess(partial(gaps.gap, obstacle), start, end.state, fraction)
         closed = locate(
-            lambda span: gaps.gap(obstacle, interval.again(span).state), 0.0, closed, at_start, at_end, GAP_TOLERANCE
+            lambda span: gaps.gap(obstacle, again(span).state), 0.0, closed, at_start, at_end, GAP_TOLERANCE, near
         )
-    return interval.again(closed), True
+    return again(closed), True
 
 
 def least_gap(interval: Interval, gaps: Gaps, obstacle: Obstacle, span: float, gap: float) -> tuple[float, float]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from typing import TYPE_CHECKING
 
@@ -49,7 +48,9 @@ def _strike(run: Trajectory) -> str:
 
 def summary_page(run: Trajectory) -> str:
     """Return the five lines with a drawing of tip path, wire, hub, bar and workpart, as HTML."""
-    words = html.escape(summary(run))
+    from html import escape
+
+    words = escape(summary(run))
     return f'<div style="display:flex;gap:1em;align-items:center">{_drawing(run)}<pre>{words}</pre></div>'
 
 
