@@ -20,7 +20,7 @@ RANKS = {
     "arrays": 0,
     "quantity": 0,
     "files": 0,
-    "force_file": 0,
+    "force_file": 1,
     "parameters": 1,
     "settings": 1,
     "stop_reason": 1,
