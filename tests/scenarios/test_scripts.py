@@ -139,6 +139,23 @@ PROMISES = {
         integrates=True,
         strikes=False,
     ),
+    "flexible_wire": Promise(
+        (
+            "first_bending_frequency",
+            "second_bending_frequency",
+            "normal_final_impulse",
+            "peak_force",
+            "time_in_touch",
+            "impulse_ratio_to_rigid",
+        ),
+        (
+            *(*TOOL, *BELT, "wire_diameter", "speed_ratio", "impact_angle_deg", *RUBBING, "contact_duration"),
+            *("wire_links", "wire_modulus", "wire_damping_ratio", "accuracy", "reference"),
+        ),
+        quick=("--set", "wire_links=4"),
+        integrates=True,
+        film=("bristle_sim.render.wire_video", "wire_video"),
+    ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
         ("shear_yield_stress", "plies", "friction", "impact_angle_deg"),
@@ -498,7 +515,7 @@ def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.Capture
         assert any(seen), key
 
 
-@pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("contact_duration")])
+@pytest.mark.parametrize("name", [name for name in SCRIPTS if {"contact", "contact_duration"} <= set(scenario(name).keys())])
 @pytest.mark.parametrize("law", ["energetic", "engine"])
 def test_a_duration_without_a_contact_in_time_is_refused(name: str, law: str, capsys: pytest.CaptureFixture[str]):
     assert main(scenario(name), ["--set", f"contact={law}", "--set", "contact_duration=2e-5"]) == 2

@@ -64,6 +64,22 @@ class TestWhatIsThere:
         assert -scene.space.gravity.y * units.acceleration == pytest.approx(9.81 * gravity, rel=1e-15)
         assert scene.space.gravity.x == 0.0
 
+    @pytest.mark.parametrize("links", [2, 3, 8])
+    def test_iterations_in_flight_solve_a_straight_chain_to_rounding_and_no_further(self, links: int) -> None:
+        """1e-17 of the joints' error is left, and its root after half as many; a pull of 1 opens them at a rate of order 1."""
+        left = []
+        for part in (1.0, 0.5):
+            scene = Scene(Mechanism((ROD,) * links), Effects())
+            scene.place(State(0.0, (0.0,) * links, (0.0,) * links))
+            scene.space.iterations = round(part * scene.space.iterations)
+            scene.links[-1].apply_force_at_world_point((0.0, 1.0), scene.links[-1].position)
+            scene.step(1e-9, 1)
+            ends = [(each.b, each.anchor_b) for each in scene.joints], [(each.a, each.anchor_a) for each in scene.joints]
+            speeds = [[body.velocity_at_local_point(place).y for body, place in side] for side in ends]
+            left.append(np.abs(np.subtract(*speeds)).max() / 1e-9)
+        assert left[0] < 1e-15
+        assert 1e-12 < left[1] < 1e-8
+
     def test_undamped_belt_has_no_damping(self) -> None:
         spring = belt_of(build_tool(Tool())[0])
         assert spring.damping == 0.0

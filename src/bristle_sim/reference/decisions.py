@@ -119,7 +119,7 @@ def turn(system: System, log: Log, each: Sustained, spring: Spring, state: State
     """Compression ends."""
     spring.deepest, spring.loading = -system.at(state).touch(each.point).gap, False
     each.compression = each.sums
-    return state if spring.restitution else part(system, log, each, state)
+    return decide(system, log, state) if spring.restitution else part(system, log, each, state)
 
 
 def part(system: System, log: Log, each: Sustained, state: State) -> State:

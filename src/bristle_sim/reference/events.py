@@ -108,7 +108,7 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
 def _force_events(system: System, log: Log, state: State, number: int) -> list[Event]:
     """The force of a sustained contact falls to zero, slip stops or begins, or friction locks it."""
     each, go_on = system.sustained[number], partial(decide, system, log)
-    mu, slip, mass = system.friction(each.point), each.slip, float(system.chain.masses.sum())
+    mu, slip, mass = system.friction(each.point, each.spring), each.slip, float(system.chain.masses.sum())
     largest, speed = mass * system.size * system.fastest**2, system.size * system.fastest
     found = _spring_events(system, log, each, each.spring) if each.spring is not None else []
     if each.spring is None:
@@ -168,7 +168,7 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 
     def reload(state: State) -> State:
         spring.loading = True
-        return state
+        return decide(system, log, state)
 
     if spring.loading:
         return [Event(opening, 1, speed, partial(turn, system, log, each, spring))]

@@ -129,7 +129,7 @@ class Run:
         if each.spring is None:
             return 0.0
         instant = self.system.at(self.state)
-        friction = -self.system.friction(each.point) * each.slip
+        friction = -self.system.friction(each.point, each.spring) * each.slip
         response = abs(freedom(instant.mass, instant.touch(each.point), friction))
         return math.sqrt(each.spring.stiffness * response) / (each.spring.restitution or 1.0)
 

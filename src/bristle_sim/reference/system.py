@@ -77,9 +77,10 @@ class System:
         """Places of the sustained contacts that are not compliant."""
         return [each.point for each in self.sustained if each.spring is None]
 
-    def friction(self, point: Point) -> float:
-        """Return the coefficient of friction of a contact."""
-        return self.obstacles[point.obstacle].surface.friction
+    def friction(self, point: Point, spring: Spring | None = None) -> float:
+        """Return the coefficient of friction of a contact, that of restitution where its spring unloads."""
+        surface = self.obstacles[point.obstacle].surface
+        return surface.friction if spring is None or spring.loading else surface.friction_in_restitution
 
     def still(self, state: State) -> float:
         """Return the velocity that counts as rest, m/s."""
@@ -132,7 +133,7 @@ class Instant:
         for each in sustained:
             touch = self.touch(each.point)
             push = None if each.spring is None else each.spring.force(-touch.gap)
-            found.append(Acting(touch, self.system.friction(each.point), each.slip, push))
+            found.append(Acting(touch, self.system.friction(each.point, each.spring), each.slip, push))
         return found
 
     @cached_property

@@ -1,0 +1,135 @@
+"""What the rigid bristle overstates: the report, the study over stiffness and links, its figure and its film."""
+
+import dataclasses
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface
+from bristle_sim.render.wire_figure import wire_figure
+from bristle_sim.render.wire_video import WireScene, wire_video
+from bristle_sim.settings import Settings
+from bristle_sim.studies.flexible_wire import flexible_wire, wire_study
+
+SMOOTH = Surface(0.0)
+
+
+def struck(links: int, duration: float = 71e-6, surface: Surface = SMOOTH, **options: bool) -> Report:
+    """One strike of a wire of links at the operating point."""
+    parts = (Hub(), Belt(), Bristle(links=links), Strike(), surface, ContactStiffness(duration), Settings())
+    return flexible_wire(*parts, **options)
+
+
+def rows(report: Report) -> dict:
+    return {each.name: each for each in report.quantities}
+
+
+@pytest.fixture(scope="module")
+def short() -> Report:
+    return struck(2)
+
+
+def test_numbers_of_an_independent_prototype(short: Report) -> None:
+    """3.154 mN s, 66.8 N and 73.7 us of the rigid bristle, half of the last digits; 1.2412 mN s of two links."""
+    found = rows(short)
+    assert found["normal_final_impulse"].theory == pytest.approx(3.154e-3, abs=0.5e-6)
+    assert found["peak_force"].theory == pytest.approx(66.8, abs=0.05)
+    assert found["time_in_touch"].theory == pytest.approx(73.7e-6, abs=0.06e-6)
+    assert found["normal_final_impulse"].simulated == pytest.approx(1.2412e-3, abs=0.05e-6)
+    assert found["impulse_ratio_to_rigid"].simulated == pytest.approx(1.2412 / 3.15384, rel=1e-4)
+    assert short.outcome == "rebound"
+
+
+def test_the_reference_judges_every_row(short: Report) -> None:
+    """Two links have one bending mode; the second is the beam's alone."""
+    judged = [each for each in short.quantities if each.name != "second_bending_frequency"]
+    assert all(each.ok for each in judged)
+    assert all(each.judge_name == "reference" for each in judged)
+    assert rows(short)["second_bending_frequency"].simulated is None
+
+
+def test_without_the_reference_nothing_is_judged() -> None:
+    assert {each.ok for each in struck(2, with_reference=False).quantities} == {None}
+
+
+def test_a_soft_contact_takes_the_wire_for_rigid() -> None:
+    """At T = 10 ms, 30 periods of the bending mode, the part that vibrates is of order (0.34/10)^2, 1e-3: ten times that."""
+    belt, strike = Belt(stiffness=0.0), Strike(speed_ratio=1e-3)
+    parts = (Hub(speed=1.0), belt, Bristle(links=2), strike, SMOOTH, ContactStiffness(1e-2), Settings())
+    ratio = rows(flexible_wire(*parts, with_reference=False))["impulse_ratio_to_rigid"].simulated
+    assert ratio == pytest.approx(1.0, abs=1e-2)
+
+
+def test_a_rigid_bristle_that_sticks_is_named() -> None:
+    """mu = 0.5 > tan(23.4 deg): the rigid bristle jams at the end of compression; the wire bends and rebounds."""
+    report = struck(2, surface=Surface(0.5))
+    assert report.outcome == "rebound"
+    assert any("the rigid bristle's outcome: stiction" in each for each in report.remarks)
+    assert rows(report)["impulse_ratio_to_rigid"].reference is None
+    assert rows(report)["normal_final_impulse"].ok
+
+
+@pytest.mark.parametrize(
+    ("links", "strike", "message"),
+    [
+        (17, Strike(), "wire_links = 17: must be at most 16"),
+        (2, Strike(impact_angle_deg=60.0), "impact_angle_deg = 60: must be less than 59"),
+        (2, Strike(impact_angle_deg=1e-12), "it barely touches"),
+    ],
+)
+def test_refusals(links: int, strike: Strike, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        flexible_wire(Hub(), Belt(), Bristle(links=links), strike, SMOOTH, ContactStiffness(), Settings())
+
+
+def test_study(short: Report) -> None:
+    """Ratios at the requested stiffness are those of the report, to the study's accuracy; one link is the rigid bristle."""
+    study = wire_study(short.subject.strike, stiffnesses=(1.0, 20.0))
+    assert study.durations == pytest.approx([71e-6, 1420e-6])
+    assert study.links.tolist() == [1.0, 2.0]
+    for name in ("normal_final_impulse", "peak_force", "time_in_touch", "crater_depth"):
+        row = rows(short)[name]
+        expected = row.simulated / row.theory
+        assert study.by_links[name] == pytest.approx([1.0, expected], rel=1e-3)
+        assert study.by_duration[2][name][0] == pytest.approx(expected, rel=1e-3)
+    # Nearer to rigid by far where the contact lasts four periods of bending.
+    assert abs(1.0 - study.by_duration[2]["peak_force"][1]) < 0.1 < 1.0 - study.by_duration[2]["peak_force"][0]
+
+
+def test_a_contact_without_end_leaves_a_gap_in_the_study(short: Report) -> None:
+    poor = dataclasses.replace(short.subject.strike, settings=Settings(maximum_steps=100))
+    assert math.isnan(wire_study(poor, stiffnesses=(1.0,)).by_duration[2]["peak_force"][0])
+
+
+def test_figure_draws_forces_and_ratios(short: Report) -> None:
+    figure = wire_figure(short.subject, wire_study(short.subject.strike, stiffnesses=(0.5, 1.0)))
+    force, by_links, impulse, others = figure.axes
+    assert force.get_title(loc="left").endswith("the rigid bristle pushes 1.5 times as hard")
+    assert max(line.get_ydata().max() for line in force.lines) == pytest.approx(66.8, abs=0.05)
+    assert [len(axes.lines) for axes in (by_links, impulse, others)] == [5, 3, 6]
+
+
+def test_film_shows_the_wire_bend(short: Report) -> None:
+    """The hinge is off the chord of root and tip, enlarged as the film says."""
+    scene = WireScene(short.subject, width=320, height=240, duration=1.0)
+    scene.show(float(scene.warp.film_time(3e-5)))
+    points = np.column_stack(scene.wire_line.get_data())
+    chord, first = points[-1] - points[0], points[1] - points[0]
+    bend = (first[0] * chord[1] - first[1] * chord[0]) / np.linalg.norm(chord)
+    angles = np.diff([np.interp(3e-5, short.subject.wire.time, column) for column in short.subject.wire.angles.T])
+    assert scene.enlarged > 1.0
+    # Linear in the deflection: the hinge is off the chord by a quarter of the length times the bend.
+    assert bend == pytest.approx(0.25 * 27.0 * scene.enlarged * angles[0], rel=0.1)
+    assert scene.caption.get_text()
+    assert scene.readouts[2].text.endswith("N")
+
+
+@pytest.mark.parametrize("links", [1, 3])
+def test_film_is_written(links: int, tmp_path: Path) -> None:
+    path = wire_video(
+        struck(links, with_reference=False).subject, tmp_path / "a.gif", fps=4.0, width=160, height=120, duration=1.0
+    )
+    assert path.read_bytes().startswith(b"GIF89a")

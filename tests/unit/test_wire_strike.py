@@ -1,0 +1,159 @@
+"""A wire that bends strikes through the scene: against the independent solution, closed forms and balances."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Surface, Tool, Workpart
+from bristle_sim.reference import strike_reference
+from bristle_sim.reference.mechanics import Chain as Links
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.scene.wire_strike import strike_wire, wire_frequencies
+from bristle_sim.settings import Settings
+from bristle_sim.theory.wire import chain_frequencies
+from bristle_sim.trajectory import ContactRecord
+
+GAMMA, RATE, DURATION = math.radians(23.4), 3.23 * 261.8, 71e-6
+
+
+def radial(bristle: Bristle, surface: Surface, hub_angle: float, angles: list[float]) -> Tool:
+    """The tool whose workpart is at the end of a wire."""
+    tip = Links.of(Tool(bristle=bristle, bar=None), hub_angle).centre_line(0.0, np.array(angles), np.zeros(len(angles)))
+    x, y = bristle.tip
+    reach = math.hypot(x, Hub().radius - y)
+    part = Workpart(surface.friction, surface.restitution_friction, surface.restitution, penetration=reach + float(tip[0][-1].imag))
+    return Tool(bristle=bristle, bar=None, workpart=part)
+
+
+def stiffness(tool: Tool, duration: float) -> float:
+    """That of the rigid bristle's frictionless contact of the duration: (pi (1 + e*)/(2 T))^2/K_nn, K_nn = 3 sin^2/m."""
+    restitution = tool.workpart.restitution
+    return (math.pi * (1.0 + restitution) / (2.0 * duration)) ** 2 * tool.bristle.mass / (3.0 * math.sin(GAMMA) ** 2)
+
+
+def both(
+    tool: Tool, hub_angle: float, angles: list[float], rates: list[float], duration: float = DURATION
+) -> tuple[ContactRecord, ContactRecord]:
+    """A strike through the scene and by the independent solution."""
+    start = (tool, hub_angle, angles, rates, stiffness(tool, duration))
+    return (
+        strike_wire(*start, Settings(), duration=duration).contact,
+        strike_reference(*start, longest=10.0 * duration),
+    )
+
+
+def assert_equal(scene: ContactRecord, reference: ContactRecord) -> None:
+    """To ten times the accuracy of 1e-6, impulses and works relative to the normal ones."""
+    size = reference.impulse[0]
+    assert scene.impulse == pytest.approx(reference.impulse, rel=0.0, abs=1e-5 * size)
+    assert scene.compressive_impulse == pytest.approx(reference.compressive_impulse, rel=0.0, abs=1e-5 * size)
+    assert scene.duration == pytest.approx(reference.duration, rel=1e-5)
+    assert scene.history.normal_force.max() == pytest.approx(reference.history.normal_force.max(), rel=1e-5)
+    fastest = np.abs(reference.rates_after).max()
+    assert scene.rates_after == pytest.approx(reference.rates_after, rel=0.0, abs=1e-5 * fastest)
+
+
+CASES = {
+    "frictionless": (Bristle(links=2), Surface(0.0), 0.0),
+    "with friction": (Bristle(links=4), Surface(0.31), 0.0),
+    "friction that sticks": (Bristle(links=4), Surface(0.9), 0.1),
+    "damped": (Bristle(links=2, bending_damping_ratio=0.1), Surface(0.2), 0.1),
+    "with a knee": (Bristle(links=3, knee_angle_deg=30.0), Surface(0.4, None, 0.7), 0.1),
+    "rougher in restitution": (Bristle(links=3), Surface(0.2, 0.6), 0.1),
+    "smoother in restitution": (Bristle(links=3), Surface(0.9, 0.1), 0.1),
+    "soft": (Bristle(links=5, modulus=2e9), Surface(0.3), 0.0),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_scene_and_reference_agree(name: str) -> None:
+    bristle, surface, spread = CASES[name]
+    chance = np.random.default_rng(1)
+    angles = (-GAMMA + spread * chance.normal(size=bristle.links)).tolist()
+    rates = (RATE * (1.0 + spread * chance.normal(size=bristle.links))).tolist()
+    tool = radial(bristle, surface, -GAMMA, angles)
+    if name == "damped":
+        tool = replace(tool, belt=Belt(damping_ratio=0.2))
+    assert_equal(*both(tool, -GAMMA, angles, rates))
+
+
+def test_eight_links() -> None:
+    """1.473 mN s, 29.6 N and 104 us of an independent prototype, half of their last digits."""
+    tool = radial(Bristle(links=8), Surface(0.0), -GAMMA, [-GAMMA] * 8)
+    start = (tool, -GAMMA, [-GAMMA] * 8, [RATE] * 8, stiffness(tool, DURATION))
+    contact = strike_wire(*start, Settings(accuracy=1e-4), duration=DURATION).contact
+    assert contact.impulse[0] == pytest.approx(1.473e-3, abs=0.5e-6)
+    assert contact.history.normal_force.max() == pytest.approx(29.6, abs=0.05)
+    assert contact.duration == pytest.approx(104e-6, abs=0.5e-6)
+
+
+def test_slip_that_stops_and_resumes_within_an_interval() -> None:
+    """Vibration takes the slip through zero and back in a microsecond: two of eight phases are that short."""
+    angles, rates = [-0.25, -0.31, -0.42, -0.29], [950.0, 920.0, 810.0, 1020.0]
+    tool = radial(Bristle(links=4), Surface(0.57), -0.36, angles)
+    assert_equal(*both(tool, -0.36, angles, rates, 1.711e-4))
+
+
+def test_a_spring_that_is_loaded_again_returns_its_part_of_the_work() -> None:
+    """Compression ends several times; W_r = -e*^2 W_c holds for the last end, where the spring is deepest."""
+    tool = radial(Bristle(links=4), Surface(0.0, None, 0.6), -GAMMA, [-GAMMA] * 4)
+    for duration in (100e-6, 200e-6):
+        scene, reference = both(tool, -GAMMA, [-GAMMA] * 4, [RATE] * 4, duration)
+        for record in (scene, reference):
+            assert record.restitutive_work[0] == pytest.approx(-(0.6**2) * record.compressive_work[0], rel=1e-6)
+    assert scene.phases.count("compression slip") + scene.phases.count("compression reverse slip") > 1
+
+
+def test_one_link_without_a_belt_is_the_lone_rod() -> None:
+    """The stiffness is that of a frictionless rigid-body contact of the duration: same steps, rounding apart."""
+    tool = replace(radial(Bristle(), Surface(0.0), -GAMMA, [-GAMMA]), belt=Belt(stiffness=0.0))
+    found = strike_wire(
+        tool, -GAMMA, [-GAMMA], [RATE], stiffness(tool, DURATION), Settings(), duration=DURATION
+    ).contact
+    bristle, hub = tool.bristle, tool.hub
+    chain = Chain((bristle.mass,), (bristle.length,), (-GAMMA,), (RATE,), hub.radius, hub.speed, -GAMMA)
+    lone = strike(chain, Surface(0.0), Contact("compliant", DURATION), Settings()).contact
+    assert found.impulse[0] == pytest.approx(lone.impulse[0], rel=1e-10)
+    assert found.duration == pytest.approx(lone.duration, rel=1e-8)
+
+
+def test_motion_goes_on_after_the_release() -> None:
+    """Samples reach the end of the flight; the first state in it is the contact's last, and no link jumps."""
+    tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)
+    start = (tool, -GAMMA, [-GAMMA] * 2, [RATE] * 2, stiffness(tool, DURATION))
+    found = strike_wire(*start, Settings(), duration=DURATION, flight=3e-5)
+    assert found.time[0] == 0.0
+    assert found.time[-1] == pytest.approx(found.contact.duration + 3e-5, rel=1e-9)
+    released = int(np.searchsorted(found.time, found.contact.duration))
+    assert found.rates[released] == pytest.approx(found.contact.rates_after, rel=1e-9)
+    assert (np.diff(found.time) >= 0.0).all()
+    # The tip is at the workpart first, and root and joints a link apart.
+    assert found.centre_line[0, -1, 1] == pytest.approx(-tool.workpart_depth, rel=1e-12)
+    lengths = np.linalg.norm(np.diff(found.centre_line, axis=1), axis=-1)
+    assert lengths == pytest.approx(np.full(lengths.shape, tool.bristle.length / 2), rel=1e-12)
+
+
+@pytest.mark.parametrize("links", [1, 2, 8])
+def test_frequencies_are_those_of_the_chain(links: int) -> None:
+    """The slowest of n modes is found to the rounding of the fastest one's square, 1e-16 (2e5 Hz/167 Hz)^2."""
+    bristle = Bristle(links=links, bending_damping_ratio=0.3)
+    wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, Belt().stiffness)
+    found = wire_frequencies(Tool(bristle=bristle, belt=Belt(damping_ratio=0.2)))
+    assert found == pytest.approx(chain_frequencies(*wire, links), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("links", "rates", "workpart", "message"),
+    [
+        (2, [-RATE] * 2, Workpart(), "must let the wire's end approach"),
+        (2, [RATE], Workpart(), "must be one for each of the 2 links"),
+        (2, [RATE] * 2, None, "must be a Workpart"),
+        (64, [RATE] * 64, Workpart(), "wire_links = 64: must be fewer"),
+    ],
+)
+def test_refusals(links: int, rates: list[float], workpart: Workpart | None, message: str) -> None:
+    tool = Tool(bristle=Bristle(links=links), bar=None, workpart=workpart)
+    with pytest.raises(ValueError, match=message):
+        strike_wire(tool, -GAMMA, [-GAMMA] * links, rates, 1e5, Settings(), duration=DURATION)
