@@ -115,7 +115,9 @@ class Scene:
             self._shapes[key] = self._add(obstacle)
         shapes = self._shapes[key]
         # An obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
-        touching = obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        touching = (
+            obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        )
         self._engaged[key] = touching
         bit = 1 << list(self._engaged).index(key)
         own = pymunk.ShapeFilter(categories=bit, mask=bit)
@@ -203,6 +205,7 @@ class Scene:
     def slip(self, obstacle: Obstacle) -> float:
         """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
         body, (partner, _) = self.links[obstacle.link], self._engaged[_key(obstacle)]
+        other = self.space.static_body if obstacle.partner is None else self.links[obstacle.partner]
         found = [0.0]
 
         def look(arbiter: pymunk.Arbiter) -> None:
@@ -211,7 +214,7 @@ class Scene:
             points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
             for each in points.points:
                 place = each.point_a if first else each.point_b
-                velocity = body.velocity_at_world_point(place) - partner.body.velocity_at_world_point(place)
+                velocity = body.velocity_at_world_point(place) - other.velocity_at_world_point(place)
                 outwards = -1.0 if first else 1.0
                 found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
 
@@ -345,9 +348,7 @@ def _add_springs(
     size = mechanism.wire_links
     if hub is not None and effects.stiffness is not None:
         for wire, link in enumerate(links[::size]):
-            space.add(
-                pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping)
-            )
+            space.add(pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping))
     joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
     if effects.hinges and len(effects.hinges) != len(joints):
         raise ValueError(

@@ -104,9 +104,7 @@ class EngineContacts:
                 self.scene.mechanism, gaps.poses(state), self.obstacles, touches, self.slips
             )
         for index, (obstacle, piece) in enumerate(zip(self.obstacles, self.pieces, strict=True)):
-            self.scene.engage(
-                obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0
-            )
+            self.scene.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0)
             if (slip := self.slips[index]) is not None:
                 self.scene.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
         return min(grips)
@@ -234,9 +232,7 @@ def set_back(
     mechanism = gaps.mechanism
     for _ in range(NEWTON):
         poses = mechanism.poses(state)
-        touches = [
-            each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)
-        ]
+        touches = [each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
         stuck = [index for index, each in enumerate(slips) if each == 0]
         across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
         along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]

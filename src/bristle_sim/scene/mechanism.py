@@ -101,9 +101,7 @@ class Mechanism:
         for number, (link, angle, rate) in enumerate(zip(self.links, state.angles, state.rates, strict=True)):
             if number % size == 0:
                 turn = self.root_angle(number, state.time)
-                joint, joint_velocity = _carried(
-                    (0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed
-                )
+                joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
             centre, centre_velocity = _carried(joint, joint_velocity, link.centre, angle, rate)
             tip, tip_velocity = _carried(joint, joint_velocity, link.tip, angle, rate)
             knees = tuple(_carried(joint, joint_velocity, knee, angle, rate)[0] for knee in link.knees)

@@ -71,9 +71,7 @@ def _links_of(scene: Scene, wire: int) -> slice:
 
 def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
     """Return a wire's events, and by name what never happened."""
-    found = [
-        event for event, wires in zip(recording.events, recording.event_wires, strict=True) if wire in wires
-    ]
+    found = [event for event, wires in zip(recording.events, recording.event_wires, strict=True) if wire in wires]
     names = {event.name for event in found}
     parts = {each.name for each in scene.effects.obstacles}
     absent = [name for name, event in ABSENCES.items() if name.split()[0] in parts and event not in names]

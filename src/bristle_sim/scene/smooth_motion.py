@@ -11,7 +11,16 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from bristle_sim.scene.engine_contact import EngineContacts
-from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch, freedom, in_flight, retraction
+from bristle_sim.scene.event_functions import (
+    Change,
+    EventFunction,
+    Release,
+    Slip,
+    Touch,
+    freedom,
+    in_flight,
+    retraction,
+)
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
@@ -167,10 +176,10 @@ class SmoothMotion:
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
-        if self.before is None and self.limit is None and self.load is None:
+        at_start = self.before is None and self.limit is None and self.load is None
+        if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
             # Signs at the very start of a run are looked at exactly, which moves the bodies.
-            if self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
-                result = self.advance(self.interval_to(result).length)
+            result = self.advance(self.interval_to(result).length)
         resolve: Resolve | None = None
         active = [each.obstacle for each in self.sustained]
         for obstacle in self.progress.obstacles:
@@ -194,7 +203,12 @@ class SmoothMotion:
         if progress.behind_joint(obstacle, [*self.separating, *(each.obstacle for each in self.sustained)]):
             return result, resolve
         error = progress.stepper.interpolation_error(progress.state, result.state)
-        found = find_touch(self.interval_to(result), progress.gaps, obstacle, error + progress.cubic_error(self.interval_to(result).length))
+        found = find_touch(
+            self.interval_to(result),
+            progress.gaps,
+            obstacle,
+            error + progress.cubic_error(self.interval_to(result).length),
+        )
         if found is None:
             return result, resolve
         reached, closed = found
