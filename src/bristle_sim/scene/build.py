@@ -196,7 +196,7 @@ class Scene:
     def slip(self, obstacle: Obstacle) -> float:
         """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
         body, (partner, _) = self.links[obstacle.link], self._engaged[_key(obstacle)]
-        other = partner.body or self.space.static_body
+        other = self.space.static_body if obstacle.partner is None else self.links[obstacle.partner]
         found = [0.0]
 
         def look(arbiter: pymunk.Arbiter) -> None:

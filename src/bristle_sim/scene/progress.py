@@ -66,9 +66,9 @@ class Progress:
         obstacles = list(scene.effects.obstacles)
         progress = cls(scene, stepper, law, plan, start, gaps, changes, obstacles, Recording())
         progress.sample(0.0)
-        for obstacle in obstacles:
-            gap = gaps.gap(obstacle, start)
-            if gap < -GAP_ROUNDING:
+        for obstacle in scene.effects.obstacles:
+            gap = gaps.gap(progress.in_dent(obstacle) if plan.contact else obstacle, start)
+            if gap < -GAP_ROUNDING and plan.contact is None:
                 raise ValueError(
                     f"{obstacle.name}: must not overlap the bristle at the start, by {-gap:.3g} of its length"
                 )
@@ -175,6 +175,8 @@ class Progress:
 
     def touched(self, obstacle: Obstacle) -> bool:
         """Whether a pair's wire has been in contact with the obstacle of that name."""
+        if obstacle.name in self.plan.touched:
+            return True
         wire, record = self.wires_of(obstacle)[0], self.recording
         pairs = zip(record.contacts, record.contact_wires, strict=True)
         return any(each.obstacle == obstacle.name and wire in wires for each, wires in pairs)

@@ -182,9 +182,9 @@ class SmoothMotion:
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
-        begins = self.before is None and self.limit is None and self.load is None
-        # Signs at the very start of a run are looked at exactly, which moves the bodies.
-        if begins and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
+        at_start = self.before is None and self.limit is None and self.load is None
+        if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
+            # Signs at the very start of a run are looked at exactly, which moves the bodies.
             result = self.advance(self.interval_to(result).length)
         resolve: Resolve | None = None
         active = [each.obstacle for each in self.sustained]

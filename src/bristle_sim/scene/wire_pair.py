@@ -81,11 +81,8 @@ class WirePair:
             each, body, radius = mechanism.links[link], bodies[link], self.wire_radius + margin
             corners = [(x - each.centre[0], y - each.centre[1]) for x, y in ((0.0, 0.0), *each.knees, each.tip)]
             start, end = corners[number : number + 2]
-            found += [
-                pymunk.Segment(body, start, end, radius),
-                pymunk.Circle(body, radius, start),
-                pymunk.Circle(body, radius, end),
-            ]
+            found += [pymunk.Segment(body, start, end, radius)]
+            found += [pymunk.Circle(body, radius, start), pymunk.Circle(body, radius, end)]
         return found
 
     @staticmethod
