@@ -251,7 +251,7 @@ class TestContact:
         before = scene.space.iterations
         scene.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
         scene.step(1e-3, 1)
-        scene.release(floor)
+        scene.release()
         scene.step(1e-3, 2)
         assert scene.space.iterations == before
         # Falls at (3/2) (g/L) sin 45 from rest at the first step of the two without contact.

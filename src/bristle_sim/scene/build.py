@@ -13,11 +13,15 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import pymunk
+from numpy.linalg import eigvalsh
 
 from bristle_sim.scene.engine import EngineSteps, placer
-from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
-from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector
+from bristle_sim.scene.obstacles import MARGIN, BarObstacle, Obstacle, WorkpartObstacle
+from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
+from bristle_sim.scene.wire_pair import WirePair
 
 __all__ = ["Effects", "Scene"]
 
@@ -25,14 +29,11 @@ HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
 quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""
 
-SOLVED = math.log(1e-17)
-"""Iterations in flight leave this fraction of the joints' error: rounding."""
-
-MOST_ITERATIONS = 40_000
-"""Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
+FAST_SLIP, STICKING = 10.0, 1e9
+"""A slip beyond what slip turns back by within an interval, in the scene's units, and a friction beyond any. The slip's rounding
+disturbs the normal velocity."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
-_EVERYWHERE = pymunk.ShapeFilter()
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +45,8 @@ class Effects:
     Attributes:
         stiffness, damping: of the torsion spring between hub and first link.
         gravity: along -y.
-        obstacles: of the last link.
-        hinges: (stiffness, damping) of a torsion spring at each joint between two links, straight at rest.
+        obstacles: pairs of a link and what it can touch.
+        hinges: (stiffness, damping) of a torsion spring at each joint between two links of a wire, straight at rest.
 
     Raises:
         ValueError: by the scene, for hinges that are not one for each joint between two links.
@@ -76,12 +77,12 @@ class Scene:
         self.effects = effects
         self.motions = 0
         self.space = _space(mechanism, effects)
+        self._in_flight = self.space.iterations
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
-        _add_springs(self.space, effects, self.hub, self.links)
-        self._shapes = {
-            each.name: _add_obstacle(self.space, mechanism, self.links[-1], each) for each in effects.obstacles
-        }
+        _add_springs(self.space, mechanism, effects, self.hub, self.links)
+        self._shapes = {_key(each): self._add(each) for each in effects.obstacles if not isinstance(each, WirePair)}
+        self._engaged: dict[Key, tuple[pymunk.Shape, pymunk.Shape]] = {}
         self._engine = EngineSteps(self.space, self.links if self.hub is None else [self.hub, *self.links], self.joints)
         self._placement = Placement(mechanism, self.hub, self.links)
 
@@ -103,24 +104,44 @@ class Scene:
     @property
     def solves_joints(self) -> bool:
         """Whether the engine's iterations suffice to solve the joints in flight."""
-        return _flight_iterations(self.mechanism.links) < MOST_ITERATIONS
+        return self._in_flight < MOST_ITERATIONS
 
     def engage(
         self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
     ) -> None:
-        """Let the engine's own contact act between a straight piece of the last link and an obstacle from now on."""
-        shapes = self._shapes[obstacle.name]
-        for index, shape in enumerate(shapes):
-            # The obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
-            shape.filter = _EVERYWHERE if index in (0, 1 + piece) else _NOWHERE
-        shapes[0].friction, shapes[0].elasticity = friction, elasticity
+        """Let the engine's own contact act between a straight piece of a link and an obstacle from now on."""
+        key = _key(obstacle)
+        if key not in self._shapes:
+            self._shapes[key] = self._add(obstacle)
+        shapes = self._shapes[key]
+        # An obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
+        touching = obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        self._engaged[key] = touching
+        bit = 1 << list(self._engaged).index(key)
+        own = pymunk.ShapeFilter(categories=bit, mask=bit)
+        for shape in shapes:
+            shape.filter = own if shape in touching else _NOWHERE
+        touching[0].friction, touching[0].elasticity = friction, elasticity
         self.space.iterations = iterations
 
-    def release(self, obstacle: Obstacle) -> None:
-        """Let the engine ignore the obstacle again."""
-        for shape in self._shapes[obstacle.name]:
-            shape.filter = _NOWHERE
-        self.space.iterations = _flight_iterations(self.mechanism.links)
+    def direct_friction(self, obstacle: Obstacle, slip: int, tangent: Vector) -> None:
+        """Let friction of an engaged pair act against slip of that sense, whatever it is; with 0 let it stick, come what may.
+
+        Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, or a
+        friction without end, until the run changes it.
+        """
+        shape = self._engaged[_key(obstacle)][0]
+        shape.surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
+        if slip == 0:
+            shape.friction = STICKING
+
+    def release(self) -> None:
+        """Let the engine ignore all obstacles again."""
+        for key in self._engaged:
+            for shape in self._shapes[key]:
+                shape.filter = _NOWHERE
+        self._engaged = {}
+        self.space.iterations = self._in_flight
 
     def place(self, state: State, drift: float = 0.0) -> None:
         """Put every body exactly where the state says, joints closed, velocities consistent.
@@ -154,20 +175,83 @@ class Scene:
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 
-    def contact_impulse(self) -> tuple[float, float]:
-        """Return (normal, tangential) impulse of the last step on the last link, whatever it touches."""
+    def contact_impulse(self, link: int = -1) -> tuple[float, float]:
+        """Return (normal, tangential) impulse of the last step on a link, whatever it touches."""
         total = [0.0, 0.0]
 
         def add(arbiter: pymunk.Arbiter) -> None:
-            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
-            # the engine; a contact only pushes, which settles both.
-            normal, impulse = arbiter.normal, arbiter.total_impulse
-            push = impulse.dot(normal)
-            total[0] += abs(push)
-            total[1] += math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
+            push, rub = _push_and_rub(arbiter)
+            total[0] += push
+            total[1] += rub
 
-        self.links[-1].each_arbiter(add)
+        self.links[link].each_arbiter(add)
         return total[0], total[1]
+
+    def contact_impulses(self, obstacles: Sequence[Obstacle]) -> list[tuple[float, float]]:
+        """Return (normal, tangential) impulse of the last step on each engaged pair's link."""
+        found = {self._engaged[_key(each)][0]: (0.0, 0.0) for each in obstacles}
+
+        def add(arbiter: pymunk.Arbiter) -> None:
+            for shape in arbiter.shapes:
+                if shape in found:
+                    found[shape] = _push_and_rub(arbiter)
+
+        for link in {each.link for each in obstacles}:
+            self.links[link].each_arbiter(add)
+        return list(found.values())
+
+    def slip(self, obstacle: Obstacle) -> float:
+        """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
+        body, (partner, _) = self.links[obstacle.link], self._engaged[_key(obstacle)]
+        found = [0.0]
+
+        def look(arbiter: pymunk.Arbiter) -> None:
+            if partner not in arbiter.shapes:
+                return
+            points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
+            for each in points.points:
+                place = each.point_a if first else each.point_b
+                velocity = body.velocity_at_world_point(place) - partner.body.velocity_at_world_point(place)
+                outwards = -1.0 if first else 1.0
+                found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
+
+        body.each_arbiter(look)
+        return found[0]
+
+    def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
+        """Add the shapes of a pair, which the engine ignores until they are engaged."""
+        if isinstance(obstacle, WirePair):
+            shapes = obstacle.shapes(self.links, self.mechanism)
+        elif isinstance(obstacle, BarObstacle | WorkpartObstacle):
+            link = self.mechanism.links[obstacle.link]
+            corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
+            shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
+        for shape in shapes:
+            shape.filter = _NOWHERE
+            shape.friction = 1.0
+            shape.elasticity = 1.0
+        self.space.add(*shapes)
+        return shapes
+
+
+Key = tuple[str, int, int | None, int]
+"""Tells pairs apart, whatever their surfaces."""
+
+
+def _key(obstacle: Obstacle) -> Key:
+    pieces = 8 * obstacle.own_piece + obstacle.partner_piece if isinstance(obstacle, WirePair) else 0
+    return obstacle.name, obstacle.link, obstacle.partner, pieces
+
+
+def _push_and_rub(arbiter: pymunk.Arbiter) -> tuple[float, float]:
+    """Return the (normal, tangential) impulse of a contact in the last step.
+
+    Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
+    contact only pushes, which settles both.
+    """
+    normal, impulse = arbiter.normal, arbiter.total_impulse
+    push = impulse.dot(normal)
+    return abs(push), math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
 
 
 class Placement:
@@ -201,7 +285,7 @@ class Placement:
 
 def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:
     space = pymunk.Space()
-    space.iterations = _flight_iterations(mechanism.links)
+    space.iterations = _flight_iterations(mechanism.links[: mechanism.wire_links])
     space.collision_slop = 10.0 * MARGIN
     space.collision_bias = 1.0
     if effects.gravity:
@@ -220,9 +304,10 @@ def _add_links(
     space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint]]:
     """Add every link and the pivot that it hangs on, in order from the root."""
-    carrier, anchor = (space.static_body, (0.0, 0.0)) if hub is None else (hub, (0.0, -mechanism.hub_radius))
     bodies, joints = [], []
-    for link in mechanism.links:
+    for number, link in enumerate(mechanism.links):
+        if number % mechanism.wire_links == 0:
+            carrier, anchor = _root(space, mechanism, hub, number)
         body = pymunk.Body(link.mass, link.inertia)
         joint = pymunk.PivotJoint(carrier, body, anchor, (-link.centre[0], -link.centre[1]))
         joint.error_bias = 1.0
@@ -233,47 +318,58 @@ def _add_links(
     return bodies, joints
 
 
-def _add_springs(space: pymunk.Space, effects: Effects, hub: pymunk.Body | None, links: Sequence[pymunk.Body]) -> None:
-    """Add the belt, and a torsion spring at each hinge.
+def _root(
+    space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None, link: int
+) -> tuple[pymunk.Body, tuple[float, float]]:
+    """Return the body that carries the root of a link's wire, and where."""
+    if hub is None:
+        return space.static_body, (0.0, 0.0)
+    if link == 0:
+        return hub, (0.0, -mechanism.hub_radius)
+    lag = mechanism.root_angle(0, 0.0) - mechanism.root_angle(link, 0.0)
+    return hub, (-mechanism.hub_radius * math.sin(lag), -mechanism.hub_radius * math.cos(lag))
+
+
+def _add_springs(
+    space: pymunk.Space,
+    mechanism: Mechanism,
+    effects: Effects,
+    hub: pymunk.Body | None,
+    links: Sequence[pymunk.Body],
+) -> None:
+    """Add the belt of every wire, and a torsion spring at each hinge.
 
     They come after the joints: damping then sees velocities that the joints have settled, not what their warm start left of
     an earlier step, and stays smooth in the step.
     """
+    size = mechanism.wire_links
     if hub is not None and effects.stiffness is not None:
-        space.add(pymunk.DampedRotarySpring(hub, links[0], 0.0, effects.stiffness, effects.damping))
-    if effects.hinges and len(effects.hinges) != len(links) - 1:
+        for wire, link in enumerate(links[::size]):
+            space.add(
+                pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping)
+            )
+    joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
+    if effects.hinges and len(effects.hinges) != len(joints):
         raise ValueError(
-            f"hinges: must be one (stiffness, damping) for each of the {len(links) - 1} joints between two links, not"
+            f"hinges: must be one (stiffness, damping) for each of the {len(joints)} joints between two links, not"
             f" {len(effects.hinges)}"
         )
-    for (stiffness, damping), (first, second) in zip(effects.hinges, itertools.pairwise(links), strict=False):
+    for (stiffness, damping), (first, second) in zip(effects.hinges, joints, strict=False):
         space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
-
-
-def _add_obstacle(
-    space: pymunk.Space, mechanism: Mechanism, body: pymunk.Body, obstacle: Obstacle
-) -> list[pymunk.Shape]:
-    """Add the shapes of an obstacle and of the last link, which the engine ignores until they are engaged."""
-    last = mechanism.links[-1]
-    corners = [(x - last.centre[0], y - last.centre[1]) for x, y in ((0.0, 0.0), *last.knees, last.tip)]
-    shapes = obstacle.shapes(space, body, corners)
-    for shape in shapes:
-        shape.filter = _NOWHERE
-        shape.friction = 1.0
-        shape.elasticity = 1.0
-    space.add(*shapes)
-    return shapes
 
 
 def _flight_iterations(links: Sequence[Link]) -> int:
     """Return the number of iterations that solve the joints to rounding.
 
-    One joint is solved exactly at once. Along a link the joints at its ends share all of its response, so that each
-    iteration leaves 1/(1 + r) of the error, r being the link's mass over the next one's; errors cross longer chains link
-    by link.
+    The joints at the ends of a link share its response, most of it along a straight chain: 1/m of a link of mass m joins two
+    joints, each of which yields by the sum of it and that of its other link, the root's by its one link alone. Of the matrix
+    with these entries, divided by the roots of its diagonal, an iteration (Gauss and Seidel's) leaves the square of the
+    largest eigenvalue of what is off the diagonal: 1/(1 + r) for two links, r being the first one's mass over the second's.
     """
     if len(links) == 1:
         return 1
-    ratio = min(link.mass / after.mass for link, after in itertools.pairwise(links))
-    rounds = 2.0 - SOLVED / math.log1p(ratio) * (len(links) - 1) ** 2
-    return math.ceil(min(rounds, MOST_ITERATIONS))
+    yielding = 1.0 / np.array([link.mass for link in links])
+    diagonal = yielding + np.append(0.0, yielding[:-1])
+    shared = yielding[:-1] / np.sqrt(diagonal[:-1] * diagonal[1:])
+    largest = eigvalsh(np.diag(shared, 1) + np.diag(shared, -1))[-1]
+    return math.ceil(min(2.0 + SOLVED / math.log(min(largest**2, 1.0 - 1e-9)), MOST_ITERATIONS))

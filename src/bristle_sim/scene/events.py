@@ -44,11 +44,11 @@ def interpolate(start: State, end: State, fraction: float) -> State:
     return State(start.time + fraction * length, angles, rates)
 
 
-def turns(mechanism: Mechanism, start: State, end: State) -> list[State]:
-    """Where, on the cubic, the first link turns back relative to the hub within the interval."""
+def turns(mechanism: Mechanism, start: State, end: State, link: int = 0) -> list[State]:
+    """Return where, on the cubic, a wire's first link turns back relative to the hub within the interval."""
     length, speed = end.time - start.time, mechanism.hub_speed
-    rate_0, rate_1 = ((state.rates[0] - speed) * length for state in (start, end))
-    way = end.angles[0] - start.angles[0] - speed * length
+    rate_0, rate_1 = ((state.rates[link] - speed) * length for state in (start, end))
+    way = end.angles[link] - start.angles[link] - speed * length
     # Of the derivative in the fraction s of the interval: half the slope at s = 0, and the curvature.
     half, curve = 3.0 * way - 2.0 * rate_0 - rate_1, 3.0 * (rate_0 + rate_1) - 6.0 * way
     square = half * half - curve * rate_0

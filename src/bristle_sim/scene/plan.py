@@ -22,7 +22,8 @@ class Plan:
         stop_after: name of an event that ends the run.
         longest_interval: upper bound of the distance between samples.
         maximum_steps: work after which the run gives up, in engine steps of few iterations.
-        retraction_limit: largest angle of the first link relative to the hub, rad.
+        retraction_limit: largest angle of a wire's first link relative to the hub, rad.
+        time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
     """
 
     end: float
@@ -31,20 +32,23 @@ class Plan:
     longest_interval: float = math.inf
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
+    time_scale: float = 1.0
 
 
 @dataclass(slots=True)
 class Recording:
     """What a run leaves behind, in engine units; ``seconds`` are wall clock and processor time.
 
-    ``inner`` are states between ``states`` that a sustained contact's geometry gives.
+    ``event_wires`` and ``contact_wires`` are the numbers of the wires whose events and contacts they are; ``inner`` are states between ``states`` that a sustained contact's geometry gives.
     """
 
     states: list[State] = field(default_factory=list)
-    forces: list[float] = field(default_factory=list)
+    forces: list[float | tuple[float, ...]] = field(default_factory=list)
     inner: list[State] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     contacts: list[ContactRecord] = field(default_factory=list)
+    event_wires: list[tuple[int, ...]] = field(default_factory=list)
+    contact_wires: list[tuple[int, ...]] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
     stop_detail: str = ""

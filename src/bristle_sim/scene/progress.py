@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,11 +13,11 @@ from bristle_sim.scene.changes import Changes
 from bristle_sim.scene.contact_laws import ContactLaw
 from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.obstacles import Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.stepping import Stepper
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import Event
+from bristle_sim.trajectory import ContactRecord, Event
 
 __all__ = ["Progress", "Rebound"]
 
@@ -23,20 +25,21 @@ __all__ = ["Progress", "Rebound"]
 class Rebound(NamedTuple):
     """The last rebound: from which obstacle, when, and how fast the contact point left."""
 
-    obstacle: str
+    obstacle: Obstacle
     time: float
     speed: float
 
 
 @dataclass(slots=True)
 class Progress:
-    """What is common to the contact states of one run.
+    """What is common to the smooth motions of one run.
 
     Attributes:
         scene, stepper, law, plan: of the run.
         state: the last state that was reached.
-        gaps: between the last link and the obstacles.
+        gaps: between links and what they can touch.
         changes: signs of the event functions.
+        obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
         recording: what the run leaves behind.
         rebound: the last rebound, if there was one.
     """
@@ -48,6 +51,7 @@ class Progress:
     state: State
     gaps: Gaps
     changes: Changes
+    obstacles: list[Obstacle]
     recording: Recording
     rebound: Rebound | None = None
 
@@ -59,9 +63,10 @@ class Progress:
             ValueError: if the start overlaps an obstacle.
         """
         gaps, changes = Gaps(scene.mechanism, start), Changes(scene, stepper, plan.accuracy)
-        progress = cls(scene, stepper, law, plan, start, gaps, changes, Recording())
+        obstacles = list(scene.effects.obstacles)
+        progress = cls(scene, stepper, law, plan, start, gaps, changes, obstacles, Recording())
         progress.sample(0.0)
-        for obstacle in scene.effects.obstacles:
+        for obstacle in obstacles:
             gap = gaps.gap(obstacle, start)
             if gap < -GAP_ROUNDING:
                 raise ValueError(
@@ -82,28 +87,109 @@ class Progress:
     @property
     def first_interval(self) -> float:
         """Longest interval right after a contact, and the least that the growth of later ones starts from."""
-        return min(1e-2, max(1e-5, math.sqrt(self.plan.accuracy)))
+        return min(1e-2, max(1e-5, math.sqrt(self.plan.accuracy))) * self.plan.time_scale
+
+    @property
+    def slow(self) -> float:
+        """Speed below which the rest of an approach or of a rebound is not followed."""
+        return CAPTURE * self.mechanism.speed_bound(self.state)
 
     def touches(self, obstacle: Obstacle) -> bool:
-        """Whether the link is on an obstacle, but for rounding."""
+        """Whether a link is on an obstacle, but for rounding."""
         return abs(self.gaps.gap(obstacle, self.state)) <= GAP_ROUNDING
 
-    def sample(self, force: float) -> None:
-        """Record the state that was reached, with the normal force."""
+    def in_dent(self, obstacle: Obstacle) -> Obstacle:
+        """Return the pair with its surface at the ground of the dent that a contact resolved in time has left the tip in."""
+        gap = self.gaps.gap(obstacle, self.state)
+        if gap >= -self.plan.accuracy or not isinstance(obstacle, WorkpartObstacle):
+            return obstacle
+        ground = dataclasses.replace(obstacle, depth=obstacle.depth - gap)
+        self.obstacles[self.obstacles.index(obstacle)] = ground
+        return ground
+
+    def dents(self) -> list[tuple[int, Obstacle]]:
+        """Return the pairs whose tips are in dents, as they are outside, with their numbers."""
+        outside = enumerate(self.scene.effects.obstacles)
+        return [(number, each) for number, each in outside if self.obstacles[number] is not each]
+
+    def neighbour(self, obstacle: Obstacle, step: int) -> Obstacle | None:
+        """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
+        link, size = obstacle.link + step, self.mechanism.wire_links
+        if obstacle.link < 0 or obstacle.partner is not None or link // size != obstacle.link // size:
+            return None
+        return next((each for each in self.obstacles if (each.name, each.link) == (obstacle.name, link)), None)
+
+    def behind_joint(self, obstacle: Obstacle, active: Sequence[Obstacle]) -> bool:
+        """Whether a link is nearest to what its neighbour is in contact with at the joint that both have."""
+        foot = None
+        for step, past in ((-1, 0), (1, 1)):
+            beside = self.neighbour(obstacle, step) if active else None
+            if beside in active:
+                foot = foot or obstacle.foot(self.gaps.poses(self.state)[obstacle.link])
+                if (foot[past] <= AT_JOINT) if past == 0 else (foot[past] >= -AT_JOINT):
+                    return True
+        return False
+
+    def at_joint(self, obstacle: Obstacle) -> Obstacle:
+        """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
+        lower = self.neighbour(obstacle, -1)
+        if lower is None or obstacle.foot(self.gaps.poses(self.state)[obstacle.link])[0] > 0.0:
+            return obstacle
+        return lower
+
+    def cubic_error(self, length: float) -> float:
+        """Return how far the cubic through the ends of an interval may be off a motion of the shortest time scale."""
+        return 0.0 if self.plan.time_scale == 1.0 else VIBRATION * length * (length / self.plan.time_scale) ** 3
+
+    def sample(self, force: float | tuple[float, ...]) -> None:
+        """Record the state that was reached, with the normal force, of each wire if there are several."""
         self.recording.states.append(self.state)
         self.recording.forces.append(force)
 
-    def event(self, name: str, time: float) -> None:
-        """Record an event, which may be the one that ends the run."""
-        self.recording.events.append(Event(name, time))
-        if name == self.plan.stop_after:
-            self.stop(FINAL.get(name, StopReason.EVENT))
+    def wires_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+        """Return the numbers of the wires that take part in a contact."""
+        own, size = obstacle.link % len(self.mechanism.links), self.mechanism.wire_links
+        return (own // size,) if obstacle.partner is None else (own // size, obstacle.partner // size)
+
+    def event(self, name: str, time: float, wires: Sequence[int] = (0,)) -> None:
+        """Record an event of some wires; the run ends once every wire has had the one that is to end it."""
+        record = self.recording
+        record.events.append(Event(name, time))
+        record.event_wires.append(tuple(wires))
+        if name in FINAL and name == self.plan.stop_after:
+            self.stop(FINAL[name])
+        elif name == self.plan.stop_after:
+            happened = {wire for each, of in zip(record.events, record.event_wires, strict=True) if each.name == name for wire in of}
+            if len(happened) == self.mechanism.wires:
+                self.stop(StopReason.EVENT)
+
+    def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
+        """Record a contact."""
+        self.recording.contacts.append(record)
+        self.recording.contact_wires.append(self.wires_of(obstacle))
+
+    def touched(self, obstacle: Obstacle) -> bool:
+        """Whether a pair's wire has been in contact with the obstacle of that name."""
+        wire, record = self.wires_of(obstacle)[0], self.recording
+        pairs = zip(record.contacts, record.contact_wires, strict=True)
+        return any(each.obstacle == obstacle.name and wire in wires for each, wires in pairs)
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
         """End the run, for a reason and with what a law says about it; the first reason counts."""
         if not self.stopped:
             self.recording.stop_reason, self.recording.stop_detail = reason, detail
 
+
+CAPTURE = 1e-8
+"""An impact slower than this fraction of the fastest point's speed takes the rest of the approach away: repeated taps of
+a restitution below 1 add up in finite time."""
+
+AT_JOINT = 1e-9
+"""Fraction of a link within which a foot on it is at its end."""
+
+VIBRATION = 0.01
+"""Error of the cubic in the scene's unit, per fourth power of the interval and third power of the fastest rate: of a rate of
+1 at that frequency, h^4 w^3/384 times some safety."""
 
 FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
 """Events after which a run cannot be resumed, requested or not."""

@@ -17,7 +17,7 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.engine_contact import LEAST_LEVER, set_back
 from bristle_sim.scene.events import locate
 from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.gaps import GAP_ROUNDING
+from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.tool import METHOD, build_tool, simulate
@@ -75,6 +75,10 @@ def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_aft
     """
     tool, before = simulated_with(trajectory)
     _check(trajectory, stop_after)
+    if tool.bristle.links > 1:
+        raise ValueError(
+            f"trajectory of a wire of {tool.bristle.links} links: must be one of a rigid bristle to be resumed (wire_links = 1)"
+        )
     settings = before if settings is None else settings
     if not isinstance(settings, Settings):
         raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
@@ -158,7 +162,7 @@ def _clear(scene: Scene, state: State, accuracy: float, trajectory: Trajectory) 
         else:
             kept.append(obstacle.name)
         if _touch(scene, state, obstacle).gap <= GAP_ROUNDING:
-            state = _pressed(scene, set_back(scene.mechanism, obstacle, state), obstacle)
+            state = _pressed(scene, set_back(Gaps(scene.mechanism, state), [obstacle], state), obstacle)
     return state, kept
 
 

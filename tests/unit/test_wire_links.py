@@ -1,0 +1,50 @@
+"""The links that a bristle is cut into: their masses, and that they make the whole bristle again."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Bristle
+from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.units import Units
+from bristle_sim.scene.wire_links import wire_hinges, wire_links
+
+SIZE = Units(0.027, 8.387e-5, 1.0)
+"""The units that the links are in."""
+
+
+@pytest.mark.parametrize("links", [1, 2, 3, 8, 64])
+@pytest.mark.parametrize(("position", "angle"), [(0.75, 0.0), (0.75, 30.0), (0.5, -90.0), (0.017, 45.0)])
+def test_links_make_the_whole_bristle(links: int, position: float, angle: float) -> None:
+    """Mass, centre of mass, inertia and tip are the bristle's when all links have one angle; lengths are equal.
+
+    Rounding of the sums over 64 links, each of places of order 1 that were cut out of the path.
+    """
+    bristle = Bristle(links=links, knee_position=position, knee_angle_deg=angle)
+    cut = wire_links(bristle)
+    poses = Mechanism(cut).poses(State(0.0, (0.0,) * links, (0.0,) * links))
+    mass = np.array([link.mass for link in cut])
+    centre = np.array([pose.centre for pose in poses])
+    inertia = sum(link.inertia for link in cut) + float(mass @ (centre**2).sum(axis=1))
+    assert mass == pytest.approx(np.full(links, 1.0 / links), rel=1e-11)
+    assert mass @ centre == pytest.approx(np.array(bristle.centre) / SIZE.length, abs=1e-12)
+    assert inertia * SIZE.mass * SIZE.length**2 == pytest.approx(bristle.inertia_about_root, rel=1e-12)
+    assert np.array(poses[-1].tip) == pytest.approx(np.array(bristle.tip) / SIZE.length, abs=1e-12)
+    for link in cut:
+        length = sum(math.dist(a, b) for a, b in itertools.pairwise(((0.0, 0.0), *link.knees, link.tip)))
+        assert length == pytest.approx(1.0 / links, rel=1e-10)
+    # A knee is inside a link, unless it is at a joint.
+    at_joint = math.isclose(position * links, round(position * links))
+    assert sum(len(link.knees) for link in cut) == (0 if angle == 0.0 or at_joint else 1)
+
+
+def test_hinges() -> None:
+    """k = E I_a n/L = 2e11 pi 7.1e-4^4/64 8/0.027 = 0.739 N m/rad, c = 2 zeta k/omega_1 with the beam's 3062.1 Hz."""
+    assert wire_hinges(Bristle(), 0.02, SIZE) == ()
+    hinges = wire_hinges(Bristle(links=8, bending_damping_ratio=0.1), math.degrees(0.00041), SIZE)
+    stiffness = 2e11 * math.pi * 7.1e-4**4 / 64.0 * 8.0 / 0.027
+    damping = 0.2 * stiffness / (math.tau * 3062.10)
+    assert len(hinges) == 7
+    assert hinges[3] == pytest.approx((stiffness / SIZE.energy, damping / SIZE.angular_damping), rel=5e-6)
