@@ -9,7 +9,7 @@ positive in the hub's sense of rotation; a bristle at angle phi points from its 
 """
 
 from bristle_sim.parameters.bristle import WIRE_KEYS, Bristle
-from bristle_sim.parameters.experiments import Comparison, DoublePendulum, Release, SinglePendulum, Strike
+from bristle_sim.parameters.experiments import Comparison, DoublePendulum, Neighbours, Release, SinglePendulum, Strike
 from bristle_sim.parameters.surroundings import RETRACTION_AT_RELEASE, Bar, Contact, Surface, Workpart
 from bristle_sim.parameters.tool import PARTS, PRINTED_BELT_STIFFNESS, Belt, Hub, Tool, operating_point
 
@@ -25,6 +25,7 @@ __all__ = [
     "Contact",
     "DoublePendulum",
     "Hub",
+    "Neighbours",
     "Release",
     "SinglePendulum",
     "Strike",
