@@ -110,7 +110,7 @@ def row_view(tool: Tool, lines: Sequence[Array], aspect: float) -> View:
         points.append(np.array(tool.bar.centre) - tool.bar.radius)
     if tool.workpart is not None:
         points.append(np.array([0.0, -tool.workpart_depth - BELOW]))
-    return View.around([MILLIMETRES * each for each in points], aspect, 0.03)
+    return View.around([MILLIMETRES * each for each in points], aspect, 0.06)
 
 
 def _draw_row(axes: Axes, row: Row, time: float, aspect: float) -> None:

@@ -19,7 +19,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
-from bristle_sim.studies.least_pitch import least_pitch
+from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
 from bristle_sim.studies.strike_results import require_result, state_at_strike
 from bristle_sim.trajectory import Trajectory
 
@@ -44,6 +44,9 @@ SAMPLES_PER_PERIOD = 150
 
 MOST_SAMPLES = 5000
 """Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
+
+LARGEST = math.pi / 2.0
+"""Pitch from which the search goes down, rad."""
 
 BEYOND = 1e-6
 """How far above a least pitch the search for a smaller one begins, rad: a thousand times what it is good to."""
@@ -90,8 +93,10 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     """Find the least pitches by theory and on simulated rows, and simulate one row at its pitch.
 
     Raises:
-        ValueError: if the hub stands still, wires touch at the start or a quarter turn apart, or a run is given up.
+        ValueError: if the hub stands still, wires touch at the start, or a run is given up.
     """
+    if not tool.hub.speed:
+        raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
     bristles = _simulated(tool, row, settings, row.pitch_deg)
     lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
     found = Row(tool, row, settings, bristles, lone, _least_pitches(tool, lone))
@@ -151,10 +156,10 @@ def _simulated(tool: Tool, row: Neighbours, settings: Settings, pitch: float, **
 
 
 def _least_pitches(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
-    """Return the theoretical least pitches, from the narrowest; none for a motion that takes too long to search."""
+    """Return the theoretical least pitches, from the narrowest; none where ``_unsearched`` says why."""
     contact = lone.first_contact("workpart")
     strike = None if contact is None else contact.time
-    found, largest = [], math.pi / 2.0
+    found, largest, searched = [], LARGEST, not _unsearched(tool, lone)
     # Each counts fewer touches than the one before, so that its pitch is smaller.
     for words, until, own in (
         ("whole_pass", float(lone.time[-1]), False),
@@ -162,12 +167,21 @@ def _least_pitches(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
         ("to_strike", strike, False),
     ):
         theory = None
-        if until is not None and lone.time.size <= MOST_SAMPLES:
+        if until is not None and searched:
             largest = least_pitch(lone, tool.bristle.wire_diameter, until=until, of_follower=own, largest=largest)
             theory = math.degrees(largest)
             largest += BEYOND
         found.append(LeastPitch(f"least_pitch_{words}_deg", until, own, theory))
     return tuple(reversed(found))
+
+
+def _unsearched(tool: Tool, lone: Trajectory) -> str:
+    """Return the reason why no least pitch is searched; empty if it is."""
+    if lone.time.size > MOST_SAMPLES:
+        return "the pass has too many oscillations of the bristle on its belt"
+    if nearest_approach(LonePass(lone), LARGEST, float(lone.time[-1]))[0] <= tool.bristle.wire_diameter:
+        return f"wires touch each other even {math.degrees(LARGEST):g} deg apart"
+    return ""
 
 
 def _searched(row: Row, least: LeastPitch, reference: float | None) -> Quantity:
@@ -231,7 +245,11 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]
     independent = dict.fromkeys(STATE) if reference is None else strike_values(row.tool, reference)
     for name, unit in STATE.items():
         value = theory[name] if independent[name] is None else independent[name]
-        tolerance = 10.0 * row.settings.accuracy if judged and value else None
+        tolerance = None
+        if judged and value:
+            # Errors are relative to angles of a radian, and to the strike of a bristle alone.
+            size = math.degrees(1.0) if name == "lag_deg_at_contact" else abs(theory[name] or value)
+            tolerance = 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
         found.append(Quantity(name, unit, own[name], theory[name], independent[name], tolerance=tolerance))
     return found
 
@@ -245,8 +263,8 @@ def _remarks(row: Row) -> tuple[str, ...]:
         "least pitches: simulated with two bristles, theory by the motion of one alone; counted are touches until the bristle"
         " in front strikes, until the follower itself does, and in the whole pass"
     )
-    if row.lone.time.size > MOST_SAMPLES:
-        counted = "least pitches: not searched, as the pass has too many oscillations of the bristle on its belt"
+    if reason := _unsearched(row.tool, row.lone):
+        counted = f"least pitches: not searched, as {reason}"
     return (
         f"bristle {row.neighbours.bristles} {touches}, and {strike}",
         counted,
