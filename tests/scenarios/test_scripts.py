@@ -191,6 +191,19 @@ PROMISES = {
         quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-4"),
         strikes=False,
     ),
+    "neighbours": Promise(
+        (
+            "least_pitch_to_strike_deg",
+            "least_pitch_whole_pass_deg",
+            "wire_contacts",
+            "relative_speed_at_contact",
+            "lag_deg_at_contact",
+            "normal_final_impulse",
+        ),
+        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
+        quick=("--set", "search=no"),
+        film=("bristle_sim.render.row_video", "row_video"),
+    ),
     "whole_tool": Promise(
         (
             "impact_rate",

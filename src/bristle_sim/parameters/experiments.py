@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.quantity import ANY, Declared, choice, quantity
+from bristle_sim.quantity import ANY, Declared, choice, count, quantity
 
 
 def speed_ratio_at_strike() -> Any:
@@ -177,6 +177,54 @@ class DoublePendulum(Declared):
         at_most=1e9,
         source="Zhang 2020, fig. 2.28; negative approaches",
         meaning="rate of the second rod before the impact; negative approaches",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Neighbours(Declared):
+    """Bristles that follow each other in one plane, and how two wires that touch rub and rebound."""
+
+    bristles: int = count(
+        2,
+        "bristles",
+        at_least=2,
+        at_most=12,
+        source="chosen: one bristle and its follower",
+        meaning="number of bristles in the row; the quantities at a pitch are those of the last one",
+    )
+    pitch_deg: float = quantity(
+        15.0,
+        "pitch_deg",
+        "deg",
+        above=0.0,
+        at_most=180.0,
+        source="chosen: the wires touch at the bar, and again before the last one strikes",
+        meaning="angle about the hub from one bristle to the next",
+    )
+    friction: float = quantity(
+        0.31,
+        "neighbour_friction",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source="assumed: steel on steel, as between tip and workpart",
+        meaning="coefficient of friction between two wires",
+    )
+    restitution: float = quantity(
+        0.42,
+        "neighbour_restitution",
+        "1",
+        at_least=0.0,
+        at_most=1.0,
+        source="assumed: steel on steel, as between tip and workpart",
+        meaning="energetic coefficient of restitution between two wires",
+    )
+    search: str = choice(
+        "yes",
+        "search",
+        ("yes", "no"),
+        source="chosen: it takes some twenty rows of two bristles",
+        meaning="whether the least pitches are also searched on simulated rows",
     )
 
 

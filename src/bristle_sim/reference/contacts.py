@@ -19,7 +19,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.reference.row import Row
 
-__all__ = ["Bar", "Point", "Spring", "Surface", "Touch", "Workpart", "dot", "follows", "obstacles_of"]
+__all__ = ["Bar", "Point", "Spring", "Surface", "Touch", "Workpart", "dot", "follows", "obstacles_of", "touch_of"]
 
 Reals = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ class Spring:
         return self.stiffness / self.restitution**2 * (penetration - self.left) if self.restitution else 0.0
 
 
-def _touch(
+def touch_of(
     chain: Chain | Row,
     motion: Kinematics,
     link: int,
@@ -154,7 +154,7 @@ class Bar:
         surface = self.centre + (distance - self.wire_radius) * normal
         # The place of contact stays on the bar, whose normal turns at ``spin``.
         moving = 1j * spin * normal * (distance - self.wire_radius)
-        return _touch(chain, motion, link, distance - self.reach, normal, surface, spin, moving)
+        return touch_of(chain, motion, link, distance - self.reach, normal, surface, spin, moving)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,7 +174,7 @@ class Workpart:
         link = chain.pieces[point.piece].link
         tip = complex(self._tips(chain, motion)[chain.tips.index(point.piece)])
         moving = motion.velocity[link] + 1j * motion.rates[link] * (tip - motion.joint[link])
-        return _touch(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
+        return touch_of(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
 
     @staticmethod
     def _tips(chain: Chain | Row, motion: Kinematics) -> NDArray[np.complex128]:

@@ -162,6 +162,7 @@ def _radial(bristles: Sequence[Chain]) -> State:
 
 
 def _check(tool: Tool, bristles: int, pitch: float, stop_after: str | None) -> None:
+    """Refuse bristles that are not rigid and straight, a row that does not fit the hub, and events that do not stop it."""
     if tool.bristle.links != 1 or len(tool.bristle.path) != 1:
         raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, without a knee, in a row (dimensionless)")
     if bristles < 1 or bristles != int(bristles):

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.reference.contacts import Point, Surface, Touch, dot
+from bristle_sim.reference.contacts import Point, Surface, Touch, dot, touch_of
 from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.reference.row import Row
 
@@ -70,39 +70,14 @@ class Wires:
             spin = dot(1j * normal, complex(carried[0] - carried[1])) / place.distance
         reach = (0.5 - end) * self.diameter * normal
         contact, moving = complex(ends[end] - reach), complex(carried[end] - 1j * spin * reach)
-        return self._touch(row, motion, (first, second), place.distance, normal, contact, spin, moving)
-
-    def _touch(
-        self,
-        row: Chain | Row,
-        motion: Kinematics,
-        pair: tuple[int, int],
-        distance: float,
-        normal: complex,
-        contact: complex,
-        spin: float,
-        moving: complex,
-    ) -> Touch:
-        """Assemble the contact from its normal and place, and how both move."""
-        tangent, arms = -1j * normal, [contact - motion.joint[each] for each in pair]
-        rows = [
-            row.jacobian(motion, pair[0], arms[0], along) - row.jacobian(motion, pair[1], arms[1], along)
-            for along in (normal, tangent)
-        ]
-        velocities = [
-            motion.velocity[each] + 1j * motion.rates[each] * arm for each, arm in zip(pair, arms, strict=True)
-        ]
-        changes = [
-            motion.acceleration[each] + 1j * motion.rates[each] * (moving - motion.velocity[each]) for each in pair
-        ]
-        velocity, change = complex(velocities[0] - velocities[1]), complex(changes[0] - changes[1])
-        bias = [dot(1j * spin * along, velocity) + dot(along, change) for along in (normal, tangent)]
+        gap = place.distance - self.diameter
+        front, back = (touch_of(row, motion, link, gap, normal, contact, spin, moving) for link in wires)
         return Touch(
-            distance - self.diameter,
-            rows[0],
-            rows[1],
-            (dot(normal, velocity), dot(tangent, velocity)),
-            (bias[0], bias[1]),
+            gap,
+            front.normal_row - back.normal_row,
+            front.tangential_row - back.tangential_row,
+            (front.velocity[0] - back.velocity[0], front.velocity[1] - back.velocity[1]),
+            (front.bias[0] - back.bias[0], front.bias[1] - back.bias[1]),
         )
 
     @staticmethod

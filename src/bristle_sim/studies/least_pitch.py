@@ -18,7 +18,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.trajectory import Trajectory
 
 PITCH_STEP = math.radians(0.25)
-"""Between the pitches that are tried one after the other, rad; local minima of the distance between them are refined."""
+"""Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
 
 PITCH_TOLERANCE = 1e-9
 """Error of the least pitch, rad: 6e-8 deg."""
@@ -158,19 +158,21 @@ def least_pitch(
         delay = pitch / trajectory.hub_speed if of_follower else 0.0
         return nearest_approach(lone, pitch, min(end + delay, last))[0] - wire_diameter
 
-    pitch, open_gap, wider = largest, gap(largest), math.inf
+    pitch, open_gap, wider, before = largest, gap(largest), math.inf, largest
+    # m/rad: the follower lags by pitch/omega, and no point of it moves faster.
+    steepest = float(np.linalg.norm(trajectory.centre_line_velocity, axis=-1).max()) / trajectory.hub_speed
     if open_gap <= 0.0:
         raise ValueError(
             f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
         )
     # Ends at the latest where the next wire would stand in this one.
     while True:
-        narrower = max(pitch - PITCH_STEP, 0.0)
+        narrower = max(pitch - max(PITCH_STEP, open_gap / steepest), 0.0)
         closed = gap(narrower)
         if closed > 0.0 and wider > open_gap < closed:
-            depth, deepest = _minimum(gap, narrower, pitch + PITCH_STEP)
+            depth, deepest = _minimum(gap, narrower, before)
             if depth <= 0.0:
-                return float(brentq(gap, deepest, pitch + PITCH_STEP, xtol=PITCH_TOLERANCE))
+                return float(brentq(gap, deepest, before, xtol=PITCH_TOLERANCE))
         if closed <= 0.0:
             return float(brentq(gap, narrower, pitch, xtol=PITCH_TOLERANCE))
-        pitch, wider, open_gap = narrower, open_gap, closed
+        pitch, before, wider, open_gap = narrower, pitch, open_gap, closed

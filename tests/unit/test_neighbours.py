@@ -1,0 +1,125 @@
+"""A row of bristles: least pitches searched on simulated rows, and what a neighbour's touch does to the strike."""
+
+import dataclasses
+import functools
+import math
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Neighbours, Tool, Workpart
+from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_place
+from bristle_sim.render.row_video import RowScene
+from bristle_sim.settings import Settings
+from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
+
+ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "normal_final_impulse": 2.751e-3}
+"""The strike of a bristle without neighbours, which two integrations agree on."""
+
+
+@functools.cache
+def report(search="no", with_reference=False, **row):
+    return neighbours(Tool(), Neighbours(search=search, **row), Settings(), with_reference=with_reference)
+
+
+def rows(**options):
+    return {each.name: each for each in report(**options).quantities}
+
+
+def test_least_pitches_on_simulated_rows():
+    """Theory to 0.05 deg, which is 16.4 deg to the strike and some 46 in the whole pass, undamped."""
+    found = rows(search="yes")
+    for name, known, within in (("to_strike", 16.4, 0.05), ("whole_pass", 46.0, 0.5)):
+        row = found[f"least_pitch_{name}_deg"]
+        assert row.simulated == pytest.approx(known, abs=within)
+        assert abs(row.simulated - row.theory) <= 0.05
+    own = found["least_pitch_to_own_strike_deg"]
+    assert found["least_pitch_to_strike_deg"].theory < own.theory == pytest.approx(own.simulated, abs=0.05)
+
+
+def test_a_bristle_that_touches_nobody_strikes_as_if_alone():
+    """Ten times the accuracy of 1e-6, of a lag that is the difference of angles twenty times as large."""
+    found = rows(pitch_deg=50.0)
+    assert found["wire_contacts"].simulated == 0
+    for name, value in ALONE.items():
+        assert found[name].simulated == pytest.approx(value, rel=2e-4)  # of which four digits are known
+        assert found[name].simulated == pytest.approx(found[name].theory, rel=2e-4 if "lag" in name else 1e-5)
+
+
+def test_a_touch_before_the_strike_spoils_it_as_the_reference_says():
+    """To ten times the accuracy of 1e-6, with wires that stay in contact; the touch takes more than half of the impulse."""
+    found = rows(with_reference=True, pitch_deg=10.0)
+    assert found["wire_contacts"].simulated == found["wire_contacts"].reference > 0
+    for name in ALONE:
+        assert found[name].ok
+    assert found["normal_final_impulse"].simulated < 0.5 * ALONE["normal_final_impulse"]
+
+
+def test_over_the_pitch_the_strike_changes_where_theory_says():
+    subject = report().subject
+    least = next(each.by_theory for each in subject.least if each.of_follower)
+    found = over_pitch(subject, [least - 0.05, least + 0.05])
+    below, above = found["relative_speed_at_contact"]
+    assert below < 0.5 * ALONE["relative_speed_at_contact"] < above
+
+
+def test_the_series_has_every_bristle():
+    series = row_series(report(bristles=3, pitch_deg=50.0).subject)
+    assert {f"relative_angle_{number} (rad)" for number in (1, 2, 3)} <= set(series)
+    assert len({len(column) for column in series.values()}) == 1
+
+
+def test_a_pass_without_a_strike():
+    """The workpart is out of reach: the whole pass has a least pitch, the strike has none."""
+    out_of_reach = Tool(workpart=Workpart(penetration=-0.01))
+    found = neighbours(out_of_reach, Neighbours(search="no"), Settings())
+    values = {each.name: each for each in found.quantities}
+    assert found.outcome == "no contact"
+    assert values["least_pitch_to_strike_deg"].theory is None
+    assert values["least_pitch_whole_pass_deg"].theory > 0.0
+    assert [words for words, _ in instants(found.subject)] == ["first touch", "last touch"]
+
+
+def test_bad_input_in_one_line():
+    with pytest.raises(ValueError, match=r"^pitch"):
+        report(pitch_deg=1.0)
+    with pytest.raises(ValueError, match=r"^bristles = 1.0: must be a whole number from 2 to 12"):
+        Neighbours(bristles=1)
+
+
+class TestPictures:
+    def test_the_figure_shows_two_touches_and_the_least_pitches(self):
+        subject = report().subject
+        (first, begin), (second, later) = instants(subject)
+        assert (first, second) == ("first touch", "last touch before bristle 2 strikes")
+        assert begin < later < subject.bristles[1].event_time("strike")
+        pitches = pitches_to_draw(subject)[:3]
+        strikes = {name: np.array([1.0, 2.0, math.nan]) * size for name, size in ALONE.items()}
+        figure = neighbours_figure(subject, pitches, strikes)
+        words = " ".join(text.get_text() for legend in figure.legends for text in legend.get_texts())
+        assert all(each in words for each in ("16.42°", "18.69°", "46.13°", "bristle alone"))
+
+    def test_where_wires_touch(self):
+        """The end of one wire 0.7 mm above the middle of the other one: midway between the centre lines."""
+        flat = np.array([[0.0, 0.0], [0.02, 0.0]])
+        upright = np.array([[0.01, 0.03], [0.01, 7e-4]])
+        assert touch_place(flat, upright, 7e-4) == pytest.approx([0.01, 3.5e-4])
+        assert touch_place(upright, flat, 7e-4) == pytest.approx([0.01, 3.5e-4])
+        assert touch_place(flat, upright + np.array([0.0, 1e-4]), 7e-4) is None
+
+    def test_the_film_marks_touches_and_says_how_fast_the_spoilt_strike_is(self):
+        subject = report().subject
+        scene = RowScene(subject, 160, 120, 4.0)
+        strike = subject.bristles[1].first_contact("workpart")
+        touch = [
+            each.time for each in subject.bristles[1].events if each.name == "wire touch" and each.time < strike.time
+        ][-1]
+        scene.show(float(scene.warp.film_time(touch)) + 0.01)
+        assert len(scene.ring.get_xdata()) == 1
+        scene.show(float(scene.warp.film_time(strike.time)) + 0.01)
+        rate = strike.rates_before[0] - Tool().hub.speed
+        assert scene.caption.get_text() == f"bristle 2 strikes at {rate:.0f} rad/s relative to the hub"
+
+    def test_a_row_that_touches_nobody_can_be_drawn(self):
+        subject = dataclasses.replace(report(pitch_deg=50.0).subject)
+        assert [words for words, _ in instants(subject)] == ["bristle 1 strikes", "bristle 2 strikes"]
