@@ -9,17 +9,19 @@ from __future__ import annotations
 import dataclasses
 import textwrap
 import time as clock
+import tomllib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib import resources
 from itertools import zip_longest
 
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.dissertation.audit_crater import crater_rows
-from bristle_sim.dissertation.audit_force import force_rows
-from bristle_sim.dissertation.audit_impact import impact_rows
-from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
-from bristle_sim.dissertation.audit_tool import tool_rows
+from bristle_sim.dissertation.audit_crater import crater_figures
+from bristle_sim.dissertation.audit_force import force_figures
+from bristle_sim.dissertation.audit_impact import impact_figures
+from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow, Found, audit_row
+from bristle_sim.dissertation.audit_tool import tool_figures
 from bristle_sim.quantity import Declared, choice
 
 WIDTH = 100
@@ -44,7 +46,10 @@ class AuditView(Declared):
 
 def audit_rows() -> tuple[AuditRow, ...]:
     """Return all rows of the audit (see AuditRow); numbers are finite, places unique."""
-    return (*tool_rows(), *impact_rows(), *force_rows(), *crater_rows())
+    text = resources.files("bristle_sim.dissertation").joinpath("audit.toml").read_text(encoding="utf-8")
+    entries = tomllib.loads(text)["row"]
+    figures = {**tool_figures(), **impact_figures(), **force_figures(), **crater_figures()}
+    return tuple(audit_row(each, figures.get(each["where"], Found(None))) for each in entries)
 
 
 def audit_report(view: AuditView) -> Report:
