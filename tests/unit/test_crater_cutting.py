@@ -155,7 +155,7 @@ def contact(duration=2e-5, samples=20_001, mu=0.31):
     }
 
 
-def test_contact_ledger():
+def test_a_contact_adds_up():
     crater = crater_depth_from_contact(**contact(), shear_yield_stress=1.2e8)
     energy = 0.5 * MASS * SPEED**2
     # Trapezoids over 10001 samples of a quarter period: (pi/2/1e4)^2/12 = 2e-9.

@@ -17,7 +17,7 @@ SCRIPTS = sorted((ROOT / "scenarios").glob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 RANKS = {
-    "arrays": 0,
+    "arrays": -1,
     "quantity": 0,
     "files": 0,
     "force_file": 1,

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bristle_sim.render.drawing import View
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import panel_title, say
 from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.bent_bristles import BentBristles, Slide, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 WIDTH, HEIGHT = 16.0, 17.2
 """Printed size, cm."""
@@ -73,7 +73,7 @@ def _head(figure: Figure, bent: BentBristles) -> None:
 def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
     """Draw the wire at the strike, and the tip's path from before it to after it."""
     run, colour = bent.trajectories[shape], COLOURS[shape]
-    motion = Motion(run)
+    motion = SampledMotion(run)
     end = contact.time + contact.duration
     origin = run.tip[np.searchsorted(run.time, contact.time)]
     wires.plot(

@@ -7,11 +7,11 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import note, panel_title
 from bristle_sim.render.style import BLUE, GREY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 WIDTH, HEIGHT = 16.0, 8.2
 """Printed size, cm."""
@@ -26,7 +26,7 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     panel_title(turn, "a", "retraction")
     panel_title(phase, "b", "rate relative to the hub")
     for run, color, name, end in _runs(driven):
-        motion = Motion(run)
+        motion = SampledMotion(run)
         course = motion.course()
         retraction = np.degrees(course.retraction)
         turned = np.degrees(motion.hub_angle(course.time) - run.hub_angle[0])

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render.drawing import View, draw_scale_bar
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import note, panel_title
 from bristle_sim.render.style import BLACK, BLUE, SERIES, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_tool, name_parts
 from bristle_sim.studies.neighbours import Row, strike_values
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 __all__ = ["neighbours_figure", "pitches_to_draw", "row_view", "touch_place"]
 
@@ -113,7 +113,7 @@ def row_view(tool: Tool, lines: Sequence[Array], aspect: float) -> View:
 
 
 def _draw_row(axes: Axes, row: Row, time: float, aspect: float) -> None:
-    lines = [Motion(run).centre_line(time) for run in row.bristles]
+    lines = [SampledMotion(run).centre_line(time) for run in row.bristles]
     view = row_view(row.tool, lines, aspect)
     view.apply(axes)
     axes.set_axis_off()

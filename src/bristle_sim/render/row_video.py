@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from bristle_sim.render.drawing import draw_scale_bar
 from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.neighbours_figure import row_view, touch_place
 from bristle_sim.render.style import BLACK, SERIES, signed, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_tool, name_parts
 from bristle_sim.studies.neighbours import Row
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 __all__ = ["RowScene", "row_video"]
 
@@ -47,7 +47,7 @@ class RowScene(FilmScene):
     """The drawing that a film of a row shows, at any film time."""
 
     def __init__(self, row: Row, width: int = 640, height: int = 480, duration: float = 12.0) -> None:
-        self.motions = [Motion(run) for run in row.bristles]
+        self.motions = [SampledMotion(run) for run in row.bristles]
         strike, end = row.bristles[-1].event_time("strike"), self.motions[-1].end
         begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
         until = end if strike is None else min(end, strike + AFTER * (strike - begin))

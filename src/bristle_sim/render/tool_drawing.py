@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.drawing import View
-from bristle_sim.render.motion import Course
 from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT
+from bristle_sim.trajectory.sampled_motion import Course
 
 MILLIMETRES = 1e3
 """Millimetres in a metre: drawings are in mm, everything else in m."""

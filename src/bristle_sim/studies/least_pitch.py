@@ -11,11 +11,11 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 PITCH_STEP = math.radians(0.25)
 """Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
@@ -31,32 +31,16 @@ DEEPEST = 2
 
 
 class LonePass:
-    """A bristle that touches no other one, at any instant of its pass.
-
-    Between the samples the centre line is a cubic that meets recorded positions and velocities. Before the first sample the
-    bristle turns with the hub.
-    """
+    """A bristle that touches no other one, at any instant of its pass; before its start it turns with the hub."""
 
     def __init__(self, trajectory: Trajectory) -> None:
         self.trajectory = trajectory
-        time = trajectory.time
-        cuts = np.flatnonzero(np.diff(time) <= 0.0) + 1
-        parts = [part for part in np.split(np.arange(time.size), cuts) if part.size > 1]
-        self._starts = np.array([time[part[0]] for part in parts])
-        self._lines = [
-            CubicHermiteSpline(time[part], trajectory.centre_line[part], trajectory.centre_line_velocity[part])
-            for part in parts
-        ]
+        self._motion = SampledMotion(trajectory)
 
     def centre_line(self, time: Array) -> Array:
         """Return root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
-        begin = float(self.trajectory.time[0])
-        inside = np.maximum(time, begin)
-        number = np.searchsorted(self._starts, inside, side="right") - 1
-        line = np.empty((len(time), *self.trajectory.centre_line.shape[1:]))
-        for each in np.unique(number):
-            line[number == each] = self._lines[each](inside[number == each])
-        turned = self.trajectory.hub_speed * (time - inside)
+        line, start = self._motion.centre_line(time), self._motion.start
+        turned = self.trajectory.hub_speed * (time - np.maximum(time, start))
         cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
         x, y = line[..., 0], line[..., 1]
         return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

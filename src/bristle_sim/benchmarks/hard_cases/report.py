@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
-from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
 from bristle_sim.quantity import Declared, choice
 
 TABLES = {
@@ -105,29 +105,18 @@ def _row(case: HardCase, finding: Finding) -> dict[str, object]:
     }
 
 
-CASE, PROMISE, REACHED = 30, 30, 31
+WIDTHS = (30, 30, 31, 3)
 """Widths of the columns of the table, which fits a terminal of 100."""
 
 
 def _table(tried: Tried) -> list[str]:
-    lines = [_line("case", "promise", "reached", "ok"), "-" * 100]
+    lines = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100]
     theme = ""
     for case, finding in tried:
         if case.theme != theme:
             theme = case.theme
             lines.append(theme.replace("_", " "))
-        cells = (
-            textwrap.wrap(case.name, CASE - 2),
-            textwrap.wrap(case.promise, PROMISE),
-            textwrap.wrap(finding.reached, REACHED),
-        )
-        for number in range(max(map(len, cells))):
-            words = [cell[number] if number < len(cell) else "" for cell in cells]
-            lines.append(
-                _line(f"  {words[0]}", words[1], words[2], ("yes" if finding.ok else "NO") if not number else "")
-            )
+        name, promise, reached = map(textwrap.wrap, (case.name, case.promise, finding.reached), (28, 30, 31))
+        cells = ([f"  {each}" for each in name], promise, reached, ["yes" if finding.ok else "NO"])
+        lines += side_by_side(cells, WIDTHS)
     return lines
-
-
-def _line(case: str, promise: str, reached: str, verdict: str) -> str:
-    return f"{case:<{CASE}}  {promise:<{PROMISE}}  {reached:<{REACHED}}  {verdict}".rstrip()

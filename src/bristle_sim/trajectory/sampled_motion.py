@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from bristle_sim.arrays import Array
-from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ class Course:
         return self.centre_line[:, -1]
 
 
-class Motion:
+class SampledMotion:
     """A trajectory at any instant, by cubics between samples that meet the recorded positions and velocities.
 
     Two samples that share an instant (before and after an impact) end one interval and begin the next; at that very
