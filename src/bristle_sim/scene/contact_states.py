@@ -78,7 +78,7 @@ class ContactState:
         progress, plan = self.progress, self.progress.plan
         left = plan.end - progress.state.time
         limit = math.inf if self.limit is None else self.limit
-        length = progress.stepper.propose(min(left, plan.longest_interval, limit, LONGEST))
+        length = min(progress.stepper.propose(left), plan.longest_interval, limit, LONGEST)
         result = self.advance(length)
         if self.ends_within(result):
             return self.approach_end(length)
