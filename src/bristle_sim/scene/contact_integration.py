@@ -101,7 +101,7 @@ class ContactIntegration:
 
     def _interval(self) -> None:
         """Integrate one interval, up to what first ends the smooth motion."""
-        length = self.motion.stepper.propose(self.expected.longest)
+        length = min(self.motion.stepper.propose(self.expected.duration), self.expected.longest)
         self.motion.follow_bodies()
         result = self.motion.advance(length)
         if not self.motion.stepper.accepts(result, length):

@@ -10,6 +10,7 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
+from collections import deque
 from operator import mul
 
 from bristle_sim.scene.build import Scene
@@ -62,12 +63,13 @@ class Extrapolation:
             values = take_steps(scene, duration / count, count, load)
             if load is not None and load.fails(values[3 * size :]):
                 return unpack(scene, state, duration, values, math.inf, failed=True, errors=known)
-            columns = columns or [[] for _ in values]
-            for column, value in zip(columns, values, strict=True):
-                column.append(value)
+            if row == 0:
+                columns = [[] for _ in values]
+                motion = columns[: 2 * size]
+            deque(map(list.append, columns, values), 0)
             if row + 2 >= rows and row:
                 differences = table.differences[row]
-                errors = [abs(sum(map(mul, differences, column))) for column in columns[: 2 * size]]
+                errors = [abs(sum(map(mul, differences, column))) for column in motion]
                 # The largest of numbers one of which is NaN depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
                 if row + 1 >= rows and error <= self.limit:
@@ -85,10 +87,12 @@ class Extrapolation:
         """Return the length and the repetitions of the next interval that cost least per time, by the estimates so far."""
         costs, limit, longest = self.repetitions.costs, self.limit, self.longest
         lengths, prices = {}, {}
+        least = 1e-3 * limit
         for row, error in result.errors.items():
-            change = 0.9 * (0.5 * limit / max(error, 1e-3 * limit)) ** (1.0 / (row + 1))
-            lengths[row] = min(longest, duration * min(4.0, max(0.1, change)))
-            prices[row] = costs[row] / lengths[row]
+            change = 0.9 * (0.5 * limit / (error if error > least else least)) ** (1.0 / (row + 1))
+            length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
+            lengths[row] = length = length if length < longest else longest
+            prices[row] = costs[row] / length
         last = max(prices)
         best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
         length, rows = lengths[best], best + 1

@@ -82,7 +82,7 @@ class SmoothMotion:
         progress, plan = self.progress, self.progress.plan
         left = plan.end - progress.state.time
         limit = math.inf if self.limit is None else self.limit
-        length = progress.stepper.propose(min(left, plan.longest_interval, limit, LONGEST * progress.plan.time_scale))
+        length = min(progress.stepper.propose(left), plan.longest_interval, limit, LONGEST * plan.time_scale)
         result = self.advance(length)
         if self.load is not None and (result.failed or min(self.load.forces(result.totals)) <= 0.0):
             return self._approach_release(result, length)
