@@ -14,7 +14,7 @@ from matplotlib.text import Text
 
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.render import tool_drawing
+from bristle_sim.render import motion as motion_module
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.pass_video import PassScene
 from bristle_sim.render.story import key_events
@@ -88,7 +88,7 @@ WIRE_DRAWINGS = (
 @pytest.mark.parametrize("module", WIRE_DRAWINGS)
 def test_what_draws_wires_knows_no_lengths_knees_or_link_angles(module):
     """Kinematics need them; a picture is given points."""
-    tree = ast.parse((Path(tool_drawing.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
+    tree = ast.parse((Path(motion_module.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
     read = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     assert not read & {"length", "lengths", "path", "knee_angle_deg", "knee_position", "links", "angles"}
 
