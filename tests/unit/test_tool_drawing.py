@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 
+import bristle_sim
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.render import motion as motion_module
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.pass_video import PassScene
 from bristle_sim.render.story import key_events
@@ -75,20 +75,19 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
 
 
 WIRE_DRAWINGS = (
-    "motion",
-    "tool_drawing",
-    "pass_figure",
-    "pass_video",
-    "cue_figure",
-    "chain_drawing",
-    "contact_closeup",
+    "trajectory/sampled_motion",
+    "render/tool_drawing",
+    "render/pass_figure",
+    "render/pass_video",
+    "render/cue_figure",
+    "render/impact_drawings",
 )
 
 
 @pytest.mark.parametrize("module", WIRE_DRAWINGS)
 def test_what_draws_wires_knows_no_lengths_knees_or_link_angles(module):
     """Kinematics need them; a picture is given points."""
-    tree = ast.parse((Path(motion_module.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
+    tree = ast.parse((Path(bristle_sim.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
     read = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
     assert not read & {"length", "lengths", "path", "knee_angle_deg", "knee_position", "links", "angles"}
 
