@@ -9,8 +9,10 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import functools
+import logging
 import math
 import time as clock
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -93,11 +95,17 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
     started = clock.perf_counter()
+    tell = functools.partial(_tell, started, 2 + sum(map(len, MOVES.values())) + (2 if with_reference else 0))
     strike = simulation(settings)
     radial = radial_place(tool, strike)
+    tell(1)
     fastest = fastest_place(tool, strike, radial.direction)
+    tell(2)
     formula = _formula(tool)
-    moves = tuple(_moves(tool, strike, radial.direction))
+    moves: tuple[dict[str, Any], ...] = ()
+    for row in _moves(tool, strike, radial.direction):
+        moves += (row,)
+        tell(2 + len(moves))
     return Report(
         outcome=None,
         quantities=_quantities(tool, settings, radial, fastest, formula, with_reference=with_reference),
@@ -106,6 +114,12 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         extra={"moves": list(moves)},
         subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
     )
+
+
+def _tell(started: float, total: int, done: int) -> None:
+    """Log how many searches are done, and the time left if each of the others takes their mean."""
+    left = (clock.perf_counter() - started) * (total / done - 1.0)
+    logging.getLogger(__name__).info("%d of %d searches done, about %.0f s left", done, total, left)
 
 
 def _formula(tool: Tool) -> float | None:
@@ -191,10 +205,9 @@ def moved(tool: Tool, key: str, value: float) -> Tool:
     return dataclasses.replace(tool, belt=dataclasses.replace(tool.belt, **{key.removeprefix("belt_"): value}))
 
 
-def _moves(tool: Tool, strike: Strike, start: float) -> list[dict[str, Any]]:
-    """The direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
+def _moves(tool: Tool, strike: Strike, start: float) -> Iterator[dict[str, Any]]:
+    """Yield the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
     own = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}
-    rows = []
     for key, choices in MOVES.items():
         for choice in choices:
             value = own[key] * choice if key in own else choice
@@ -202,16 +215,13 @@ def _moves(tool: Tool, strike: Strike, start: float) -> list[dict[str, Any]]:
             with contextlib.suppress(ValueError):  # the row says so by having no direction
                 found = radial_place(other, strike, start)
             formula = _formula(other)
-            rows.append(
-                {
-                    "key": key,
-                    "value": value,
-                    "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
-                    "theory": formula and math.degrees(formula),
-                    "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
-                }
-            )
-    return rows
+            yield {
+                "key": key,
+                "value": value,
+                "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
+                "theory": formula and math.degrees(formula),
+                "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
+            }
 
 
 def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> tuple[str, ...]:
