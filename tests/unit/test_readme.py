@@ -24,8 +24,8 @@ SHELL = [
 COMMANDS = [line for line in SHELL if line.startswith("bristle-sim")]
 MODULES = [line for line in SHELL if line.startswith("python -m bristle_sim")]
 
-SLOW = ("accuracy_cost", "hard_cases")
-"""Scenarios that take minutes; their own tests run them."""
+SLOW = ("accuracy_cost", "flexible_wire", "hard_cases")
+"""Scenarios that take minutes, or whose figure takes a quarter of one; their own tests run them."""
 
 
 def test_the_python_examples_run(
