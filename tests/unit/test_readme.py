@@ -24,8 +24,8 @@ SHELL = [
 COMMANDS = [line for line in SHELL if line.startswith("bristle-sim")]
 MODULES = [line for line in SHELL if line.startswith("python -m bristle_sim")]
 
-SLOW = ("accuracy_cost", "hard_cases")
-"""Scenarios that take minutes; their own tests run them."""
+SLOW = ("accuracy_cost", "flexible_wire", "hard_cases")
+"""Scenarios that take minutes, or whose figure takes a quarter of one; their own tests run them."""
 
 
 def test_the_python_examples_run(
@@ -114,7 +114,7 @@ def test_every_scenario_is_in_the_table() -> None:
 
 
 def test_named_files_and_headings_exist() -> None:
-    """A picture is named in the commands that make it, but for the drawing of signs, which no result changes."""
+    """A picture is named in the commands that make it."""
     links = set(re.findall(r"\]\(([^)]+)\)", README))
     headings = {
         re.sub(r"[^\w -]", "", each.lower()).replace(" ", "-") for each in re.findall(r"^#+ (.*)", README, re.M)
@@ -122,6 +122,4 @@ def test_named_files_and_headings_exist() -> None:
     for link in links:
         assert link[1:] in headings if link.startswith("#") else (ROOT / link).exists(), link
     pictures = {link for link in links if link.startswith("media/")}
-    assert pictures - {"media/strike.svg"} == {
-        word for line in SHELL for word in line.split() if word.startswith("media/")
-    }
+    assert pictures == {word for line in SHELL for word in line.split() if word.startswith("media/")}
