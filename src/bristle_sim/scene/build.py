@@ -75,7 +75,6 @@ class Scene:
         step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
         warm_up: takes an engine step and puts the bodies back.
         angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
-        contact_impulse: reads the (normal, tangential) impulse of the last step on the last link, whatever it touches.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
@@ -176,41 +175,42 @@ class Scene:
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 
-    def contact_impulse(self, link: int = -1) -> tuple[float, float]:
-        """Return (normal, tangential) impulse of the last step on a link, whatever it touches."""
-        return self._impulses[link]()
+    def contact_totals(self, obstacle: Obstacle, alone: bool) -> tuple[float, float, float]:
+        """Return (normal, tangential) impulse of the last step on an engaged pair's link, and its slip if there is friction.
 
-    def contact_impulses(self, obstacles: Sequence[Obstacle]) -> list[tuple[float, float]]:
-        """Return (normal, tangential) impulse of the last step on each engaged pair's link."""
-        found = {self._engaged[_key(each)][0]: (0.0, 0.0) for each in obstacles}
-
-        def add(arbiter: pymunk.Arbiter) -> None:
-            for shape in arbiter.shapes:
-                if shape in found:
-                    found[shape] = _push_and_rub(arbiter)
-
-        for link in {each.link for each in obstacles}:
-            self.links[link].each_arbiter(add)
-        return list(found.values())
-
-    def slip(self, obstacle: Obstacle) -> float:
-        """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
-        body, (partner, _) = self.links[obstacle.link], self._engaged[_key(obstacle)]
-        other = self.space.static_body if obstacle.partner is None else self.links[obstacle.partner]
-        found = [0.0]
+        ``alone`` says that nothing else is engaged, so that the link has no other contact.
+        """
+        if alone and not obstacle.friction:
+            return (*self._impulses[obstacle.link](), 0.0)
+        body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
+        shape = None if alone else self._engaged[_key(obstacle)][0]
 
         def look(arbiter: pymunk.Arbiter) -> None:
-            if partner not in arbiter.shapes:
+            nonlocal found
+            if shape is not None and shape not in arbiter.shapes:
                 return
-            points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
-            for each in points.points:
-                place = each.point_a if first else each.point_b
-                velocity = body.velocity_at_world_point(place) - other.velocity_at_world_point(place)
-                outwards = -1.0 if first else 1.0
-                found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
+            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
+            # the engine; a contact only pushes, which settles both.
+            normal, impulse = arbiter.normal, arbiter.total_impulse
+            push = impulse.dot(normal)
+            rub = math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
+            found = (abs(push), rub, self._slip(arbiter, body, obstacle) if obstacle.friction else 0.0)
 
         body.each_arbiter(look)
-        return found[0]
+        return found
+
+    def _slip(self, arbiter: pymunk.Arbiter, body: pymunk.Body, obstacle: Obstacle) -> float:
+        """Return the tangential velocity of a link where it touches, relative to its partner, as the bodies are."""
+        points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
+        found = 0.0
+        for each in points.points:
+            place = each.point_a if first else each.point_b
+            velocity = body.velocity_at_world_point(place)
+            if obstacle.partner is not None:
+                velocity -= self.links[obstacle.partner].velocity_at_world_point(place)
+            outwards = -1.0 if first else 1.0
+            found = outwards * velocity.dot((points.normal.y, -points.normal.x))
+        return found
 
     def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
         """Add the shapes of a pair, which the engine ignores until they are engaged."""
@@ -235,17 +235,6 @@ Key = tuple[str, int, int | None, int]
 def _key(obstacle: Obstacle) -> Key:
     pieces = 8 * obstacle.own_piece + obstacle.partner_piece if isinstance(obstacle, WirePair) else 0
     return obstacle.name, obstacle.link, obstacle.partner, pieces
-
-
-def _push_and_rub(arbiter: pymunk.Arbiter) -> tuple[float, float]:
-    """Return the (normal, tangential) impulse of a contact in the last step.
-
-    Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
-    contact only pushes, which settles both.
-    """
-    normal, impulse = arbiter.normal, arbiter.total_impulse
-    push = impulse.dot(normal)
-    return abs(push), math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
 
 
 class Placement:

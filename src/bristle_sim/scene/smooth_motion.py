@@ -73,9 +73,10 @@ class SmoothMotion:
         self.load: EngineContacts | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
-        progress.changes.begin(progress.state, self._shared_functions())
+        self._extremes = self._find_extremes()
+        progress.changes.begin(progress.state, [*self._extremes, *self._limits()])
         if self.sustained:
-            self._begin_contact()
+            self._extremes += self._begin_contact()
 
     def proceed(self) -> Change | None:
         """Integrate to the next event, and return what that changes about the contacts, if anything."""
@@ -159,8 +160,8 @@ class SmoothMotion:
             return max(SHY * left, self._shortest)
         return max(2.0 * length, 0.0 if self.ending else self.progress.first_interval)
 
-    def _begin_contact(self) -> None:
-        """Let the engine's contacts act from here on, if they can."""
+    def _begin_contact(self) -> list[EventFunction]:
+        """Let the engine's contacts act from here on, if they can; return the events that end them."""
         progress = self.progress
         obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
         self.load = EngineContacts(progress.scene, obstacles, slips)
@@ -168,6 +169,7 @@ class SmoothMotion:
         for each in self.sustained:
             each.begin(progress.state)
         self._engage()
+        return at_work(progress, self.load)
 
     def _engage(self) -> None:
         """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
@@ -251,15 +253,9 @@ class SmoothMotion:
 
     def event_functions(self) -> list[EventFunction]:
         """Return functions whose change of sign is an event of this motion, besides touches."""
-        if self.load is None:
-            return self._shared_functions()
-        return [*self._extremes(), *at_work(self.progress, self.load), *self._limits()]
+        return [*self._extremes, *self._limits()]
 
-    def _shared_functions(self) -> list[EventFunction]:
-        """Return the event functions whose signs are known when the motion begins."""
-        return [*self._extremes(), *self._limits()]
-
-    def _extremes(self) -> list[EventFunction]:
+    def _find_extremes(self) -> list[EventFunction]:
         """Return extremes of the motion relative to the hub, and kinks of sustained contact."""
         progress = self.progress
         if not self.sustained:
@@ -270,8 +266,8 @@ class SmoothMotion:
     def _limits(self) -> list[EventFunction]:
         """Return the angle at which a bristle lies on the hub, if there is one, and tips that come out of dents."""
         progress, limit = self.progress, self.progress.plan.retraction_limit
-        dents = [self._out_of_dent(*each) for each in progress.dents()]
-        return [*dents, *(freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else [])]
+        found = freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else []
+        return found + [self._out_of_dent(*each) for each in progress.dents.items()] if progress.dents else found
 
     def _out_of_dent(self, number: int, outside: Obstacle) -> EventFunction:
         """Watch a tip come out of the dent that a contact resolved in time has left it in."""
@@ -280,10 +276,7 @@ class SmoothMotion:
         def gap(at: Advance) -> float:
             return progress.gaps.gap(outside, at.state)
 
-        def act() -> None:
-            progress.obstacles[number] = outside
-
-        return EventFunction(f"dent {number}", gap, falling=False, act=act)
+        return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
 
     def note(self, function: EventFunction) -> Change | None:
         """Record what an event function found, and return what it changes about the contacts."""
