@@ -163,9 +163,10 @@ class TestGuess:
         """Located to 1e-9 of the largest value, 3, whose slope there is 2."""
         assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END) == pytest.approx(1.0, abs=3e-9)
 
-    def test_none_without_a_change_of_sign_or_a_value(self) -> None:
+    def test_none_without_a_change_of_sign_or_a_value_or_time(self) -> None:
         assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END, 0.4) is None
         assert guess(lambda _: math.nan, self.START, self.END) is None
+        assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END._replace(time=1.0)) is None
 
 
 def test_a_cubic_has_the_states_and_rates_of_its_ends() -> None:
