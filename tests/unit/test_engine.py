@@ -6,7 +6,7 @@ import pymunk
 import pytest
 
 from bristle_sim.parameters import Bar, Tool
-from bristle_sim.scene import engine
+from bristle_sim.scene import arbiters, engine
 from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -112,6 +112,31 @@ def test_contacts_are_read_alike_without_bare_calls(monkeypatch: pytest.MonkeyPa
     bare = bounces()
     monkeypatch.setattr(engine, "lib", None)
     assert bounces() == bare
+
+
+def test_impulses_of_a_body_among_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two balls side by side on a rough floor, one of them sliding; each is told its own impulse, bare or not."""
+    space = pymunk.Space()
+    space.gravity, floor = (0.0, -10.0), pymunk.Segment(space.static_body, (-9.0, -1.0), (9.0, -1.0), 1.0)
+    floor.friction = 0.5
+    space.add(floor)
+    balls = []
+    for place, mass in ((-1.0, 1.0), (1.0, 2.0)):
+        ball = pymunk.Body(mass, 0.004)
+        ball.position, ball.velocity = (place, 0.1), (place, 0.0)
+        shape = pymunk.Circle(ball, 0.1)
+        shape.friction = 0.5
+        space.add(ball, shape)
+        balls.append(ball)
+    bare = [arbiters.impulse_reader(space, ball) for ball in balls]
+    monkeypatch.setattr(engine, "lib", None)
+    documented = [arbiters.impulse_reader(space, ball) for ball in balls]
+    for _ in range(3):
+        space.step(1e-3)
+    assert [read() for read in bare] == [read() for read in documented]
+    # Weight times step, and a quarter of it (0.5^2) against the slip: the tangent is the normal, upwards, turned clockwise.
+    assert bare[0]() == pytest.approx((0.01, 0.0025), rel=1e-9)
+    assert bare[1]() == pytest.approx((0.02, -0.005), rel=1e-9)
 
 
 def a_pass() -> tuple[object, ...]:

@@ -13,7 +13,6 @@ from typing import Any
 import pymunk
 
 from bristle_sim.scene.engine import bare_object, ffi, lib
-from bristle_sim.scene.mechanism import Vector
 
 __all__ = ["Approach", "Impulse", "Tuner", "approach_reader", "contact_tuner", "impulse_reader"]
 
@@ -28,53 +27,64 @@ Tuner = Callable[[pymunk.Arbiter, float], None]
 
 
 def impulse_reader(space: pymunk.Space, body: pymunk.Body) -> Impulse:
-    """Return what tells the impulse of the last step on a body, whatever it touches."""
+    """Return what tells the impulse of the last step on a body, whatever it touches; the space has all its shapes."""
     bare = bare_object(space, "_space")
-    return partial(_impulse, body) if bare is None else _BareImpulse(bare, body.id)
+    if bare is None:
+        return partial(_impulse, body)
+    alone = all(shape.body in (body, space.static_body) for shape in space.shapes)
+    return _BareImpulse(bare, None if alone else body.id)
 
 
 def _impulse(body: pymunk.Body) -> tuple[float, float]:
-    found: list[tuple[Vector, Vector]] = []
-    body.each_arbiter(lambda arbiter: found.append((arbiter.total_impulse, arbiter.normal)))
-    return _push_and_rub(found)
+    parts: list[tuple[float, float]] = []
+    body.each_arbiter(lambda arbiter: parts.append(_push_and_rub(*arbiter.total_impulse, *arbiter.normal)))
+    return _added(parts)
 
 
-def _push_and_rub(contacts: Iterable[tuple[Vector, Vector]]) -> tuple[float, float]:
-    """Return the (normal, tangential) parts of contacts' impulses, added up, from impulse and normal of each.
+def _added(parts: Iterable[tuple[float, float]]) -> tuple[float, float]:
+    push = rub = 0.0
+    for normal, tangential in parts:
+        push += normal
+        rub += tangential
+    return push, rub
+
+
+def _push_and_rub(p: float, q: float, x: float, y: float) -> tuple[float, float]:
+    """Return the (normal, tangential) parts of a contact's impulse (p, q), whose normal is (x, y).
 
     Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
     contact only pushes, which settles both.
     """
-    pushes = rubs = 0.0
-    for (p, q), (x, y) in contacts:
-        push = p * x + q * y
-        pushes += abs(push)
-        rubs += math.copysign(1.0, push) * (p * y + q * -x)
-    return pushes, rubs
+    push = p * x + q * y
+    return abs(push), 0.0 + math.copysign(1.0, push) * (p * y + q * -x)
 
 
 class _BareImpulse:
-    """Has the engine write down all its contacts at one call, and adds up those of a body."""
+    """Has the engine write down all its contacts at one call, and adds up those of a body, or all if no other can touch."""
 
-    def __init__(self, space: Any, body: int) -> None:
+    def __init__(self, space: Any, body: int | None) -> None:
         self._body = body
         self._numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
         self._ids = ffi.gc(lib.pmIntArrayNew(0), lib.pmIntArrayFree)
-        fields = lib.TOTAL_IMPULSE | lib.NORMAL | lib.BODY_A_ID | lib.BODY_B_ID
+        fields = lib.TOTAL_IMPULSE | lib.NORMAL
+        if body is not None:
+            fields |= lib.BODY_A_ID | lib.BODY_B_ID
         self._data = ffi.new("pmBatchedData *", (self._ids, self._numbers, fields))
         write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
         self._look = partial(lib.cpSpaceEachCachedArbiter, space, write, self._data)
 
     def __call__(self) -> tuple[float, float]:
         numbers, ids, body = self._numbers, self._ids, self._body
-        numbers.num = ids.num = 0
+        numbers.num = 0
+        if body is not None:
+            ids.num = 0
         self._look()
-        found, who = ffi.unpack(numbers.arr, numbers.num), ffi.unpack(ids.arr, ids.num)
-        return _push_and_rub(
-            (found[2 * at : 2 * at + 2], found[2 * at + 2 : 2 * at + 4])
-            for at in range(0, len(who), 2)
-            if body in who[at : at + 2]
-        )
+        found = ffi.unpack(numbers.arr, numbers.num)
+        if len(found) == 4 and body is None:
+            return _push_and_rub(*found)
+        who = [body] * (len(found) // 2) if body is None else ffi.unpack(ids.arr, ids.num)
+        own = [2 * at for at in range(0, len(who), 2) if body in who[at : at + 2]]
+        return _added([_push_and_rub(*found[at : at + 4]) for at in own])
 
 
 def approach_reader(space: pymunk.Space) -> Approach:

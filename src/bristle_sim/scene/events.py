@@ -169,7 +169,11 @@ def guess(value: Callable[[State], float], start: State, end: State, fraction: f
     def at(share: float) -> float:
         return value(interpolate(start, end, share))
 
+    length = end.time - start.time
+    if length <= 0.0:
+        # Less than the rounding of the time.
+        return None
     left, right = value(start), at(fraction)
     if not left * right < 0.0:
         return None
-    return (end.time - start.time) * locate(at, 0.0, fraction, left, right, GUESSED * max(abs(left), abs(right)))
+    return length * locate(at, 0.0, fraction, left, right, GUESSED * max(abs(left), abs(right)))
