@@ -13,6 +13,7 @@ from bristle_sim.benchmarks import machine
 from bristle_sim.benchmarks.accuracy_cost import (
     cases,
     effects,
+    exudyn_methods,
     measure,
     mujoco_methods,
     own_methods,
@@ -189,9 +190,25 @@ class TestPeers:
         # A spring two steps stiff is 2e-3 of the pass soft, and what it keeps of that is a tenth.
         assert case.error(run.values) < 5e-4
 
+    def test_exudyn_flight(self):
+        pytest.importorskip("exudyn")
+        attempts = exudyn_methods.flight_attempts(FLIGHT)
+        coarse, fine = (
+            FLIGHT.error(attempt_named(attempts, "exudyn rk44", f"steps={n}").run().values) for n in (16, 32)
+        )
+        assert math.log2(coarse / fine) == pytest.approx(4, abs=0.06)
+
+    def test_exudyn_adapts_its_steps(self):
+        pytest.importorskip("exudyn")
+        attempts = exudyn_methods.flight_attempts(FLIGHT)
+        coarse, fine = (attempt_named(attempts, "exudyn dopri5", f"rtol={each}").run() for each in ("1e-05", "1e-10"))
+        assert coarse.steps < fine.steps
+        # An order-5 pair usually stays within its tolerance.
+        assert FLIGHT.error(fine.values) < 1e-9
+
 
 class TestMissingPeers:
-    @pytest.mark.parametrize("name", ["mujoco"])
+    @pytest.mark.parametrize("name", ["mujoco", "exudyn"])
     def test_a_peer_that_cannot_be_imported_is_named_and_left_out(self, name, tmp_path, monkeypatch):
         """Installed, but built for another machine: its import fails, and the study goes on without it."""
         (tmp_path / f"{name}.py").write_text('raise ImportError("lib.so: wrong\\nELF class")', encoding="utf-8")

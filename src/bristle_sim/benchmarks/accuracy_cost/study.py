@@ -7,7 +7,7 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
-from bristle_sim.benchmarks.accuracy_cost import cases, mujoco_methods, own_methods, scipy_methods
+from bristle_sim.benchmarks.accuracy_cost import cases, exudyn_methods, mujoco_methods, own_methods, scipy_methods
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.effects import effects
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Effort, Point, measure, package_of, thinned
@@ -21,6 +21,7 @@ FLIGHT: Offers = {
     OURS: own_methods.flight_attempts,
     "scipy": scipy_methods.flight_attempts,
     "mujoco": mujoco_methods.flight_attempts,
+    "exudyn": exudyn_methods.flight_attempts,
 }
 STRIKE: Offers = {OURS: own_methods.strike_attempts, "scipy": scipy_methods.strike_attempts}
 PASS: Offers = {
