@@ -117,9 +117,12 @@ class ContactMotion:
         """Return the (normal, tangential) velocity of the tip."""
         return self.spring.plane.components(self.scene.mechanism.poses(state)[-1].tip_velocity)
 
-    def up_to_first(self, result: Advance, turns: Sequence[Turn]) -> tuple[Advance, Callable[[], None] | None]:
-        """Return the interval up to what first ends its smooth motion, and what the spring does then, if anything."""
+    def up_to_first(
+        self, result: Advance, length: float, turns: Sequence[Turn]
+    ) -> tuple[Advance, Callable[[], None] | None]:
+        """Return the interval of a length up to what first ends its smooth motion, and what the spring does then, if anything."""
         act: Callable[[], None] | None = None
+        again = functools.cache(self.advance)
         beginning = result.totals[4]
         start = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, beginning, beginning), 0.0)
         for turn in turns:
@@ -127,15 +130,17 @@ class ContactMotion:
             if (right > 0.0) if turn.rising else (right < 0.0):
                 left = turn.value(start)
                 before = min(left, -TINY) if turn.rising else max(left, TINY)
-                result, act = self._locate(turn, result.state, before, right), turn.act
+                length = self._located(again, turn, result.state, length, (before, right))
+                result, act = again(length), turn.act
         return result, act
 
-    def _locate(self, turn: Turn, end: State, left: float, right: float) -> Advance:
-        """Return the result at a turn within the interval to a state."""
-        again = functools.cache(self.advance)
+    def _located(
+        self, again: Callable[[float], Advance], turn: Turn, end: State, length: float, values: tuple[float, float]
+    ) -> float:
+        """Return when within the interval of a length to a state a function turns that has these values at its ends."""
         near = guess(lambda state: turn.value(Advance(state, (), UNKNOWN, 0.0)), self.state, end)
-        tolerance, span = max(TINY, LOCATED * self.stepper.noise * turn.scale), end.time - self.state.time
-        return again(locate(lambda length: turn.value(again(length)), 0.0, span, left, right, tolerance, near))
+        tolerance = max(TINY, LOCATED * self.stepper.noise * turn.scale)
+        return locate(lambda span: turn.value(again(span)), 0.0, length, *values, tolerance, near)
 
     def advance(self, length: float) -> Advance:
         """Return the result of an interval from the state that was reached."""
