@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, build_tool, main
 from bristle_sim.scenario_cli.scenario import series_of_pass
 from bristle_sim.settings import Settings
@@ -46,7 +46,6 @@ SCENARIO = Scenario(
     plot=plot,
     video=video,
     series=series_of_pass,
-    without=WIRE_KEYS,
 )
 
 if __name__ == "__main__":

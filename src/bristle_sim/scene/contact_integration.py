@@ -101,14 +101,14 @@ class ContactIntegration:
 
     def _interval(self) -> None:
         """Integrate one interval, up to what first ends the smooth motion."""
-        length = min(self.motion.stepper.propose(self.expected.duration), self.expected.longest)
+        length = self.motion.stepper.propose(self.expected.longest)
         self.motion.follow_bodies()
         result = self.motion.advance(length)
         if not self.motion.stepper.accepts(result, length):
             if length < SHORTEST * self.expected.duration:
                 raise ValueError(TOO_ACCURATE)
             return
-        result, act = self.motion.up_to_first(result, self._turns())
+        result, act = self.motion.up_to_first(result, length, self._turns())
         self.motion.state = result.state
         self.course.add(result.totals[:4])
         self.motion.stick_force = result.totals[5]

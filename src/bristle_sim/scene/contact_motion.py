@@ -131,25 +131,29 @@ class ContactMotion:
         """Return the (normal, tangential) velocity of the tip."""
         return self.spring.plane.components(self.scene.mechanism.poses(state)[-1].tip_velocity)
 
-    def up_to_first(self, result: Advance, turns: Sequence[Turn]) -> tuple[Advance, Callable[[], None] | None]:
-        """Return the interval up to what first ends its smooth motion, and what the spring does then, if anything."""
+    def up_to_first(
+        self, result: Advance, length: float, turns: Sequence[Turn]
+    ) -> tuple[Advance, Callable[[], None] | None]:
+        """Return the interval of a length up to what first ends its smooth motion, and what the spring does then, if anything."""
         act: Callable[[], None] | None = None
+        again = functools.cache(self.advance)
         beginning = result.totals[4]
         start = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, beginning, beginning), 0.0)
         for turn in turns:
             margin = turn.margin(result)
             if self.expected.vibrates and margin >= 0.0:
-                result = self._inside(turn, start, result, margin)
+                result, length = self._inside(turn, start, result, length, margin)
                 margin = turn.margin(result)
             if margin < 0.0:
                 left = turn.value(start)
                 before = min(left, -TINY) if turn.rising else max(left, TINY)
                 right = -margin if turn.rising else margin
-                result, act = self._locate(turn, result.state, before, right), turn.act
+                length = self._located(again, turn, result.state, length, (before, right))
+                result, act = again(length), turn.act
         return result, act
 
-    def _inside(self, turn: Turn, start: Advance, result: Advance, last: float) -> Advance:
-        """Return the part of an interval up to where a function has changed its sign, if it changes it twice; else all of it.
+    def _inside(self, turn: Turn, start: Advance, result: Advance, length: float, last: float) -> tuple[Advance, float]:
+        """Return an interval with its length: up to where a function has changed its sign, if it changes it twice; else all.
 
         Its least margin is that of the parabola through those at the ends and in the middle.
         """
@@ -158,16 +162,17 @@ class ContactMotion:
         slope = last - first - bend
         at = -0.5 * slope / bend if bend > 0.0 else 0.0
         if not WITHIN < at < 1.0 - WITHIN or first - 0.25 * slope**2 / bend > NEAR * (max(first, last) - middle):
-            return result
-        part = self.advance(at * (result.state.time - start.state.time))
-        return part if turn.margin(part) < 0.0 else result
+            return result, length
+        part = self.advance(at * length)
+        return (part, at * length) if turn.margin(part) < 0.0 else (result, length)
 
-    def _locate(self, turn: Turn, end: State, left: float, right: float) -> Advance:
-        """Return the result at a turn within the interval to a state."""
-        again = functools.cache(self.advance)
+    def _located(
+        self, again: Callable[[float], Advance], turn: Turn, end: State, length: float, values: tuple[float, float]
+    ) -> float:
+        """Return when within the interval of a length to a state a function turns that has these values at its ends."""
         near = guess(lambda state: turn.value(Advance(state, (), UNKNOWN, 0.0)), self.state, end)
-        tolerance, span = max(TINY, LOCATED * self.stepper.noise * turn.scale), end.time - self.state.time
-        return again(locate(lambda length: turn.value(again(length)), 0.0, span, left, right, tolerance, near))
+        tolerance = max(TINY, LOCATED * self.stepper.noise * turn.scale)
+        return locate(lambda span: turn.value(again(span)), 0.0, length, *values, tolerance, near)
 
     def advance(self, length: float) -> Advance:
         """Return the result of an interval from the state that was reached."""

@@ -54,13 +54,21 @@ class WholePass:
     reference: Trajectory | None
 
 
+MOST_LINKS = 8
+"""Links of a wire in a whole pass; the engine's solver takes half a minute for the way to the strike of so many."""
+
+
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
     """Simulate a pass and compare it with the formulas.
 
     Raises:
-        ValueError: if the bristle overlaps an obstacle at the start, a fixed step is too short for the run, or the run is
-            given up before its strike.
+        ValueError: if the wire has too many links, the bristle overlaps an obstacle at the start, a fixed step is too short
+            for the run, or the run is given up before its strike.
     """
+    if tool.bristle.links > MOST_LINKS:
+        raise ValueError(
+            f"wire_links = {tool.bristle.links}: must be at most {MOST_LINKS} in a whole pass (dimensionless)"
+        )
     refuse_endless(tool, settings)
     trajectory = simulate(tool, settings)
     contact = trajectory.first_contact("workpart")
