@@ -515,7 +515,9 @@ def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.Capture
         assert any(seen), key
 
 
-@pytest.mark.parametrize("name", [name for name in SCRIPTS if {"contact", "contact_duration"} <= set(scenario(name).keys())])
+@pytest.mark.parametrize(
+    "name", [name for name in SCRIPTS if {"contact", "contact_duration"} <= set(scenario(name).keys())]
+)
 @pytest.mark.parametrize("law", ["energetic", "engine"])
 def test_a_duration_without_a_contact_in_time_is_refused(name: str, law: str, capsys: pytest.CaptureFixture[str]):
     assert main(scenario(name), ["--set", f"contact={law}", "--set", "contact_duration=2e-5"]) == 2

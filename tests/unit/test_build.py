@@ -74,7 +74,10 @@ class TestWhatIsThere:
             scene.space.iterations = round(part * scene.space.iterations)
             scene.links[-1].apply_force_at_world_point((0.0, 1.0), scene.links[-1].position)
             scene.step(1e-9, 1)
-            ends = [(each.b, each.anchor_b) for each in scene.joints], [(each.a, each.anchor_a) for each in scene.joints]
+            ends = (
+                [(each.b, each.anchor_b) for each in scene.joints],
+                [(each.a, each.anchor_a) for each in scene.joints],
+            )
             speeds = [[body.velocity_at_local_point(place).y for body, place in side] for side in ends]
             left.append(np.abs(np.subtract(*speeds)).max() / 1e-9)
         assert left[0] < 1e-15

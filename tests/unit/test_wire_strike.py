@@ -23,7 +23,9 @@ def radial(bristle: Bristle, surface: Surface, hub_angle: float, angles: list[fl
     tip = Links.of(Tool(bristle=bristle, bar=None), hub_angle).centre_line(0.0, np.array(angles), np.zeros(len(angles)))
     x, y = bristle.tip
     reach = math.hypot(x, Hub().radius - y)
-    part = Workpart(surface.friction, surface.restitution_friction, surface.restitution, penetration=reach + float(tip[0][-1].imag))
+    part = Workpart(
+        surface.friction, surface.restitution_friction, surface.restitution, penetration=reach + float(tip[0][-1].imag)
+    )
     return Tool(bristle=bristle, bar=None, workpart=part)
 
 
