@@ -28,7 +28,7 @@ from bristle_sim.scene.wire_links import wire_hinges, wire_links
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["WireStrike", "strike_wire", "wire_frequencies"]
+__all__ = ["WireStrike", "build_wire", "free_flight", "strike_wire", "wire_frequencies"]
 
 Array = NDArray[np.float64]
 
@@ -83,7 +83,7 @@ def strike_wire(
             many links for the scene, or the contact comes to no end.
     """
     begin = clock.perf_counter()
-    scene, units, obstacle = _build_wire(tool, hub_angle, angles, rates)
+    scene, units, obstacle = build_wire(tool, hub_angle, angles, rates)
     states = [State(0.0, tuple(angles), tuple(rate * units.time for rate in rates))]
     approach = obstacle.touch(scene.mechanism.poses(states[0])[-1], states[0].rates[-1]).velocity[0]
     if approach >= 0.0:
@@ -100,7 +100,7 @@ def strike_wire(
     )
     after, record = law.resolve(scene, states[0], obstacle, Coefficients.of(obstacle))
     states = [state for state in states[1:] if state.time <= after.time]
-    states += _flight(scene, after, flight / units.time, duration / units.time, settings)
+    states += free_flight(scene, after, flight / units.time, duration / units.time, settings)
     time, angles_, rates_ = (np.array(column) for column in zip(*states, strict=True))
     return WireStrike(
         contact=contact_in_si(record, units),
@@ -117,7 +117,7 @@ SLOWEST = 1e-100
 """Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
 
 
-def _build_wire(
+def build_wire(
     tool: Tool, hub_angle: float, angles: Sequence[float], rates: Sequence[float]
 ) -> tuple[Scene, Units, WorkpartObstacle]:
     """Return the scene of a tool's wire, its units, and the workpart through the wire's end."""
@@ -171,7 +171,7 @@ def wire_frequencies(tool: Tool) -> Array:
         bristle=bristle,
         gravity=0.0,
     )
-    scene, units, _ = _build_wire(still, 0.0, straight, straight)
+    scene, units, _ = build_wire(still, 0.0, straight, straight)
     step, columns = SMALL_ANGLE, []
     for turned in range(tool.bristle.links):
         angles = tuple(SMALL_ANGLE * (link == turned) for link in range(tool.bristle.links))
@@ -182,7 +182,7 @@ def wire_frequencies(tool: Tool) -> Array:
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (math.tau * units.time))
 
 
-def _flight(scene: Scene, start: State, duration: float, contact: float, settings: Settings) -> list[State]:
+def free_flight(scene: Scene, start: State, duration: float, contact: float, settings: Settings) -> list[State]:
     """Return samples of the free motion after a contact, as far apart as in it, while a tenth of the budget of steps lasts."""
     longest = min(contact / SAMPLES, damped_interval(scene))
     stepper = Extrapolation(0.1 * settings.accuracy, max(1.0, *map(abs, start.rates)), WIDE, longest)

@@ -115,9 +115,17 @@ def _swing(characteristic: Callable[[float], float], ratio: float) -> float:
 def chain_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> NDArray[np.float64]:
-    """Return the natural frequencies of the chain of equal rigid links at rest, in Hz, ascending, shape (links,).
+    """Return the natural frequencies of the chain of equal rigid links at rest, in Hz, ascending, shape (links,)."""
+    return chain_modes(mass, length, diameter, modulus, root_stiffness, links)[0]
 
-    They are the square roots of the eigenvalues of stiffness against mass matrix in the links' absolute angles:
+
+@checked_arguments
+def chain_modes(
+    mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the chain's natural frequencies, Hz, ascending, and in columns the links' angles in each mode, (links, links).
+
+    The squares of the frequencies are the eigenvalues of stiffness against mass matrix in the links' absolute angles:
     M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j, k from 1) and m l^2/n (n - j + 1/3) on it.
     """
     whole("links", links, MOST_LINKS)
@@ -131,5 +139,5 @@ def chain_frequencies(
     for hinge in range(links - 1):
         pair = slice(hinge, hinge + 2)
         stiffness[pair, pair] += spring * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    squares = eigh(stiffness, inertia, eigvals_only=True)
-    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / math.tau)
+    squares, shapes = eigh(stiffness, inertia)
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / math.tau), np.asarray(shapes)
