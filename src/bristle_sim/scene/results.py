@@ -47,9 +47,7 @@ def trajectory_in_si(
         hub_speed=parameters["tool"]["hub"]["speed"],
         events=tuple(Event(event.name, event.time * units.time) for event in _events(recording, scene, wire)),
         contacts=tuple(
-            contact_in_si(_of_links(contact, own), units)
-            for contact, wires in zip(recording.contacts, recording.contact_wires, strict=True)
-            if wire in wires
+            contact_in_si(_of_links(contact, own), units) for contact, wires in recording.contacts if wire in wires
         ),
         stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
@@ -71,7 +69,7 @@ def _links_of(scene: Scene, wire: int) -> slice:
 
 def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
     """Return a wire's events, and by name what never happened."""
-    found = [event for event, wires in zip(recording.events, recording.event_wires, strict=True) if wire in wires]
+    found = [event for event, wires in recording.events if wire in wires]
     names = {event.name for event in found}
     parts = {each.name for each in scene.effects.obstacles}
     absent = [name for name, event in ABSENCES.items() if name.split()[0] in parts and event not in names]
