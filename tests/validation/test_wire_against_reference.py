@@ -85,8 +85,11 @@ def test_wire_with_a_knee(knee: float) -> None:
 
 def test_sliding_over_joints_with_friction() -> None:
     """The bar stands at the joint of the third link and the fourth: the contact passes over it, to and fro."""
-    tool = wire(4, modulus=2.9e10, nearness=0.8754, friction=0.2395)
+    tool = wire(4, modulus=2.92e10, knee=-24.35, nearness=0.7863, friction=0.2395)
     compare_up_to_the_strike(tool)
+    run = simulate(tool, MANY, stop_after="strike")
+    assert {3, 4} <= {each.link for each in run.contacts if each.obstacle == "bar"}
+    assert run.contacts[-1].link == 4
 
 
 def test_slip_turns_back_and_stops() -> None:

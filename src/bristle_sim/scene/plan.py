@@ -39,8 +39,8 @@ class Plan:
     touched: frozenset[str] = frozenset()
 
 
-Wires = tuple[int, ...]
-"""Numbers of the wires that take part."""
+Numbers = tuple[int, ...]
+"""Numbers of the wires whose event it is, or of the links in contact."""
 
 
 @dataclass(slots=True)
@@ -53,8 +53,8 @@ class Recording:
     states: list[State] = field(default_factory=list)
     forces: list[float | tuple[float, ...]] = field(default_factory=list)
     inner: list[State] = field(default_factory=list)
-    events: list[tuple[Event, Wires]] = field(default_factory=list)
-    contacts: list[tuple[ContactRecord, Wires]] = field(default_factory=list)
+    events: list[tuple[Event, Numbers]] = field(default_factory=list)
+    contacts: list[tuple[ContactRecord, Numbers]] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
     stop_detail: str = ""

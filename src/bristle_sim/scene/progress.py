@@ -126,10 +126,14 @@ class Progress:
         self.recording.states.append(self.state)
         self.recording.forces.append(force)
 
+    def links_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+        """Return the numbers of the links that take part in a contact."""
+        own = obstacle.link % len(self.mechanism.links)
+        return (own,) if obstacle.partner is None else (own, obstacle.partner)
+
     def wires_of(self, obstacle: Obstacle) -> tuple[int, ...]:
         """Return the numbers of the wires that take part in a contact."""
-        own, size = obstacle.link % len(self.mechanism.links), self.mechanism.wire_links
-        return (own // size,) if obstacle.partner is None else (own // size, obstacle.partner // size)
+        return tuple(link // self.mechanism.wire_links for link in self.links_of(obstacle))
 
     def force_of_wires(self, forces: Sequence[float], obstacles: Sequence[Obstacle]) -> float | tuple[float, ...]:
         """Return the sum of normal forces, for each wire if there are several."""
@@ -151,14 +155,17 @@ class Progress:
 
     def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
         """Record a contact."""
-        self.recording.contacts.append((record, self.wires_of(obstacle)))
+        self.recording.contacts.append((record, self.links_of(obstacle)))
 
     def touched(self, obstacle: Obstacle) -> bool:
         """Whether a pair's wire has been in contact with the obstacle of that name."""
         if obstacle.name in self.plan.touched:
             return True
-        wire = self.wires_of(obstacle)[0]
-        return any(each.obstacle == obstacle.name and wire in wires for each, wires in self.recording.contacts)
+        wire, size = self.wires_of(obstacle)[0], self.mechanism.wire_links
+        return any(
+            each.obstacle == obstacle.name and wire in (link // size for link in links)
+            for each, links in self.recording.contacts
+        )
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
         """End the run, for a reason and with what a law says about it; the first reason counts."""

@@ -81,8 +81,10 @@ class SmoothMotion:
         result = self.advance(length)
         if self.load is not None and (result.failed or min(self.load.forces(result.totals)) <= 0.0):
             return self._approach_release(result, length)
-        if self.load is not None and self.before is None and (slip := self._breaks_away(result)) is not None:
-            return slip
+        if self.contacts is not None and self.load is not None and self.before is None:
+            slip = self.load.breaks_away(result.totals, self.contacts.slips)
+            if slip is not None:
+                return slip
         if not progress.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
                 progress.stop(StopReason.ACCURACY)
@@ -152,12 +154,6 @@ class SmoothMotion:
             each.begin(progress.state)
         self._engage()
         return at_work(progress, self.contacts, self.load)
-
-    def _breaks_away(self, result: Advance) -> Slip | None:
-        """Return the slip of a contact that cannot stick, if there is one."""
-        assert self.contacts is not None
-        assert self.load is not None
-        return self.load.breaks_away(result.totals, self.contacts.slips)
 
     def _engage(self) -> None:
         """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
