@@ -16,6 +16,8 @@ EVENTS = (
     "strike",
     "workpart touch",
     "workpart release",
+    "wire touch",
+    "wire release",
     "largest retraction",
     "highest relative speed",
     "retraction limit",

@@ -105,7 +105,9 @@ def test_two_links_on_the_bar_at_once() -> None:
         lasting = [each for each in run.contacts if each.law == "sustained"]
         assert any(a.time < b.time < a.time + a.duration for a in lasting for b in lasting)
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * ACCURACY)
-    blows = [[each for each in run.contacts if each.impulse[0] > 1e-5 and not each.duration] for run in (scene, reference)]
+    blows = [
+        [each for each in run.contacts if each.impulse[0] > 1e-5 and not each.duration] for run in (scene, reference)
+    ]
     assert [each.time for each in blows[0]] == pytest.approx([each.time for each in blows[1]], rel=10.0 * ACCURACY)
     assert [each.impulse[0] for each in blows[0]] == pytest.approx([each.impulse[0] for each in blows[1]], rel=1e-4)
 

@@ -115,7 +115,9 @@ class Scene:
             self._shapes[key] = self._add(obstacle)
         shapes = self._shapes[key]
         # An obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
-        touching = obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        touching = (
+            obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        )
         self._engaged[key] = touching
         bit = 1 << list(self._engaged).index(key)
         own = pymunk.ShapeFilter(categories=bit, mask=bit)
@@ -175,48 +177,40 @@ class Scene:
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 
-    def contact_impulse(self, link: int = -1) -> tuple[float, float]:
-        """Return (normal, tangential) impulse of the last step on a link, whatever it touches."""
-        total = [0.0, 0.0]
+    def contact_totals(self, obstacle: Obstacle, alone: bool) -> tuple[float, float, float]:
+        """Return (normal, tangential) impulse of the last step on an engaged pair's link, and its slip if there is friction.
 
-        def add(arbiter: pymunk.Arbiter) -> None:
-            push, rub = _push_and_rub(arbiter)
-            total[0] += push
-            total[1] += rub
-
-        self.links[link].each_arbiter(add)
-        return total[0], total[1]
-
-    def contact_impulses(self, obstacles: Sequence[Obstacle]) -> list[tuple[float, float]]:
-        """Return (normal, tangential) impulse of the last step on each engaged pair's link."""
-        found = {self._engaged[_key(each)][0]: (0.0, 0.0) for each in obstacles}
-
-        def add(arbiter: pymunk.Arbiter) -> None:
-            for shape in arbiter.shapes:
-                if shape in found:
-                    found[shape] = _push_and_rub(arbiter)
-
-        for link in {each.link for each in obstacles}:
-            self.links[link].each_arbiter(add)
-        return list(found.values())
-
-    def slip(self, obstacle: Obstacle) -> float:
-        """Return the tangential velocity of an engaged pair's link where it touches, as the bodies are."""
-        body, (partner, _) = self.links[obstacle.link], self._engaged[_key(obstacle)]
-        found = [0.0]
+        ``alone`` says that nothing else is engaged, so that the link has no other contact.
+        """
+        body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
+        shape = None if alone else self._engaged[_key(obstacle)][0]
 
         def look(arbiter: pymunk.Arbiter) -> None:
-            if partner not in arbiter.shapes:
+            nonlocal found
+            if shape is not None and shape not in arbiter.shapes:
                 return
-            points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
-            for each in points.points:
-                place = each.point_a if first else each.point_b
-                velocity = body.velocity_at_world_point(place) - partner.body.velocity_at_world_point(place)
-                outwards = -1.0 if first else 1.0
-                found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
+            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
+            # the engine; a contact only pushes, which settles both.
+            normal, impulse = arbiter.normal, arbiter.total_impulse
+            push = impulse.dot(normal)
+            rub = math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
+            found = (abs(push), rub, self._slip(arbiter, body, obstacle) if obstacle.friction else 0.0)
 
         body.each_arbiter(look)
-        return found[0]
+        return found
+
+    def _slip(self, arbiter: pymunk.Arbiter, body: pymunk.Body, obstacle: Obstacle) -> float:
+        """Return the tangential velocity of a link where it touches, relative to its partner, as the bodies are."""
+        points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
+        found = 0.0
+        for each in points.points:
+            place = each.point_a if first else each.point_b
+            velocity = body.velocity_at_world_point(place)
+            if obstacle.partner is not None:
+                velocity -= self.links[obstacle.partner].velocity_at_world_point(place)
+            outwards = -1.0 if first else 1.0
+            found = outwards * velocity.dot((points.normal.y, -points.normal.x))
+        return found
 
     def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
         """Add the shapes of a pair, which the engine ignores until they are engaged."""
@@ -241,17 +235,6 @@ Key = tuple[str, int, int | None, int]
 def _key(obstacle: Obstacle) -> Key:
     pieces = 8 * obstacle.own_piece + obstacle.partner_piece if isinstance(obstacle, WirePair) else 0
     return obstacle.name, obstacle.link, obstacle.partner, pieces
-
-
-def _push_and_rub(arbiter: pymunk.Arbiter) -> tuple[float, float]:
-    """Return the (normal, tangential) impulse of a contact in the last step.
-
-    Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
-    contact only pushes, which settles both.
-    """
-    normal, impulse = arbiter.normal, arbiter.total_impulse
-    push = impulse.dot(normal)
-    return abs(push), math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
 
 
 class Placement:
@@ -345,9 +328,7 @@ def _add_springs(
     size = mechanism.wire_links
     if hub is not None and effects.stiffness is not None:
         for wire, link in enumerate(links[::size]):
-            space.add(
-                pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping)
-            )
+            space.add(pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping))
     joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
     if effects.hinges and len(effects.hinges) != len(joints):
         raise ValueError(

@@ -120,7 +120,7 @@ class EngineLaw:
             iterations=self.iterations,
         )
         scene.step(INSTANT, 1)
-        impulse = scene.contact_impulse(obstacle.link)
+        impulse = scene.contact_totals(obstacle, alone=True)[:2]
         scene.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)

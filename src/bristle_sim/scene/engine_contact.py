@@ -56,7 +56,8 @@ class EngineContacts:
         self.solvable = True
         self.reached: Sequence[float] = ()
         self._in_flight = scene.space.iterations
-        self._last: list[tuple[float, float]] = []
+        self._last: list[tuple[float, float, float]] = []
+        self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
         self._sums: list[float] = []
         self._step = 0.0
         self._due = False
@@ -104,9 +105,7 @@ class EngineContacts:
                 self.scene.mechanism, gaps.poses(state), self.obstacles, touches, self.slips
             )
         for index, (obstacle, piece) in enumerate(zip(self.obstacles, self.pieces, strict=True)):
-            self.scene.engage(
-                obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0
-            )
+            self.scene.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0)
             if (slip := self.slips[index]) is not None:
                 self.scene.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
         return min(grips)
@@ -134,10 +133,11 @@ class EngineContacts:
         elif step != self._step:
             self._warm_up(step)
         self._due, self._step = True, step
-        for obstacle, (_, rub) in zip(self.obstacles, self._last, strict=False):
-            if obstacle.partner is not None and rub:
-                # The partner's shape is larger than it, which lengthens the lever of friction on it.
-                self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
+        if self._pushes_back:
+            for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=False):
+                if obstacle.partner is not None:
+                    # The partner's shape is larger than it, which lengthens the lever of friction on it.
+                    self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
 
     def totals(self, step: float) -> list[float]:
         """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
@@ -146,8 +146,8 @@ class EngineContacts:
         """
         if self._due:
             self._add()
-        found = [normal / step for normal, _ in self._last] + self._sums
-        return found if len(self.scene.links) == 1 else found + [rub / step for _, rub in self._last]
+        found = [each[0] / step for each in self._last] + self._sums
+        return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
 
     def fails(self, totals: list[float]) -> bool:
         """Return whether a contact would have to pull."""
@@ -179,15 +179,15 @@ class EngineContacts:
             each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
 
     def _add(self) -> None:
-        if len(self.obstacles) == 1:
-            self._last = [self.scene.contact_impulse(self.obstacles[0].link)]
-        else:
-            self._last = self.scene.contact_impulses(self.obstacles)
-        for index, (obstacle, (push, rub)) in enumerate(zip(self.obstacles, self._last, strict=True)):
-            self._sums[3 * index] += push
+        alone, sums = len(self.obstacles) == 1, self._sums
+        self._last = []
+        for index, obstacle in enumerate(self.obstacles):
+            totals = self.scene.contact_totals(obstacle, alone)
+            self._last.append(totals)
+            sums[3 * index] += totals[0]
             if obstacle.friction:
-                self._sums[3 * index + 1] += rub
-                self._sums[3 * index + 2] += rub * self.scene.slip(obstacle)
+                sums[3 * index + 1] += totals[1]
+                sums[3 * index + 2] += totals[1] * totals[2]
         self._due = False
 
     def _warm_up(self, step: float) -> None:
@@ -234,9 +234,7 @@ def set_back(
     mechanism = gaps.mechanism
     for _ in range(NEWTON):
         poses = mechanism.poses(state)
-        touches = [
-            each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)
-        ]
+        touches = [each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
         stuck = [index for index, each in enumerate(slips) if each == 0]
         across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
         along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]

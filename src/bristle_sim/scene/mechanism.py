@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -74,11 +75,11 @@ class Mechanism:
     hub_start: float = 0.0
     wires: int = 1
     pitch: float = 0.0
+    wire_links: int = field(init=False)
 
-    @property
-    def wire_links(self) -> int:
-        """How many links a wire has."""
-        return len(self.links) // self.wires
+    def __post_init__(self) -> None:
+        """Count the links of a wire."""
+        object.__setattr__(self, "wire_links", len(self.links) // self.wires)
 
     def hub_angle(self, time: float) -> float:
         """Return the angle of the first root, rad."""
@@ -96,19 +97,16 @@ class Mechanism:
 
     def poses(self, state: State) -> list[Pose]:
         """Return where every link is and how it moves."""
-        joint = joint_velocity = (0.0, 0.0)
-        poses, size = [], self.wire_links
-        for number, (link, angle, rate) in enumerate(zip(self.links, state.angles, state.rates, strict=True)):
-            if number % size == 0:
-                turn = self.root_angle(number, state.time)
-                joint, joint_velocity = _carried(
-                    (0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed
-                )
-            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, angle, rate)
-            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, angle, rate)
-            knees = tuple(_carried(joint, joint_velocity, knee, angle, rate)[0] for knee in link.knees)
-            poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
-            joint, joint_velocity = tip, tip_velocity
+        poses, rows = [], zip(self.links, state.angles, state.rates, strict=True)
+        for wire in range(self.wires):
+            turn = self.hub_angle(state.time) - wire * self.pitch
+            joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
+            for link, angle, rate in itertools.islice(rows, self.wire_links):
+                centre, centre_velocity = _carried(joint, joint_velocity, link.centre, angle, rate)
+                tip, tip_velocity = _carried(joint, joint_velocity, link.tip, angle, rate)
+                knees = tuple(_carried(joint, joint_velocity, knee, angle, rate)[0] for knee in link.knees)
+                poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
+                joint, joint_velocity = tip, tip_velocity
         return poses
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
@@ -145,9 +143,8 @@ class Mechanism:
 
     def speed_bound(self, state: State) -> float:
         """Return a speed that no point of the mechanism exceeds while no link's rate exceeds the state's."""
-        reaches = [math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True)]
-        size = self.wire_links
-        reach = max(sum(reaches[first : first + size]) for first in range(0, len(reaches), size))
+        reaches = (math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True))
+        reach = max(sum(itertools.islice(reaches, self.wire_links)) for _ in range(self.wires))
         return self.hub_radius * abs(self.hub_speed) + reach
 
     def row(self, poses: Sequence[Pose], link: int, arm: Vector, direction: Vector) -> Array:

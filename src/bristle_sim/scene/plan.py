@@ -24,6 +24,8 @@ class Plan:
         maximum_steps: work after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
+        contact: state of contact in which the run starts; None where touches at the start are fresh.
+        touched: names of what has been touched before the run.
     """
 
     end: float
@@ -33,6 +35,8 @@ class Plan:
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
     time_scale: float = 1.0
+    contact: ContactAtEnd | None = None
+    touched: frozenset[str] = frozenset()
 
 
 @dataclass(slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
@@ -40,6 +40,7 @@ class Progress:
         gaps: between links and what they can touch.
         changes: signs of the event functions.
         obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
+        dents: pairs whose tips are in dents, as they are outside, by their numbers.
         recording: what the run leaves behind.
         rebound: the last rebound, if there was one.
     """
@@ -54,6 +55,7 @@ class Progress:
     obstacles: list[Obstacle]
     recording: Recording
     rebound: Rebound | None = None
+    dents: dict[int, Obstacle] = field(default_factory=dict)
 
     @classmethod
     def at_start(cls, scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Plan) -> Progress:
@@ -66,9 +68,9 @@ class Progress:
         obstacles = list(scene.effects.obstacles)
         progress = cls(scene, stepper, law, plan, start, gaps, changes, obstacles, Recording())
         progress.sample(0.0)
-        for obstacle in obstacles:
-            gap = gaps.gap(obstacle, start)
-            if gap < -GAP_ROUNDING:
+        for obstacle in scene.effects.obstacles:
+            gap = gaps.gap(progress.in_dent(obstacle) if plan.contact else obstacle, start)
+            if gap < -GAP_ROUNDING and plan.contact is None:
                 raise ValueError(
                     f"{obstacle.name}: must not overlap the bristle at the start, by {-gap:.3g} of its length"
                 )
@@ -104,13 +106,14 @@ class Progress:
         if gap >= -self.plan.accuracy or not isinstance(obstacle, WorkpartObstacle):
             return obstacle
         ground = dataclasses.replace(obstacle, depth=obstacle.depth - gap)
-        self.obstacles[self.obstacles.index(obstacle)] = ground
+        number = self.obstacles.index(obstacle)
+        self.obstacles[number] = ground
+        self.dents[number] = self.scene.effects.obstacles[number]
         return ground
 
-    def dents(self) -> list[tuple[int, Obstacle]]:
-        """Return the pairs whose tips are in dents, as they are outside, with their numbers."""
-        outside = enumerate(self.scene.effects.obstacles)
-        return [(number, each) for number, each in outside if self.obstacles[number] is not each]
+    def leave_dent(self, number: int) -> None:
+        """Have the pair of that number touch the surface again."""
+        self.obstacles[number] = self.dents.pop(number)
 
     def neighbour(self, obstacle: Obstacle, step: int) -> Obstacle | None:
         """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
@@ -159,7 +162,12 @@ class Progress:
         if name in FINAL and name == self.plan.stop_after:
             self.stop(FINAL[name])
         elif name == self.plan.stop_after:
-            happened = {wire for each, of in zip(record.events, record.event_wires, strict=True) if each.name == name for wire in of}
+            happened = {
+                wire
+                for each, of in zip(record.events, record.event_wires, strict=True)
+                if each.name == name
+                for wire in of
+            }
             if len(happened) == self.mechanism.wires:
                 self.stop(StopReason.EVENT)
 
@@ -170,6 +178,8 @@ class Progress:
 
     def touched(self, obstacle: Obstacle) -> bool:
         """Whether a pair's wire has been in contact with the obstacle of that name."""
+        if obstacle.name in self.plan.touched:
+            return True
         wire, record = self.wires_of(obstacle)[0], self.recording
         pairs = zip(record.contacts, record.contact_wires, strict=True)
         return any(each.obstacle == obstacle.name and wire in wires for each, wires in pairs)

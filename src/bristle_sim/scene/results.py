@@ -25,15 +25,15 @@ def trajectory_in_si(
     recording: Recording, scene: Scene, units: Units, parameters: dict[str, Any], *, with_estimate: bool, wire: int = 0
 ) -> Trajectory:
     """Return what a run has recorded of a wire, in SI units; a method without an error estimate leaves it out."""
-    mechanism, own = scene.mechanism.wire(wire), _links_of(scene, wire)
-    states = [State(state.time, state.angles[own], state.rates[own]) for state in recording.states]
-    time = np.array([state.time for state in states])
-    angles = np.array([state.angles for state in states])
-    rates = np.array([state.rates for state in states])
+    mechanism, states, own = scene.mechanism, recording.states, _links_of(scene, wire)
+    if mechanism.wires > 1:
+        mechanism = mechanism.wire(wire)
+        states = [State(state.time, state.angles[own], state.rates[own]) for state in states]
+    time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
     hub = np.asarray(mechanism.hub_start + mechanism.hub_speed * time)
-    kinetic, potential = _energies(mechanism, scene.effects, states)
+    kinetic, potential = _energies(mechanism, scene.effects, states, (hub, angles, rates))
     centre_line, centre_line_velocity = mechanism.centre_line(time, angles, rates)
-    forces = [each if isinstance(each, float) else each[wire] for each in recording.forces]
+    forces = [each[wire] if isinstance(each, tuple) else each for each in recording.forces]
     return Trajectory(
         time=time * units.time,
         hub_angle=hub,
@@ -71,9 +71,7 @@ def _links_of(scene: Scene, wire: int) -> slice:
 
 def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
     """Return a wire's events, and by name what never happened."""
-    found = [
-        event for event, wires in zip(recording.events, recording.event_wires, strict=True) if wire in wires
-    ]
+    found = [event for event, wires in zip(recording.events, recording.event_wires, strict=True) if wire in wires]
     names = {event.name for event in found}
     parts = {each.name for each in scene.effects.obstacles}
     absent = [name for name, event in ABSENCES.items() if name.split()[0] in parts and event not in names]
@@ -90,10 +88,14 @@ def _of_links(contact: ContactRecord, own: slice) -> ContactRecord:
     )
 
 
-def _energies(mechanism: Mechanism, effects: Effects, states: list[State]) -> tuple[Array, Array]:
-    """Return kinetic energy, and potential energy of belt, hinges and gravity, in engine units, each of shape (n,)."""
-    time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
-    hub = np.asarray(mechanism.hub_start + mechanism.hub_speed * time)
+def _energies(
+    mechanism: Mechanism, effects: Effects, states: list[State], motion: tuple[Array, Array, Array]
+) -> tuple[Array, Array]:
+    """Return kinetic energy, and potential energy of belt, hinges and gravity, in engine units, each of shape (n,).
+
+    ``motion`` is the states' hub angle, angles and rates as arrays.
+    """
+    hub, angles, rates = motion
     poses = [mechanism.poses(state) for state in states]
     kinetic, potential = np.zeros(len(states)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
     for number, link in enumerate(mechanism.links):

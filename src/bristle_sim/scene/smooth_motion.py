@@ -11,7 +11,16 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from bristle_sim.scene.engine_contact import EngineContacts
-from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch, freedom, in_flight, retraction
+from bristle_sim.scene.event_functions import (
+    Change,
+    EventFunction,
+    Release,
+    Slip,
+    Touch,
+    freedom,
+    in_flight,
+    retraction,
+)
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
@@ -64,9 +73,10 @@ class SmoothMotion:
         self.load: EngineContacts | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
-        progress.changes.begin(progress.state, self._shared_functions())
+        self._extremes = self._find_extremes()
+        progress.changes.begin(progress.state, [*self._extremes, *self._limits()])
         if self.sustained:
-            self._begin_contact()
+            self._extremes += self._begin_contact()
 
     def proceed(self) -> Change | None:
         """Integrate to the next event, and return what that changes about the contacts, if anything."""
@@ -144,8 +154,8 @@ class SmoothMotion:
         near = self.ending and any(each.vanishes_in() < 4.0 * length for each in self.sustained)
         return length if near else max(2.0 * length, first)
 
-    def _begin_contact(self) -> None:
-        """Let the engine's contacts act from here on, if they can."""
+    def _begin_contact(self) -> list[EventFunction]:
+        """Let the engine's contacts act from here on, if they can; return the events that end them."""
         progress = self.progress
         obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
         self.load = EngineContacts(progress.scene, obstacles, slips)
@@ -153,6 +163,7 @@ class SmoothMotion:
         for each in self.sustained:
             each.begin(progress.state)
         self._engage()
+        return at_work(progress, self.load)
 
     def _engage(self) -> None:
         """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
@@ -167,10 +178,10 @@ class SmoothMotion:
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
-        if self.before is None and self.limit is None and self.load is None:
+        at_start = self.before is None and self.limit is None and self.load is None
+        if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
             # Signs at the very start of a run are looked at exactly, which moves the bodies.
-            if self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
-                result = self.advance(self.interval_to(result).length)
+            result = self.advance(self.interval_to(result).length)
         resolve: Resolve | None = None
         active = [each.obstacle for each in self.sustained]
         for obstacle in self.progress.obstacles:
@@ -194,7 +205,12 @@ class SmoothMotion:
         if progress.behind_joint(obstacle, [*self.separating, *(each.obstacle for each in self.sustained)]):
             return result, resolve
         error = progress.stepper.interpolation_error(progress.state, result.state)
-        found = find_touch(self.interval_to(result), progress.gaps, obstacle, error + progress.cubic_error(self.interval_to(result).length))
+        found = find_touch(
+            self.interval_to(result),
+            progress.gaps,
+            obstacle,
+            error + progress.cubic_error(self.interval_to(result).length),
+        )
         if found is None:
             return result, resolve
         reached, closed = found
@@ -231,15 +247,9 @@ class SmoothMotion:
 
     def event_functions(self) -> list[EventFunction]:
         """Return functions whose change of sign is an event of this motion, besides touches."""
-        if self.load is None:
-            return self._shared_functions()
-        return [*self._extremes(), *at_work(self.progress, self.load), *self._limits()]
+        return [*self._extremes, *self._limits()]
 
-    def _shared_functions(self) -> list[EventFunction]:
-        """Return the event functions whose signs are known when the motion begins."""
-        return [*self._extremes(), *self._limits()]
-
-    def _extremes(self) -> list[EventFunction]:
+    def _find_extremes(self) -> list[EventFunction]:
         """Return extremes of the motion relative to the hub, and kinks of sustained contact."""
         progress = self.progress
         if not self.sustained:
@@ -250,8 +260,8 @@ class SmoothMotion:
     def _limits(self) -> list[EventFunction]:
         """Return the angle at which a bristle lies on the hub, if there is one, and tips that come out of dents."""
         progress, limit = self.progress, self.progress.plan.retraction_limit
-        dents = [self._out_of_dent(*each) for each in progress.dents()]
-        return [*dents, *(freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else [])]
+        found = freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else []
+        return found + [self._out_of_dent(*each) for each in progress.dents.items()] if progress.dents else found
 
     def _out_of_dent(self, number: int, outside: Obstacle) -> EventFunction:
         """Watch a tip come out of the dent that a contact resolved in time has left it in."""
@@ -260,10 +270,7 @@ class SmoothMotion:
         def gap(at: Advance) -> float:
             return progress.gaps.gap(outside, at.state)
 
-        def act() -> None:
-            progress.obstacles[number] = outside
-
-        return EventFunction(f"dent {number}", gap, falling=False, act=act)
+        return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
 
     def note(self, function: EventFunction) -> Change | None:
         """Record what an event function found, and return what it changes about the contacts."""

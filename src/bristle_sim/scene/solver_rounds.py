@@ -39,7 +39,9 @@ def contact_rounds(
     for obstacle, touch, slip in zip(obstacles, touches, slips, strict=True):
         x, y = poses[obstacle.link].joint
         point = (x + touch.arm[0], y + touch.arm[1])
-        across, along = (_entries(mechanism, poses, obstacle.link, point, each) for each in (touch.normal, touch.tangent))
+        across, along = (
+            _entries(mechanism, poses, obstacle.link, point, each) for each in (touch.normal, touch.tangent)
+        )
         if obstacle.partner is not None:
             across -= _entries(mechanism, poses, obstacle.partner, point, touch.normal)
             along -= _entries(mechanism, poses, obstacle.partner, point, touch.tangent)

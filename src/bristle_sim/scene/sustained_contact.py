@@ -161,9 +161,7 @@ def elbow(load: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
     def beside(at: Advance) -> float:
         return obstacle.gap_beside(gaps.poses(at.state)[obstacle.link], load.pieces[index] or 0)
 
-    return EventFunction(
-        f"other piece of {_label(obstacle)}", beside, falling=True, act=partial(Touch, obstacle)
-    )
+    return EventFunction(f"other piece of {_label(obstacle)}", beside, falling=True, act=partial(Touch, obstacle))
 
 
 def _hand_overs(progress: Progress, obstacle: Obstacle) -> list[EventFunction]:

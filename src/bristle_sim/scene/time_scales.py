@@ -119,7 +119,9 @@ def _local_fraction(scene: Scene, end: float) -> float:
     """Return the fraction of the requested accuracy that each interval may spend."""
     damping, stiffness = scene.effects.damping, scene.effects.stiffness
     if len(scene.links) > 1:
-        return LOCAL_FRACTION * min(1.0, SOME_INTERVALS * MOST_DAMPING / (end * max(damping_rate(scene), 1.0 / time_scale(scene))))
+        return LOCAL_FRACTION * min(
+            1.0, SOME_INTERVALS * MOST_DAMPING / (end * max(damping_rate(scene), 1.0 / time_scale(scene)))
+        )
     if not damping or not stiffness:
         return LOCAL_FRACTION
     remembered = min(end, damping / stiffness)

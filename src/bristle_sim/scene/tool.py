@@ -5,10 +5,9 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from bristle_sim.parameters import Contact, Tool
-from bristle_sim.quantity import count, quantity, shown, validate
+from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
@@ -17,6 +16,7 @@ from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan
 from bristle_sim.scene.results import trajectory_in_si
 from bristle_sim.scene.run import run
+from bristle_sim.scene.starts import LONE, RETRACTION_LIMIT, Radial, Row, Start, check_start
 from bristle_sim.scene.time_scales import longest_interval, stepper_for, time_scale
 from bristle_sim.scene.units import Units
 from bristle_sim.scene.wire_links import wire_hinges, wire_links
@@ -25,16 +25,13 @@ from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["build_tool", "contact_law", "refuse_endless", "simulate", "simulate_row"]
+__all__ = ["build_tool", "contact_law", "refuse_endless", "simulate", "simulate_from", "simulate_row"]
 
 METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
 """Say in a trajectory's parameters that the scene was simulated."""
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
-
-RETRACTION_LIMIT = math.pi / 2.0
-"""Angle of the bristle from the radial direction at which it lies on the hub, rad."""
 
 
 def tool_units(tool: Tool) -> Units:
@@ -48,23 +45,6 @@ def tool_units(tool: Tool) -> Units:
 
 SLOWEST = 1e-100
 """Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
-
-
-@dataclass(frozen=True, slots=True)
-class Row:
-    """Bristles of one plane on one hub, each a pitch behind the one before it, and how they rub and rebound on each other."""
-
-    bristles: int = count(1, "bristles", at_least=1, at_most=100, source="requested", meaning="number of bristles")
-    pitch: float = quantity(0.0, "pitch", "rad", at_least=0.0, at_most=2.0 * math.pi, source="requested")
-    friction: float = quantity(0.0, "neighbour_friction", "1", at_least=0.0, at_most=1e6, source="requested")
-    restitution: float = quantity(0.0, "neighbour_restitution", "1", at_least=0.0, at_most=1.0, source="requested")
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-LONE = Row()
-"""One bristle."""
 
 
 def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tuple[Scene, Units]:
@@ -133,8 +113,14 @@ def simulate(
             for this tool, rounding hides the accuracy, or a contact resolved in time comes to no end.
     """
     settings, stop_after = _checked(tool, settings, stop_after)
-    begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
-    (run,) = _simulated(tool, settings, begin, LONE, stop_after)
+    begin = Radial(start_hub_angle, start_relative_angle, start_relative_rate)
+    (run,) = _simulated(tool, settings, _radial(tool, begin, LONE), LONE, stop_after)
+    return run
+
+
+def simulate_from(tool: Tool, settings: Settings, start: Start, stop_after: str | None) -> Trajectory:
+    """Simulate the bristle from any state, in the state of contact in which another run has ended."""
+    (run,) = _simulated(tool, settings, start, LONE, stop_after)
     return run
 
 
@@ -173,27 +159,34 @@ def simulate_row(
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
     if tool.contact.law == "compliant" and row.bristles > 1:
         raise ValueError("contact = compliant: must be energetic or engine in a row of bristles")
-    return _simulated(tool, settings, _Start(start_hub_angle, 0.0, 0.0), row, stop_after)
+    begin = Radial(start_hub_angle)
+    return _simulated(tool, settings, _radial(tool, begin, row), row, stop_after)
+
+
+def _radial(tool: Tool, begin: Radial, row: Row) -> Start:
+    """Return a start in which every wire has the same angle and rate relative to its root."""
+    links = range(row.bristles * tool.bristle.links)
+    angles = tuple(begin.hub_angle - link // tool.bristle.links * row.pitch + begin.relative_angle for link in links)
+    return Start(begin.hub_angle, angles, (begin.relative_rate,) * len(links), described=dataclasses.asdict(begin))
 
 
 def _simulated(
-    tool: Tool, settings: Settings, begin: _Start, row: Row, stop_after: str | None
+    tool: Tool, settings: Settings, begin: Start, row: Row, stop_after: str | None
 ) -> tuple[Trajectory, ...]:
     """Return the run of each bristle."""
     scene, units = build_tool(tool, hub_start=begin.hub_angle, row=row)
-    mechanism = scene.mechanism
-    links = range(len(scene.links))
-    angles = tuple(mechanism.root_angle(link, 0.0) + begin.relative_angle for link in links)
-    start = State(0.0, angles, (mechanism.hub_speed + begin.relative_rate * units.time,) * len(links))
-    _check_start(scene, tool, start)
-    plan = _plan(scene, settings, stop_after)
+    speed = scene.mechanism.hub_speed
+    start = State(0.0, begin.angles, tuple(speed + rate * units.time for rate in begin.relative_rates))
+    if begin.contact is None:
+        check_start(scene, tool, start)
+    plan = _plan(scene, settings, begin, stop_after)
     stepper = stepper_for(scene, settings, units, start, plan.end)
     recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
     parameters = {
         "method": METHOD if row is LONE else ROW_METHOD,
         "tool": dataclasses.asdict(tool),
         "settings": dataclasses.asdict(settings),
-        "start": dataclasses.asdict(begin),
+        "start": begin.described,
         "stop_after": stop_after,
     }
     if row is not LONE:
@@ -215,7 +208,7 @@ def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Se
     return settings or Settings(), name
 
 
-def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
+def _plan(scene: Scene, settings: Settings, begin: Start, stop_after: str | None) -> Plan:
     return Plan(
         end=_end(settings, scene.mechanism),
         accuracy=settings.accuracy,
@@ -224,47 +217,9 @@ def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),
+        contact=begin.contact,
+        touched=begin.touched,
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Start:
-    """Where a run starts, checked."""
-
-    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
-    relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="requested"
-    )
-    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested")
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-OVERLAP = 1e-11
-"""Fraction of the bristle's length by which rounding lets it overlap what it touches at the start."""
-
-PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}
-"""Keys that say where an obstacle stands."""
-
-
-def _check_start(scene: Scene, tool: Tool, start: State) -> None:
-    """Refuse a start in which the bristle stands in an obstacle."""
-    poses = scene.mechanism.poses(start)
-    for obstacle in scene.effects.obstacles:
-        gap = obstacle.touch_between(poses, start.rates).gap
-        if gap < -OVERLAP and obstacle.partner is not None:
-            raise ValueError(
-                f"pitch = {scene.mechanism.pitch:g}: must be one at which bristles are clear of each other at the start,"
-                f" these overlap by {-gap * tool.bristle.length:.3g} m (in rad)"
-            )
-        if gap < -OVERLAP:
-            part = getattr(tool, obstacle.name)
-            given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACES[obstacle.name])
-            raise ValueError(
-                f"{given}: the {obstacle.name} must be clear of the bristle at the start, this one overlaps it by"
-                f" {-gap * tool.bristle.length:.3g} (in m)"
-            )
 
 
 REST_PERIODS = 3.0

@@ -21,12 +21,17 @@ LOSSLESS = 1e-12
 """Fraction of the speed that an impact may lose by rounding."""
 
 MOST_AT_ONCE = 64
-"""Impacts at one instant after which the links are wedged."""
+"""Impacts at one instant after which links are wedged, times the square of the number of contacts that pass them on."""
 
 
 def first_motion(progress: Progress) -> SmoothMotion:
     """Return the motion with which a run starts."""
     motion = SmoothMotion(progress, None)
+    if (known := progress.plan.contact) is not None:
+        for each in progress.obstacles:
+            if known.obstacle == each.name:
+                lasts = known.state == "sustained contact"
+                return _next(progress, [Sustained(each)] if lasts else (), () if lasts else [each])
     for obstacle in progress.obstacles:
         if progress.stopped or not progress.touches(obstacle):
             continue
@@ -126,7 +131,7 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactR
     progress = motion.progress
     lasting = {each.obstacle: each for each in motion.sustained}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
-    for _ in range(MOST_AT_ONCE):
+    for _ in range(MOST_AT_ONCE * len(closed) ** 2):
         rates = {each: progress.gaps.touch(each, progress.state).velocity[0] for each in closed}
         fastest = min(rates, key=rates.__getitem__)
         if rates[fastest] >= -progress.slow:

@@ -49,11 +49,16 @@ class WirePair:
         distance = math.dist(*ends) or 1.0
         normal = ((x - u) / distance, (y - v) / distance)
         point = (x - self.wire_radius * normal[0], y - self.wire_radius * normal[1])
-        arms = [(point[0] - poses[link].joint[0], point[1] - poses[link].joint[1]) for link in (self.link, self.partner)]
+        arms = [
+            (point[0] - poses[link].joint[0], point[1] - poses[link].joint[1]) for link in (self.link, self.partner)
+        ]
         parts = zip((self.link, self.partner), arms, (1.0, -1.0), strict=True)
         velocity = [0.0, 0.0]
         for link, arm, sign in parts:
-            moving = (poses[link].joint_velocity[0] - rates[link] * arm[1], poses[link].joint_velocity[1] + rates[link] * arm[0])
+            moving = (
+                poses[link].joint_velocity[0] - rates[link] * arm[1],
+                poses[link].joint_velocity[1] + rates[link] * arm[0],
+            )
             velocity[0] += sign * (moving[0] * normal[0] + moving[1] * normal[1])
             velocity[1] += sign * (moving[0] * normal[1] - moving[1] * normal[0])
         gap = (-1.0 if _crossed(own, other) else 1.0) * distance - 2.0 * self.wire_radius
@@ -75,8 +80,9 @@ class WirePair:
         for link, number, margin in ((self.partner, self.partner_piece, MARGIN), (self.link, self.own_piece, 0.0)):
             each, body, radius = mechanism.links[link], bodies[link], self.wire_radius + margin
             corners = [(x - each.centre[0], y - each.centre[1]) for x, y in ((0.0, 0.0), *each.knees, each.tip)]
-            ends = corners[number : number + 2]
-            found += [pymunk.Segment(body, *ends, radius), *(pymunk.Circle(body, radius, end) for end in ends)]
+            start, end = corners[number : number + 2]
+            found += [pymunk.Segment(body, start, end, radius)]
+            found += [pymunk.Circle(body, radius, start), pymunk.Circle(body, radius, end)]
         return found
 
     @staticmethod
