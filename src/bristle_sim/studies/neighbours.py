@@ -20,6 +20,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
 from bristle_sim.studies.strike_results import require_result, state_at_strike
 from bristle_sim.trajectory import Trajectory
@@ -255,12 +256,13 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]
     last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
     alone = None if touches else 0.0
     referred = None if reference is None else float(len(_touches(reference)))
-    judged = reference is not None or not touches
+    # A row ends for all when one bristle jams.
+    judged = reference is not None or (not touches and last.stop_reason is StopReason.END)
     found = [Quantity("wire_contacts", "1", touches, alone, referred, tolerance=0.0 if judged else None)]
     own, theory = strike_values(row.tool, last), strike_values(row.tool, row.lone)
     independent = dict.fromkeys(STATE) if reference is None else strike_values(row.tool, reference)
     for name, unit in STATE.items():
-        value = theory[name] if independent[name] is None else independent[name]
+        value = theory[name] if reference is None else independent[name]
         tolerance = None
         if judged and value:
             # Errors are relative to angles of a radian, and to the strike of a bristle alone.
@@ -282,8 +284,5 @@ def _remarks(row: Row) -> tuple[str, ...]:
     )
     if reason := _unsearched(row.tool, row.lone):
         counted = f"least pitches: not searched, as {reason}"
-    return (
-        f"bristle {row.neighbours.bristles} {touches}, and {strike}",
-        counted,
-        "theory of the strike: a bristle alone",
-    )
+    said = f"bristle {row.neighbours.bristles} {touches}, and {strike}; the run ended: {row.bristles[-1].stop_reason}"
+    return said, counted, "theory of the strike: a bristle alone"
