@@ -5,6 +5,7 @@ import math
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.contact_forces import ContactForces
 from bristle_sim.scene.engine_contact import EngineContacts, set_back
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -76,7 +77,8 @@ class TestGrip:
     @pytest.mark.parametrize(("force", "impulse", "fails"), [(1.0, 0.0, False), (0.0, 1.0, True), (-1.0, 1.0, True)])
     def test_a_contact_only_pushes(self, force: float, impulse: float, fails: bool) -> None:
         """What counts is the force of the last step, not what was pushed before."""
-        assert on_workpart(0.7, 0.3).fails([force, impulse, 0.0, 0.0]) is fails
+        contact = on_workpart(0.7, 0.3)
+        assert ContactForces(contact.scene, contact.obstacles).fails([force, impulse, 0.0, 0.0]) is fails
 
 
 class TestEventFunctions:

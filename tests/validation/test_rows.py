@@ -109,6 +109,8 @@ def test_records_are_of_the_bristles_that_take_part() -> None:
     for run in runs:
         assert run.angles.shape[1] == 1
         assert all(len(each.angles) == 1 for each in run.contacts)
+    partners = [{each.neighbour for each in run.contacts if each.obstacle == "wire"} for run in runs]
+    assert partners == [{2}, {1, 3}, {2}]
     times = [{each.time for each in run.events if each.name == "wire touch"} for run in runs]
     assert times[0] | times[2] == times[1]
 

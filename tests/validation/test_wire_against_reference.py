@@ -44,12 +44,15 @@ def times(run: Trajectory, ending: str) -> list[float]:
     return [each.time for each in run.events if each.name.endswith(ending) or each.name == "strike"]
 
 
-def compare_up_to_the_strike(tool: Tool, settings: Settings = MANY, magnified: float = 1.0) -> None:
+def compare_up_to_the_strike(
+    tool: Tool, settings: Settings = MANY, magnified: float = 1.0, touches: int | None = None
+) -> None:
+    """Compare touches, or the first few of them, and the strike."""
     scene = simulate(tool, settings, stop_after="strike")
     reference = simulate_reference(tool, stop_after="strike", accuracy=1e-10)
     tolerance = 10.0 * settings.accuracy * magnified
     assert scene.stop_reason == reference.stop_reason == "requested event"
-    assert times(scene, " touch") == pytest.approx(times(reference, " touch"), rel=tolerance)
+    assert times(scene, " touch")[:touches] == pytest.approx(times(reference, " touch")[:touches], rel=tolerance)
     found, expected = scene.contacts[-1], reference.contacts[-1]
     assert found.angles == pytest.approx(expected.angles, abs=tolerance)
     largest = float(np.abs(expected.rates_before).max())
@@ -82,8 +85,11 @@ def test_wire_with_a_knee(knee: float) -> None:
 
 def test_sliding_over_joints_with_friction() -> None:
     """The bar stands at the joint of the third link and the fourth: the contact passes over it, to and fro."""
-    tool = wire(4, modulus=2.9e10, nearness=0.8754, friction=0.2395)
+    tool = wire(4, modulus=2.92e10, knee=-24.35, nearness=0.7863, friction=0.2395)
     compare_up_to_the_strike(tool)
+    run = simulate(tool, MANY, stop_after="strike")
+    assert {3, 4} <= {each.link for each in run.contacts if each.obstacle == "bar"}
+    assert run.contacts[-1].link == 4
 
 
 def test_slip_turns_back_and_stops() -> None:
@@ -91,7 +97,8 @@ def test_slip_turns_back_and_stops() -> None:
 
 
 def test_bar_that_throws_the_wire_back() -> None:
-    compare_up_to_the_strike(wire(3, modulus=1.3e10, restitution=0.42), magnified=100.0)
+    """The last of ever smaller taps is where each solution takes them for rest."""
+    compare_up_to_the_strike(wire(3, modulus=1.3e10, restitution=0.42), magnified=100.0, touches=9)
 
 
 def test_two_links_on_the_bar_at_once() -> None:

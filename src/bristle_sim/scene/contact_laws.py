@@ -113,15 +113,15 @@ class EngineLaw:
     ) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that nothing but the impact happens in it."""
         touch, space = contact_at(scene, state, obstacle)
-        scene.engage(
+        scene.contacts.engage(
             obstacle,
             friction=coefficients.friction,
             elasticity=coefficients.restitution,
             iterations=self.iterations,
         )
         scene.step(INSTANT, 1)
-        impulse = scene.contact_totals(obstacle, alone=True)[:2]
-        scene.release()
+        impulse = scene.contacts.totals(obstacle, alone=True)[:2]
+        scene.contacts.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
         velocity = obstacle.touch_between(scene.mechanism.poses(after), after.rates).velocity

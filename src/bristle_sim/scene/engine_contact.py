@@ -1,4 +1,4 @@
-"""The engine's own contacts keep links on what they touch: as a load, with the corrections that takes."""
+"""The engine's own contacts keep links on what they touch: what lets them act, and the corrections that takes."""
 
 from __future__ import annotations
 
@@ -9,13 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.engine import take_back
-from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector, cross
-from bristle_sim.scene.obstacles import MARGIN, Obstacle, Touch
+from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED, contact_rounds
-from bristle_sim.scene.sustained_contact import STILL, Sustained
+from bristle_sim.scene.sustained_contact import STILL
 
 __all__ = ["LEAST_LEVER", "MOST_GRIP", "EngineContacts", "opening_rate", "set_back"]
 
@@ -35,7 +33,7 @@ NEWTON = 3
 
 
 class EngineContacts:
-    """The engine's own contacts as a load: they act by themselves, and are lost once their forces are gone.
+    """The engine's own contacts of some pairs, which act by themselves.
 
     Attributes:
         scene: of the contacts.
@@ -44,7 +42,6 @@ class EngineContacts:
         slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks. A single
             link's follows from its geometry, and is left to the engine.
         solvable: whether the engine's iterations tend to a solution.
-        reached: totals of the last interval.
     """
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None] = (None,)) -> None:
@@ -54,15 +51,6 @@ class EngineContacts:
         self.pieces: list[int | None] = [None] * len(obstacles)
         self.slips = list(slips)
         self.solvable = True
-        self.reached: Sequence[float] = ()
-        self._in_flight = scene.space.iterations
-        self._last: list[tuple[float, float, float]] = []
-        self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
-        self._sums: list[float] = []
-        self._step = 0.0
-        self._due = False
-
-    # What keeps the contacts closed
 
     def grip(self, gaps: Gaps, state: State, index: int = 0) -> float:
         """Return the fraction of a free link's response that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
@@ -97,7 +85,7 @@ class EngineContacts:
         self.pieces = [self._next_piece(each, state) for each in self.obstacles]
         if len(self.scene.links) == 1:
             left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)
-            rounds = max(self._in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
+            rounds = max(self.scene.contacts.in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
             self.solvable = grips[0] <= MOST_GRIP
         else:
             touches = [gaps.touch(each, state, piece) for each, piece in zip(self.obstacles, self.pieces, strict=True)]
@@ -105,9 +93,11 @@ class EngineContacts:
                 self.scene.mechanism, gaps.poses(state), self.obstacles, touches, self.slips
             )
         for index, (obstacle, piece) in enumerate(zip(self.obstacles, self.pieces, strict=True)):
-            self.scene.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0)
+            self.scene.contacts.engage(
+                obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0
+            )
             if (slip := self.slips[index]) is not None:
-                self.scene.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
+                self.scene.contacts.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
         return min(grips)
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
@@ -119,85 +109,6 @@ class EngineContacts:
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and stay so."""
         return set_back(gaps, self.obstacles, state, self.pieces, self.slips)
-
-    # What the contacts add up, as a load
-
-    def begin(self) -> None:
-        """Forget what was added up."""
-        self._sums, self._last, self._due = [0.0] * (3 * len(self.obstacles)), [], False
-
-    def apply(self, step: float) -> None:
-        """Add up what the engine, which acts by itself, did in the step before."""
-        if self._due:
-            self._add()
-        elif step != self._step:
-            self._warm_up(step)
-        self._due, self._step = True, step
-        if self._pushes_back:
-            for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=False):
-                if obstacle.partner is not None:
-                    # The partner's shape is larger than it, which lengthens the lever of friction on it.
-                    self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
-
-    def totals(self, step: float) -> list[float]:
-        """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
-
-        Of several links the tangential forces in the last step follow: friction may make a contact stick.
-        """
-        if self._due:
-            self._add()
-        found = [each[0] / step for each in self._last] + self._sums
-        return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
-
-    def fails(self, totals: list[float]) -> bool:
-        """Return whether a contact would have to pull."""
-        return min(self.forces(totals)) <= 0.0
-
-    def forces(self, totals: Sequence[float]) -> Sequence[float]:
-        """Return the contacts' normal forces from the totals."""
-        return totals[: len(self.obstacles)]
-
-    def spare_friction(self, totals: Sequence[float], index: int) -> float:
-        """Return by how much friction's limit exceeds the tangential force of a contact."""
-        return self.obstacles[index].friction * totals[index] - abs(totals[4 * len(self.obstacles) + index])
-
-    def driven(self, totals: Sequence[float], index: int) -> int:
-        """Return the sense in which a contact that sticks would slip."""
-        return -1 if totals[4 * len(self.obstacles) + index] > 0.0 else 1
-
-    def breaks_away(self, totals: Sequence[float]) -> Slip | None:
-        """Return the slip of a contact that cannot stick, if there is one."""
-        for index, obstacle in enumerate(self.obstacles):
-            if self.slips[index] == 0 and self.spare_friction(totals, index) < 0.0:
-                return Slip(obstacle, self.driven(totals, index))
-        return None
-
-    def share_out(self, totals: Sequence[float], sustained: Sequence[Sustained], length: float) -> None:
-        """Add what was added up in an interval to the contacts' own sums."""
-        count, self.reached = len(self.obstacles), totals
-        for index, each in enumerate(sustained):
-            each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
-
-    def _add(self) -> None:
-        alone, sums = len(self.obstacles) == 1, self._sums
-        self._last = []
-        for index, obstacle in enumerate(self.obstacles):
-            totals = self.scene.contact_totals(obstacle, alone)
-            self._last.append(totals)
-            sums[3 * index] += totals[0]
-            if obstacle.friction:
-                sums[3 * index + 1] += totals[1]
-                sums[3 * index + 2] += totals[1] * totals[2]
-        self._due = False
-
-    def _warm_up(self, step: float) -> None:
-        """Take one step and take it back.
-
-        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
-        but not what it reports, nor what limits friction and push, until a step has been taken.
-        """
-        bodies = self.scene.links if self.scene.hub is None else [self.scene.hub, *self.scene.links]
-        take_back(bodies, lambda: self.scene.step(step, 1))
 
 
 def contact_row(

@@ -39,20 +39,22 @@ class Plan:
     touched: frozenset[str] = frozenset()
 
 
+Numbers = tuple[int, ...]
+"""Numbers of the wires whose event it is, or of the links in contact."""
+
+
 @dataclass(slots=True)
 class Recording:
     """What a run leaves behind, in engine units; ``seconds`` are wall clock and processor time.
 
-    ``event_wires`` and ``contact_wires`` are the numbers of the wires whose events and contacts they are; ``inner`` are states between ``states`` that a sustained contact's geometry gives.
+    ``inner`` are states between ``states`` that a sustained contact's geometry gives.
     """
 
     states: list[State] = field(default_factory=list)
     forces: list[float | tuple[float, ...]] = field(default_factory=list)
     inner: list[State] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    contacts: list[ContactRecord] = field(default_factory=list)
-    event_wires: list[tuple[int, ...]] = field(default_factory=list)
-    contact_wires: list[tuple[int, ...]] = field(default_factory=list)
+    events: list[tuple[Event, Numbers]] = field(default_factory=list)
+    contacts: list[tuple[ContactRecord, Numbers]] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
     stop_detail: str = ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
@@ -40,7 +40,6 @@ class Progress:
         gaps: between links and what they can touch.
         changes: signs of the event functions.
         obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
-        dents: pairs whose tips are in dents, as they are outside, by their numbers.
         recording: what the run leaves behind.
         rebound: the last rebound, if there was one.
     """
@@ -55,7 +54,6 @@ class Progress:
     obstacles: list[Obstacle]
     recording: Recording
     rebound: Rebound | None = None
-    dents: dict[int, Obstacle] = field(default_factory=dict)
 
     @classmethod
     def at_start(cls, scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Plan) -> Progress:
@@ -108,37 +106,16 @@ class Progress:
         ground = dataclasses.replace(obstacle, depth=obstacle.depth - gap)
         number = self.obstacles.index(obstacle)
         self.obstacles[number] = ground
-        self.dents[number] = self.scene.effects.obstacles[number]
         return ground
+
+    def dents(self) -> list[int]:
+        """Return the numbers of the pairs whose tips are in dents."""
+        outside = self.scene.effects.obstacles
+        return [number for number, each in enumerate(self.obstacles) if outside[number] is not each]
 
     def leave_dent(self, number: int) -> None:
         """Have the pair of that number touch the surface again."""
-        self.obstacles[number] = self.dents.pop(number)
-
-    def neighbour(self, obstacle: Obstacle, step: int) -> Obstacle | None:
-        """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
-        link, size = obstacle.link + step, self.mechanism.wire_links
-        if obstacle.link < 0 or obstacle.partner is not None or link // size != obstacle.link // size:
-            return None
-        return next((each for each in self.obstacles if (each.name, each.link) == (obstacle.name, link)), None)
-
-    def behind_joint(self, obstacle: Obstacle, active: Sequence[Obstacle]) -> bool:
-        """Whether a link is nearest to what its neighbour is in contact with at the joint that both have."""
-        foot = None
-        for step, past in ((-1, 0), (1, 1)):
-            beside = self.neighbour(obstacle, step) if active else None
-            if beside in active:
-                foot = foot or obstacle.foot(self.gaps.poses(self.state)[obstacle.link])
-                if (foot[past] <= AT_JOINT) if past == 0 else (foot[past] >= -AT_JOINT):
-                    return True
-        return False
-
-    def at_joint(self, obstacle: Obstacle) -> Obstacle:
-        """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
-        lower = self.neighbour(obstacle, -1)
-        if lower is None or obstacle.foot(self.gaps.poses(self.state)[obstacle.link])[0] > 0.0:
-            return obstacle
-        return lower
+        self.obstacles[number] = self.scene.effects.obstacles[number]
 
     def cubic_error(self, length: float) -> float:
         """Return how far the cubic through the ends of an interval may be off a motion of the shortest time scale."""
@@ -149,40 +126,46 @@ class Progress:
         self.recording.states.append(self.state)
         self.recording.forces.append(force)
 
+    def links_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+        """Return the numbers of the links that take part in a contact."""
+        own = obstacle.link % len(self.mechanism.links)
+        return (own,) if obstacle.partner is None else (own, obstacle.partner)
+
     def wires_of(self, obstacle: Obstacle) -> tuple[int, ...]:
         """Return the numbers of the wires that take part in a contact."""
-        own, size = obstacle.link % len(self.mechanism.links), self.mechanism.wire_links
-        return (own // size,) if obstacle.partner is None else (own // size, obstacle.partner // size)
+        return tuple(link // self.mechanism.wire_links for link in self.links_of(obstacle))
+
+    def force_of_wires(self, forces: Sequence[float], obstacles: Sequence[Obstacle]) -> float | tuple[float, ...]:
+        """Return the sum of normal forces, for each wire if there are several."""
+        if self.mechanism.wires == 1:
+            return math.fsum(forces)
+        pairs = [(force, self.wires_of(each)) for force, each in zip(forces, obstacles, strict=True)]
+        return tuple(math.fsum(force for force, of in pairs if wire in of) for wire in range(self.mechanism.wires))
 
     def event(self, name: str, time: float, wires: Sequence[int] = (0,)) -> None:
         """Record an event of some wires; the run ends once every wire has had the one that is to end it."""
-        record = self.recording
-        record.events.append(Event(name, time))
-        record.event_wires.append(tuple(wires))
+        events = self.recording.events
+        events.append((Event(name, time), tuple(wires)))
         if name in FINAL and name == self.plan.stop_after:
             self.stop(FINAL[name])
         elif name == self.plan.stop_after:
-            happened = {
-                wire
-                for each, of in zip(record.events, record.event_wires, strict=True)
-                if each.name == name
-                for wire in of
-            }
+            happened = {wire for each, of in events if each.name == name for wire in of}
             if len(happened) == self.mechanism.wires:
                 self.stop(StopReason.EVENT)
 
     def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
         """Record a contact."""
-        self.recording.contacts.append(record)
-        self.recording.contact_wires.append(self.wires_of(obstacle))
+        self.recording.contacts.append((record, self.links_of(obstacle)))
 
     def touched(self, obstacle: Obstacle) -> bool:
         """Whether a pair's wire has been in contact with the obstacle of that name."""
         if obstacle.name in self.plan.touched:
             return True
-        wire, record = self.wires_of(obstacle)[0], self.recording
-        pairs = zip(record.contacts, record.contact_wires, strict=True)
-        return any(each.obstacle == obstacle.name and wire in wires for each, wires in pairs)
+        wire, size = self.wires_of(obstacle)[0], self.mechanism.wire_links
+        return any(
+            each.obstacle == obstacle.name and wire in (link // size for link in links)
+            for each, links in self.recording.contacts
+        )
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
         """End the run, for a reason and with what a law says about it; the first reason counts."""
@@ -193,9 +176,6 @@ class Progress:
 CAPTURE = 1e-8
 """An impact slower than this fraction of the fastest point's speed takes the rest of the approach away: repeated taps of
 a restitution below 1 add up in finite time."""
-
-AT_JOINT = 1e-9
-"""Fraction of a link within which a foot on it is at its end."""
 
 VIBRATION = 0.01
 """Error of the cubic in the scene's unit, per fourth power of the interval and third power of the fastest rate: of a rate of

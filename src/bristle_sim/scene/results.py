@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -25,8 +26,9 @@ def trajectory_in_si(
     recording: Recording, scene: Scene, units: Units, parameters: dict[str, Any], *, with_estimate: bool, wire: int = 0
 ) -> Trajectory:
     """Return what a run has recorded of a wire, in SI units; a method without an error estimate leaves it out."""
-    mechanism, states, own = scene.mechanism, recording.states, _links_of(scene, wire)
+    mechanism, states = scene.mechanism, recording.states
     if mechanism.wires > 1:
+        own = slice(wire * mechanism.wire_links, (wire + 1) * mechanism.wire_links)
         mechanism = mechanism.wire(wire)
         states = [State(state.time, state.angles[own], state.rates[own]) for state in states]
     time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
@@ -46,11 +48,7 @@ def trajectory_in_si(
         normal_force=np.array(forces) * units.force,
         hub_speed=parameters["tool"]["hub"]["speed"],
         events=tuple(Event(event.name, event.time * units.time) for event in _events(recording, scene, wire)),
-        contacts=tuple(
-            contact_in_si(_of_links(contact, own), units)
-            for contact, wires in zip(recording.contacts, recording.contact_wires, strict=True)
-            if wire in wires
-        ),
+        contacts=tuple(contact_in_si(contact, units) for contact in _contacts(recording, scene.mechanism, wire)),
         stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
             *recording.seconds,
@@ -64,28 +62,32 @@ def trajectory_in_si(
     )
 
 
-def _links_of(scene: Scene, wire: int) -> slice:
-    size = scene.mechanism.wire_links
-    return slice(wire * size, (wire + 1) * size)
-
-
 def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
     """Return a wire's events, and by name what never happened."""
-    found = [event for event, wires in zip(recording.events, recording.event_wires, strict=True) if wire in wires]
+    found = [event for event, wires in recording.events if wire in wires]
     names = {event.name for event in found}
     parts = {each.name for each in scene.effects.obstacles}
     absent = [name for name, event in ABSENCES.items() if name.split()[0] in parts and event not in names]
     return found + [Event(name, recording.states[-1].time) for name in absent]
 
 
-def _of_links(contact: ContactRecord, own: slice) -> ContactRecord:
-    """Return a contact record with angles and rates of some links."""
-    return dataclasses.replace(
-        contact,
-        angles=contact.angles[own],
-        rates_before=contact.rates_before[own],
-        rates_after=contact.rates_after[own],
-    )
+def _contacts(recording: Recording, mechanism: Mechanism, wire: int) -> Iterator[ContactRecord]:
+    """Yield a wire's contact records, with its own angles and rates, its link in contact and its partner."""
+    size, own = mechanism.wire_links, slice(wire * mechanism.wire_links, (wire + 1) * mechanism.wire_links)
+    for contact, links in recording.contacts:
+        wires = [link // size for link in links]
+        if len(mechanism.links) == 1:
+            yield contact
+        elif wire in wires:
+            place = wires.index(wire)
+            yield dataclasses.replace(
+                contact,
+                angles=contact.angles[own],
+                rates_before=contact.rates_before[own],
+                rates_after=contact.rates_after[own],
+                link=links[place] % size + 1 if size > 1 else None,
+                neighbour=wires[1 - place] + 1 if len(wires) > 1 else None,
+            )
 
 
 def _energies(

@@ -17,7 +17,7 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Stepper
-from bristle_sim.scene.transitions import end, enter, first_motion
+from bristle_sim.scene.transitions import contact_at_end, end, enter, first_motion
 from bristle_sim.stop_reason import StopReason
 
 __all__ = ["run"]
@@ -49,7 +49,7 @@ def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Pla
             change = motion.proceed()
             motion = motion if change is None else enter(motion, change)
     recording = progress.recording
-    recording.contact_at_end = motion.summary()
+    recording.contact_at_end = contact_at_end(motion)
     end(motion, str(recording.stop_reason))
     recording.seconds = (clock.perf_counter() - wall, clock.process_time() - cpu)
     recording.steps = scene.steps - steps

@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
+from bristle_sim.scene.contact_forces import ContactForces
 from bristle_sim.scene.engine_contact import EngineContacts
 from bristle_sim.scene.event_functions import (
     Change,
@@ -17,28 +18,20 @@ from bristle_sim.scene.event_functions import (
     Release,
     Slip,
     Touch,
-    freedom,
-    in_flight,
-    retraction,
 )
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import Sustained, at_work, in_touch, inner_states
-from bristle_sim.scene.touch_search import SHORTEST, Interval, find_touch
+from bristle_sim.scene.sustained_contact import Sustained, at_work, extremes, inner_states, limits
+from bristle_sim.scene.touch_search import SHORTEST, Interval, search_touch
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactAtEnd
 
 __all__ = ["SmoothMotion"]
 
 LONGEST = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
 cubic through the ends is good to 1/384 of the motion."""
-
-LEAST_HOP = 1e-6
-"""Fraction of an interval within which a rebound that is shorter is taken for none."""
-
 
 Resolve = Callable[[], Change | None]
 """Resolves the event at an interval's end; returns what it changes about the contacts."""
@@ -51,7 +44,7 @@ class SmoothMotion:
         progress: of the run.
         sustained: contacts that the engine keeps closed, until their forces have fallen to zero.
         separating: pairs that have left each other but whose gaps are not open yet.
-        load: the engine's contacts as a load; None where there is none.
+        contacts, load: the engine's contacts, and their forces as a load; None where there is none.
         before: the last interval of this motion, if there is one.
         limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
         ending: whether a force is known to vanish within the next interval of full length.
@@ -70,11 +63,12 @@ class SmoothMotion:
         self.before: Advance | None = None
         self.limit = limit
         self.ending = False
-        self.load: EngineContacts | None = None
+        self.contacts: EngineContacts | None = None
+        self.load: ContactForces | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
-        self._extremes = self._find_extremes()
-        progress.changes.begin(progress.state, [*self._extremes, *self._limits()])
+        self._extremes = extremes(progress, self.sustained)
+        progress.changes.begin(progress.state, [*self._extremes, *limits(self.progress)])
         if self.sustained:
             self._extremes += self._begin_contact()
 
@@ -87,8 +81,10 @@ class SmoothMotion:
         result = self.advance(length)
         if self.load is not None and (result.failed or min(self.load.forces(result.totals)) <= 0.0):
             return self._approach_release(result, length)
-        if self.load is not None and self.before is None and (slip := self.load.breaks_away(result.totals)) is not None:
-            return slip
+        if self.contacts is not None and self.load is not None and self.before is None:
+            slip = self.load.breaks_away(result.totals, self.contacts.slips)
+            if slip is not None:
+                return slip
         if not progress.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
                 progress.stop(StopReason.ACCURACY)
@@ -123,14 +119,14 @@ class SmoothMotion:
         length = result.state.time - start.time
         force: float | tuple[float, ...] = 0.0
         progress.state = result.state
-        if self.load is not None:
+        if self.contacts is not None and self.load is not None:
             self.load.share_out(result.totals, self.sustained, length)
-            progress.state = self.load.set_back(progress.gaps, result.state)
-            progress.recording.inner += inner_states(progress, self.load, start)
+            progress.state = self.contacts.set_back(progress.gaps, result.state)
+            progress.recording.inner += inner_states(progress, self.contacts, start)
         self.before = result
         if self.load is not None:
             self._engage()
-            force = self._forces(self.load.forces(result.totals))
+            force = progress.force_of_wires(self.load.forces(result.totals), self.load.obstacles)
         progress.recording.error += result.error
         progress.sample(force)
         if self.limit is not None:
@@ -138,15 +134,6 @@ class SmoothMotion:
         if self.separating:
             gaps, state = progress.gaps, progress.state
             self.separating = tuple(each for each in self.separating if gaps.gap(each, state) <= GAP_ROUNDING)
-
-    def _forces(self, forces: Sequence[float]) -> float | tuple[float, ...]:
-        """Return the sum of the normal forces, for each wire if there are several."""
-        progress = self.progress
-        if progress.mechanism.wires == 1:
-            return math.fsum(forces)
-        wires = [progress.wires_of(each.obstacle) for each in self.sustained]
-        pairs = list(zip(forces, wires, strict=True))
-        return tuple(math.fsum(force for force, of in pairs if wire in of) for wire in range(progress.mechanism.wires))
 
     def _next_limit(self, length: float) -> float:
         """Return the longest interval after one of a length: they grow after a contact, but not towards a release."""
@@ -158,22 +145,25 @@ class SmoothMotion:
         """Let the engine's contacts act from here on, if they can; return the events that end them."""
         progress = self.progress
         obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
-        self.load = EngineContacts(progress.scene, obstacles, slips)
-        progress.state = self.load.set_back(progress.gaps, progress.state)
+        self.contacts, self.load = (
+            EngineContacts(progress.scene, obstacles, slips),
+            ContactForces(progress.scene, obstacles),
+        )
+        progress.state = self.contacts.set_back(progress.gaps, progress.state)
         for each in self.sustained:
             each.begin(progress.state)
         self._engage()
-        return at_work(progress, self.load)
+        return at_work(progress, self.contacts, self.load)
 
     def _engage(self) -> None:
         """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
         progress = self.progress
-        assert self.load is not None
-        grip = self.load.engage(progress.gaps, progress.state)
+        assert self.contacts is not None
+        grip = self.contacts.engage(progress.gaps, progress.state)
         if grip <= 0.0:
             progress.event("jam", progress.state.time)
             progress.stop(StopReason.JAM)
-        elif not self.load.solvable:
+        elif not self.contacts.solvable:
             progress.stop(StopReason.FRICTION)
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
@@ -186,60 +176,15 @@ class SmoothMotion:
         active = [each.obstacle for each in self.sustained]
         for obstacle in self.progress.obstacles:
             if obstacle not in active and result.state.time > self.progress.state.time:
-                result, resolve = self._search_touch(obstacle, result, resolve)
+                found = search_touch(self.progress, self.interval_to(result), obstacle, active, self.separating)
+                if found is not None:
+                    result, touch = found
+                    resolve = None if touch is None else partial(Touch, *touch)
         for function in self.event_functions():
             changed = self.progress.changes.find(function, self.interval_to(result), self.before)
             if changed is not None:
                 result, resolve = changed, partial(self.note, function)
         return result, resolve
-
-    def _search_touch(
-        self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
-    ) -> tuple[Advance, Resolve | None]:
-        """Return the interval cut short where it comes nearest to an obstacle, and the touch if it does touch."""
-        progress = self.progress
-        if obstacle in self.separating:
-            return self._search_return(obstacle, result, resolve)
-        if self.load is not None and progress.gaps.rests(obstacle, progress.state, result.state):
-            return result, resolve
-        if progress.behind_joint(obstacle, [*self.separating, *(each.obstacle for each in self.sustained)]):
-            return result, resolve
-        error = progress.stepper.interpolation_error(progress.state, result.state)
-        found = find_touch(
-            self.interval_to(result),
-            progress.gaps,
-            obstacle,
-            error + progress.cubic_error(self.interval_to(result).length),
-        )
-        if found is None:
-            return result, resolve
-        reached, closed = found
-        return reached, partial(Touch, obstacle) if closed else None
-
-    def _search_return(
-        self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
-    ) -> tuple[Advance, Resolve | None]:
-        """Search a touch of what a link has left: it touches it again only by coming back within the interval."""
-        gap, rate = self.progress.gaps.gap_and_rate(obstacle, result.state)
-        if gap >= -GAP_ROUNDING or rate >= 0.0:
-            return result, resolve
-        entered = self.progress.gaps.gap(obstacle, self.progress.state) >= -GAP_ROUNDING
-        # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
-        if entered and (gap < -self.progress.plan.accuracy or len(self.progress.mechanism.links) > 1):
-            result = self._rise(obstacle, result)
-            if self.progress.gaps.gap(obstacle, result.state) > GAP_ROUNDING:
-                return result, None
-        # It is back within the shortest interval: too low a rebound to follow.
-        return result, partial(Touch, obstacle, True)
-
-    def _rise(self, obstacle: Obstacle, result: Advance) -> Advance:
-        """Return the part of an interval that ends deep inside an obstacle in which the rebound is still above it."""
-        interval, gaps = self.interval_to(result), self.progress.gaps
-        span = interval.length
-        while span > LEAST_HOP * interval.length and gaps.gap(obstacle, result.state) < -GAP_ROUNDING:
-            span *= 0.5
-            result = interval.again(span)
-        return result
 
     def interval_to(self, end: Advance) -> Interval:
         """Return the interval from the state that was reached to its end."""
@@ -247,30 +192,7 @@ class SmoothMotion:
 
     def event_functions(self) -> list[EventFunction]:
         """Return functions whose change of sign is an event of this motion, besides touches."""
-        return [*self._extremes, *self._limits()]
-
-    def _find_extremes(self) -> list[EventFunction]:
-        """Return extremes of the motion relative to the hub, and kinks of sustained contact."""
-        progress = self.progress
-        if not self.sustained:
-            return in_flight(progress.scene)
-        kinks = [function for each in self.sustained for function in in_touch(progress.gaps, each, progress.state)]
-        return [*retraction(progress.mechanism), *kinks]
-
-    def _limits(self) -> list[EventFunction]:
-        """Return the angle at which a bristle lies on the hub, if there is one, and tips that come out of dents."""
-        progress, limit = self.progress, self.progress.plan.retraction_limit
-        found = freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else []
-        return found + [self._out_of_dent(*each) for each in progress.dents.items()] if progress.dents else found
-
-    def _out_of_dent(self, number: int, outside: Obstacle) -> EventFunction:
-        """Watch a tip come out of the dent that a contact resolved in time has left it in."""
-        progress = self.progress
-
-        def gap(at: Advance) -> float:
-            return progress.gaps.gap(outside, at.state)
-
-        return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
+        return [*self._extremes, *limits(self.progress)]
 
     def note(self, function: EventFunction) -> Change | None:
         """Record what an event function found, and return what it changes about the contacts."""
@@ -280,9 +202,3 @@ class SmoothMotion:
         if function.final is not None:
             progress.stop(function.final)
         return None if function.act is None else function.act()
-
-    def summary(self) -> ContactAtEnd:
-        """Return what a run that ends here is resumed from."""
-        if self.sustained:
-            return ContactAtEnd("sustained contact", self.sustained[-1].obstacle.name)
-        return ContactAtEnd("separating", self.separating[-1].name) if self.separating else ContactAtEnd()

@@ -3,25 +3,36 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from bristle_sim.scene.event_functions import Change, EventFunction, HandOver, Slip, Touch
+from bristle_sim.scene.event_functions import (
+    Change,
+    EventFunction,
+    HandOver,
+    Slip,
+    Touch,
+    freedom,
+    in_flight,
+    retraction,
+)
 from bristle_sim.scene.events import interpolate
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
+from bristle_sim.scene.wire_joints import neighbour
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 
 if TYPE_CHECKING:
+    from bristle_sim.scene.contact_forces import ContactForces
     from bristle_sim.scene.engine_contact import EngineContacts
     from bristle_sim.scene.progress import Progress
 
-__all__ = ["STILL", "Sustained", "at_work", "in_touch", "inner_states"]
+__all__ = ["STILL", "Sustained", "at_work", "extremes", "in_touch", "inner_states", "limits"]
 
 SHORTEST_SAMPLED = 2e-3
 """Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
@@ -131,35 +142,60 @@ def in_touch(gaps: Gaps, contact: Sustained, state: State) -> list[EventFunction
     return functions
 
 
-def at_work(progress: Progress, load: EngineContacts) -> list[EventFunction]:
+def extremes(progress: Progress, sustained: Sequence[Sustained]) -> list[EventFunction]:
+    """Return extremes of the motion relative to the hub, and kinks of sustained contact."""
+    if not sustained:
+        return in_flight(progress.scene)
+    kinks = [function for each in sustained for function in in_touch(progress.gaps, each, progress.state)]
+    return [*retraction(progress.mechanism), *kinks]
+
+
+def limits(progress: Progress) -> list[EventFunction]:
+    """Return the angle at which a bristle lies on the hub, if there is one, and tips that come out of dents."""
+    limit = progress.plan.retraction_limit
+    found = freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else []
+    return found + [_out_of_dent(progress, number) for number in progress.dents()]
+
+
+def _out_of_dent(progress: Progress, number: int) -> EventFunction:
+    """Watch a tip come out of the dent that a contact resolved in time has left it in."""
+    outside = progress.scene.effects.obstacles[number]
+
+    def gap(at: Advance) -> float:
+        return progress.gaps.gap(outside, at.state)
+
+    return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
+
+
+def at_work(progress: Progress, contacts: EngineContacts, forces: ContactForces) -> list[EventFunction]:
     """Return what ends or changes sustained contacts besides their forces."""
     found = []
-    for index, obstacle in enumerate(load.obstacles):
-        found += [locking(load, progress.gaps, index), elbow(load, progress.gaps, index)]
+    for index, obstacle in enumerate(contacts.obstacles):
+        found += [locking(contacts, progress.gaps, index), elbow(contacts, progress.gaps, index)]
         if len(progress.mechanism.links) > 1:
             found += _hand_overs(progress, obstacle)
-            found += [_sticking(load, index)] if load.slips[index] == 0 else []
+            found += [_sticking(forces, index)] if contacts.slips[index] == 0 else []
     return found
 
 
-def locking(load: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
+def locking(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
     """Watch the grip get too small: friction locks the link, or without it the link meets the obstacle end-on."""
-    obstacle = load.obstacles[index]
+    obstacle = contacts.obstacles[index]
     jams = obstacle.friction > 0.0
     final = StopReason.JAM if jams else StopReason.NO_GRIP
 
     def spare(at: Advance) -> float:
-        return load.grip(gaps, at.state, index) - LEAST_GRIP
+        return contacts.grip(gaps, at.state, index) - LEAST_GRIP
 
     return EventFunction(f"locking of {_label(obstacle)}", spare, True, "jam" if jams else None, final=final)
 
 
-def elbow(load: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
+def elbow(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
     """Watch another piece of a bent link meet the obstacle that this one is on: it takes over by an impact."""
-    obstacle = load.obstacles[index]
+    obstacle = contacts.obstacles[index]
 
     def beside(at: Advance) -> float:
-        return obstacle.gap_beside(gaps.poses(at.state)[obstacle.link], load.pieces[index] or 0)
+        return obstacle.gap_beside(gaps.poses(at.state)[obstacle.link], contacts.pieces[index] or 0)
 
     return EventFunction(f"other piece of {_label(obstacle)}", beside, falling=True, act=partial(Touch, obstacle))
 
@@ -179,30 +215,30 @@ def _hand_overs(progress: Progress, obstacle: Obstacle) -> list[EventFunction]:
         return HandOver(obstacle, following)
 
     where = _label(obstacle)
-    if (lower := progress.neighbour(obstacle, -1)) is not None:
+    if (lower := neighbour(progress, obstacle, -1)) is not None:
         found.append(EventFunction(f"start of {where}", before, falling=True, act=partial(act, lower)))
-    if (upper := progress.neighbour(obstacle, 1)) is not None:
+    if (upper := neighbour(progress, obstacle, 1)) is not None:
         found.append(EventFunction(f"end of {where}", partial(after, upper), falling=False, act=partial(act, upper)))
     return found
 
 
-def _sticking(load: EngineContacts, index: int) -> EventFunction:
+def _sticking(forces: ContactForces, index: int) -> EventFunction:
     """Watch the force of stick reach what friction gives: slip begins."""
 
     def spare(at: Advance) -> float:
-        return load.spare_friction(at.totals, index) if at.totals else math.nan
+        return forces.spare_friction(at.totals, index) if at.totals else math.nan
 
     def act() -> Change:
-        return Slip(load.obstacles[index], load.driven(load.reached, index))
+        return Slip(forces.obstacles[index], forces.driven(forces.reached, index))
 
-    return EventFunction(f"stick of {_label(load.obstacles[index])}", spare, falling=True, act=act)
+    return EventFunction(f"stick of {_label(forces.obstacles[index])}", spare, falling=True, act=act)
 
 
 def _label(obstacle: Obstacle) -> str:
     return f"{obstacle.name} at link {obstacle.link}"
 
 
-def inner_states(progress: Progress, load: EngineContacts, start: State) -> list[State]:
+def inner_states(progress: Progress, contacts: EngineContacts, start: State) -> list[State]:
     """Return states within an interval that has ended: those of a single link in touch follow from the geometry alone."""
     end = progress.state
     length = end.time - start.time
@@ -210,7 +246,7 @@ def inner_states(progress: Progress, load: EngineContacts, start: State) -> list
         return []
 
     def state_at(fraction: float) -> State:
-        return load.set_back(progress.gaps, interpolate(start, end, fraction))
+        return contacts.set_back(progress.gaps, interpolate(start, end, fraction))
 
     guess, middle = interpolate(start, end, 0.5).angles[-1], state_at(0.5)
     # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.

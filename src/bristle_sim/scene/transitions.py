@@ -12,10 +12,11 @@ from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress, Rebound
 from bristle_sim.scene.smooth_motion import SmoothMotion
 from bristle_sim.scene.sustained_contact import STILL, Sustained
+from bristle_sim.scene.wire_joints import at_joint
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactRecord
+from bristle_sim.trajectory import ContactAtEnd, ContactRecord
 
-__all__ = ["end", "enter", "first_motion"]
+__all__ = ["contact_at_end", "end", "enter", "first_motion"]
 
 LOSSLESS = 1e-12
 """Fraction of the speed that an impact may lose by rounding."""
@@ -63,10 +64,17 @@ def enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
     return _next(motion.progress, kept, separating)
 
 
+def contact_at_end(motion: SmoothMotion) -> ContactAtEnd:
+    """Return what a run that ends here is resumed from."""
+    if motion.sustained:
+        return ContactAtEnd("sustained contact", motion.sustained[-1].obstacle.name)
+    return ContactAtEnd("separating", motion.separating[-1].name) if motion.separating else ContactAtEnd()
+
+
 def end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None = None) -> None:
     """End sustained contacts, all or those of some obstacles, and record them."""
     progress = motion.progress
-    progress.scene.release()
+    progress.scene.contacts.release()
     for each in motion.sustained:
         if obstacles is None or each.obstacle in obstacles:
             record = each.record(progress.gaps, progress.state, outcome)
@@ -88,7 +96,7 @@ def _next(progress: Progress, sustained: Sequence[Sustained], separating: Sequen
 
 def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
     """Resolve an impact and those that follow it at the same instant; return the motion after it."""
-    progress, obstacle = motion.progress, motion.progress.at_joint(touch.obstacle)
+    progress, obstacle = motion.progress, at_joint(motion.progress, touch.obstacle)
     if any(each.obstacle is obstacle for each in motion.sustained):
         # Another piece of the same link takes over.
         end(motion, obstacle.name, [obstacle])
@@ -101,7 +109,7 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
         return _next(progress, [*motion.sustained, Sustained(obstacle)], others)
     left = least_opening_rate(progress, obstacle)
     first = not progress.touched(obstacle)
-    progress.scene.release()
+    progress.scene.contacts.release()
     try:
         record = _resolve(progress, obstacle, rests=touch.rests or left <= STILL)
     except ValueError as error:

@@ -145,7 +145,7 @@ def _touching() -> Scene:
     scene, _ = build_tool(tool, hub_start=angle)
     scene.place(State(0.0, (angle,), (-scene.mechanism.hub_speed * scene.mechanism.hub_radius,)))
     (obstacle,) = scene.effects.obstacles
-    scene.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=HOLD_ITERATIONS)
+    scene.contacts.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=HOLD_ITERATIONS)
     return scene
 
 
