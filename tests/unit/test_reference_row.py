@@ -124,8 +124,8 @@ class TestSustained:
         Integrated over the contact by cubic splines through samples 2e-5 s apart: (2e-5 s 1e3 rad/s)^4 = 2e-7.
         """
         first, second = row(5.0, friction=0.0, hub_turn=0.9)
-        held = next(each for each in second.contacts if each.obstacle == "wire" and each.duration > 5e-4)
-        begin, end = held.time, held.time + held.duration
+        lasting = next(each for each in second.contacts if each.obstacle == "wire" and each.duration > 5e-4)
+        begin, end = lasting.time, lasting.time + lasting.duration
         # Between the sample after the impact that begins the contact and that before the one that ends it.
         inside = np.arange(*np.searchsorted(second.time, [begin, end], side="right") - (1, 0))
         inside = [*inside[second.time[inside] < end].tolist(), int(np.searchsorted(second.time, end))]

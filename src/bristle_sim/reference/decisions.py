@@ -29,7 +29,8 @@ AT_ONCE = 1e-10
 def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:
     """A contact closes: impacts follow, and contacts that stay."""
     new = _place(system, name, piece, state)
-    log.touch(new, state)
+    for own in log.of(new):
+        own.touch(new, state)
     return decide(system, log, state, new)
 
 
@@ -78,7 +79,8 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
             lasting[point] = Sustained(point, slip, state, (0.0, instant.touch(point).velocity[1]))
     system.sustained = [*lasting.values(), *springs]
     if new is not None and new in points and new not in staying:
-        log.release(new, state)
+        for own in log.of(new):
+            own.release(new, state)
     log.check_stop(state)
     return system.closed(state)
 
@@ -91,13 +93,15 @@ def _end(system: System, log: Log, state: State, staying: dict[Point, int], outc
         record(system, log, state, each, outcome)
     log.check_stop(state)
     for each in ending:
-        log.release(each.point, state)
+        for own in log.of(each.point):
+            own.release(each.point, state)
 
 
 def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
     """Record a sustained contact that ends."""
     normal, tangential = system.at(state).touch(each.point).velocity
-    log.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
+    for own in log.of(each.point):
+        own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
 
 
 def jam(log: Log, state: State) -> NoReturn:
@@ -126,7 +130,8 @@ def part(system: System, log: Log, each: Sustained, state: State) -> State:
     """A compliant contact's force is back at zero."""
     record(system, log, state, each, "rebound")
     system.sustained.remove(each)
-    log.release(each.point, state)
+    for own in log.of(each.point):
+        own.release(each.point, state)
     log.check_stop(state)
     return state
 
@@ -156,10 +161,12 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     touch = instant.touch(point)
     change, hit = resolve(instant.mass, touch, surface.friction, surface.restitution, surface.friction_in_restitution)
     after = state._replace(rates=state.rates + change)
-    log.impact(point, state, after, touch.velocity, hit)
+    log.impacts.append(state.time)
+    for own in log.of(point):
+        own.impact(point, state, after, touch.velocity, hit)
     if hit.outcome_name == "jam":
         jam(log, after)
-    most = MOST_AT_ONCE * len(log.parts) ** 2  # wires in a row pass on impacts to each other
+    most = MOST_AT_ONCE * len(log.of()) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
     fastest = max(system.fastest, float(np.abs(after.rates).max()))
     if len(recent) == most and (recent[-1] - recent[0]) * fastest < AT_ONCE:

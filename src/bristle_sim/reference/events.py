@@ -58,13 +58,13 @@ class Event(NamedTuple):
 def events_of(system: System, log: Log, state: State) -> list[Event]:
     """Return the events that can end the interval which begins at a state."""
 
-    def upright(link: int, own: Log, instant: Instant) -> float:
-        lean = float(instant.state.angles[link] - own.chain.hub_angle(instant.state.time))
+    def upright(own: Log, instant: Instant) -> float:
+        lean = float(instant.state.angles[own.first] - own.chain.hub_angle(instant.state.time))
         return (0.5 * math.pi) ** 2 - lean**2
 
     found = _touch_events(system, log, state)
-    for link, own in log.parts:
-        found.append(Event(partial(upright, link, own), -1, ROUNDING, partial(_retraction_limit, own)))
+    for own in log.of():
+        found.append(Event(partial(upright, own), -1, ROUNDING, partial(_retraction_limit, own)))
     for number, each in enumerate(system.sustained):
         found += _force_events(system, log, state, number)
         if isinstance(system.obstacles[each.point.obstacle], Bar):

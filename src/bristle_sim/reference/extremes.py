@@ -25,14 +25,14 @@ IDLE = 1e-12
 
 
 def note_extremes(
-    system: System, log: Log, link: int, motion: Motion, instants: list[Instant], step: tuple[float, float]
+    system: System, log: Log, motion: Motion, instants: list[Instant], step: tuple[float, float]
 ) -> float | None:
     """Note where a wire's first link lags most and its highest relative rate; return the time at which the run ends there.
 
-    ``log`` is that of the wire, ``link`` the number of its first link. The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    ``log`` is that of the wire. The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
     ``instants`` are those at the nodes of the integrator's step; the motion is looked at in ``step``, s.
     """
-    chain = log.chain
+    chain, link = log.chain, log.first
 
     def rate(at: Instant) -> float:
         return float(at.state.rates[link] - chain.speed)
@@ -48,7 +48,7 @@ def note_extremes(
 
     for time, direction in changes(rate, ROUNDING * system.fastest):
         if direction > 0:
-            log.turned(motion(np.array([time]))[0].part(link, chain.links))
+            log.turned(motion(np.array([time]))[0])
             if log.stop_after == LARGEST_RETRACTION:
                 return time
     touched = any(each.touch.normal_row[link] for each in instants[0].contacts)

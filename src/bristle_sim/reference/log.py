@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -33,10 +34,11 @@ class Finished(Exception):
 
 
 class Log:
-    """The record of a run; ``interval`` is the time between samples, s."""
+    """The record of a wire's run; ``interval`` is the time between samples, s, ``first`` the number of its first link."""
 
-    def __init__(self, chain: Chain, interval: float, stop_after: str | None) -> None:
+    def __init__(self, chain: Chain, interval: float, stop_after: str | None, first: int = 0) -> None:
         self.chain = chain
+        self.first = first
         self.interval = interval
         self.stop_after = stop_after
         self.events: list[Event] = []
@@ -48,10 +50,15 @@ class Log:
 
     # Samples
 
-    @property
-    def parts(self) -> list[tuple[int, Log]]:
-        """Return each wire's log with the number of its first link."""
-        return [(0, self)]
+    def of(self, point: Point | None = None) -> Sequence[Log]:
+        """Return the logs of the wires that touch in a contact, of all wires without one."""
+        del point
+        return [self]
+
+    def own(self, state: State) -> State:
+        """Return the state of the wire's own links."""
+        links = slice(self.first, self.first + self.chain.links)
+        return State(state.time, state.angles[links], state.rates[links])
 
     def sample(self, instant: Instant) -> None:
         """Store a state with its normal and tangential force, N, unless it was stored last."""
@@ -106,7 +113,7 @@ class Log:
 
     def turned(self, state: State) -> None:
         """Note a state at which retraction may be largest: the relative rate rises through zero."""
-        self._turned.append(state)
+        self._turned.append(self.own(state))
         self.mark(state.time)
 
     def note_largest_retraction(self) -> None:
@@ -127,7 +134,7 @@ class Log:
 
     def impact(self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
         """Record an impact between the states before and after it."""
-        self.impacts.append(state.time)
+        state, after = self.own(state), self.own(after)
         if state.rates[0] < self.chain.speed < after.rates[0]:
             self.turned(state)
         self.contacts.append(
@@ -152,7 +159,7 @@ class Log:
 
     def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
         """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
-        first, sums = each.since, each.sums
+        first, last, sums = self.own(each.since), self.own(last), each.sums
         if last.time <= first.time:
             return
         compression = sums if each.compression is None else each.compression

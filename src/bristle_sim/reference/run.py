@@ -79,10 +79,7 @@ class Run:
             instants = [self.system.at(each) for each in motion(nodes(*step))]
             first = first_event(self.system, events, motion, instants, step)
             until = step[1] if first is None else first[0]
-            extremes = (
-                note_extremes(self.system, log, link, motion, instants, (step[0], until))
-                for link, log in self.log.parts
-            )
+            extremes = (note_extremes(self.system, log, motion, instants, (step[0], until)) for log in self.log.of())
             stop = min((each for each in extremes if each is not None), default=None)
             until = until if stop is None else stop
             *between, self.state = motion(np.array([*self.log.times(step[0], until), until]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 import time as clock
 from collections.abc import Sequence
@@ -16,9 +15,8 @@ from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.row import Row
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.simulate import FINEST, Request, check_start, note_absences, parameters, span
-from bristle_sim.reference.system import Instant, Obstacles, State, Sustained, System
+from bristle_sim.reference.system import Instant, Obstacles, State, System
 from bristle_sim.reference.wires import Wires
-from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import Cost, Trajectory
 
 __all__ = ["simulate_row_reference"]
@@ -29,13 +27,17 @@ class RowLog(Log):
 
     def __init__(self, row: Row, wires: Wires, interval: float, stop_after: str | None) -> None:
         super().__init__(row.bristles[0], interval, stop_after)
-        self.logs = [Log(each, interval, None) for each in row.bristles]
+        self.logs = [Log(each, interval, None, number) for number, each in enumerate(row.bristles)]
         self.wires = wires
 
-    @property
-    def parts(self) -> list[tuple[int, Log]]:
-        """Return each bristle's log with its number."""
-        return list(enumerate(self.logs))
+    def of(self, point: Point | None = None) -> Sequence[Log]:
+        """Return the logs of the bristles that touch in a contact, of all without one."""
+        if point is None:
+            return self.logs
+        return [
+            self.logs[each]
+            for each in (self.wires.pairs[point.piece] if point.obstacle == Wires.name else [point.piece])
+        ]
 
     def sample(self, instant: Instant) -> None:
         """Store a state, for all bristles or for none: they share the instants."""
@@ -43,8 +45,8 @@ class RowLog(Log):
         if sustained := instant.system.sustained:
             balance = instant.balance
             for each, pushes in zip(sustained, np.column_stack([balance.normal, balance.tangential]), strict=True):
-                forces[list(self._touching(each.point))] += pushes
-        new = [(instant.state.part(number, 1), (float(n), float(t))) for number, (n, t) in enumerate(forces)]
+                forces[[log.first for log in self.of(each.point)]] += pushes
+        new = [(log.own(instant.state), (float(n), float(t))) for log, (n, t) in zip(self.logs, forces, strict=True)]
         if any(log.differs(*one) for log, one in zip(self.logs, new, strict=True)):
             for log, one in zip(self.logs, new, strict=True):
                 log.samples.append(one)
@@ -61,31 +63,6 @@ class RowLog(Log):
     def seen(self, name: str) -> bool:
         """Whether every bristle has had an event of that name."""
         return all(log.seen(name) for log in self.logs)
-
-    def touch(self, point: Point, state: State) -> None:
-        """Note a touch."""
-        for number in self._touching(point):
-            self.logs[number].touch(point, state)
-
-    def release(self, point: Point, state: State) -> None:
-        """Note the end of a contact."""
-        for number in self._touching(point):
-            self.logs[number].release(point, state)
-
-    def impact(self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
-        """Record an impact; partners have the same impulse and velocity, each with its own normal."""
-        self.impacts.append(state.time)
-        for number in self._touching(point):
-            self.logs[number].impact(point, state.part(number, 1), after.part(number, 1), velocity, hit)
-
-    def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
-        """Record a sustained contact that ends."""
-        for number in self._touching(each.point):
-            own = dataclasses.replace(each, since=each.since.part(number, 1))
-            self.logs[number].lasting(own, last.part(number, 1), velocity, outcome)
-
-    def _touching(self, point: Point) -> Sequence[int]:
-        return self.wires.pairs[point.piece] if point.obstacle == Wires.name else (point.piece,)
 
 
 def simulate_row_reference(

@@ -32,10 +32,6 @@ class State(NamedTuple):
     angles: Reals
     rates: Reals
 
-    def part(self, first: int, count: int) -> State:
-        """Return the state of some links only."""
-        return State(self.time, self.angles[first : first + count], self.rates[first : first + count])
-
 
 @dataclass(slots=True)
 class Sustained:

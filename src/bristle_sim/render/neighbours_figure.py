@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render.drawing import View, draw_scale_bar
-from bristle_sim.render.panels import note, panel_title
+from bristle_sim.render.panels import note, panel_title, say
 from bristle_sim.render.style import BLACK, BLUE, SERIES, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_tool, name_parts
-from bristle_sim.studies.neighbours import Row, strike_values
+from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
 from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 __all__ = ["neighbours_figure", "pitches_to_draw", "row_view", "touch_place"]
@@ -49,8 +49,10 @@ LEAST = {
 def pitches_to_draw(row: Row) -> list[float]:
     """Return pitches, deg, from close beside each other to beyond the least pitch of the whole pass."""
     least = [each.by_theory for each in row.least if each.by_theory is not None]
-    roots = np.degrees(2.0 * np.arcsin(row.tool.bristle.wire_diameter / (2.0 * row.tool.hub.radius)))
-    even = [*np.linspace(2.5 * roots, 1.2 * min(least), 17), *np.linspace(1.2 * min(least), 1.1 * max(least), 6)]
+    if not least:
+        return [fraction * row.neighbours.pitch_deg for fraction in (0.5, 0.75, 1.0, 1.5, 2.0)]
+    close = 2.5 * root_pitch(row.tool)
+    even = [*np.linspace(close, 1.2 * min(least), 17), *np.linspace(1.2 * min(least), 1.1 * max(least), 6)]
     return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
 
 
@@ -71,6 +73,8 @@ def neighbours_figure(row: Row, pitches: Sequence[float], strikes: Mapping[str, 
         _draw_over_pitch(axes, row, pitches, factor * strikes[name])
         axes.set(xlabel="pitch (deg)", ylabel=label, xlim=(0.0, None))
         panel_title(axes, letter, title)
+        if np.isnan(strikes[name]).all():
+            say(axes, "no strike at any pitch")
     handles, names = axes.get_legend_handles_labels()
     figure.legend(handles, names, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4)
     return figure

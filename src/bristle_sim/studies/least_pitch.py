@@ -21,7 +21,7 @@ PITCH_STEP = math.radians(0.25)
 """Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
 
 PITCH_TOLERANCE = 1e-9
-"""Error of the least pitch, rad: 6e-8 deg."""
+"""Tolerance of the least pitch, rad: 6e-8 deg."""
 
 INSTANTS = 1500
 """Even instants of a pass at which the distance is looked at, besides the samples; 0.2 deg of the hub's turn in a pass."""

@@ -6,6 +6,7 @@ last bristle's strike with the lone one's.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import math
 from collections.abc import Callable, Sequence
@@ -19,11 +20,12 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
 from bristle_sim.studies.strike_point import require_result, state_at_strike
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["STATE", "WIRE_TOUCH", "Row", "neighbours", "over_pitch", "row_series", "strike_values"]
+__all__ = ["STATE", "WIRE_TOUCH", "Row", "neighbours", "over_pitch", "root_pitch", "row_series", "strike_values"]
 
 WIRE_TOUCH = "wire touch"
 
@@ -97,6 +99,12 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
+    roots = root_pitch(tool)
+    if not roots < row.pitch_deg < (360.0 - roots) / (row.bristles - 1):
+        raise ValueError(
+            f"pitch_deg = {row.pitch_deg:g}: must be above {roots:g} and below {(360.0 - roots) / (row.bristles - 1):g}, or"
+            " wires stand in each other (in deg)"
+        )
     bristles = _simulated(tool, row, settings, row.pitch_deg)
     lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
     found = Row(tool, row, settings, bristles, lone, _least_pitches(tool, lone))
@@ -125,11 +133,14 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
 
 
 def over_pitch(row: Row, pitches: Sequence[float]) -> dict[str, NDArray[np.float64]]:
-    """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN where there is no strike."""
+    """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN without a run or a strike."""
     found = []
     for pitch in pitches:
-        run = _simulated(row.tool, row.neighbours, row.settings, pitch, stop_after="strike")[-1]
-        found.append([math.nan if value is None else value for value in strike_values(row.tool, run).values()])
+        values: list[float | None] = [None] * len(STATE)
+        with contextlib.suppress(ValueError):  # a pitch at which the row cannot start, or a run that is given up
+            run = _simulated(row.tool, row.neighbours, row.settings, pitch, stop_after="strike")[-1]
+            values = list(strike_values(row.tool, run).values())
+        found.append([math.nan if value is None else value for value in values])
     return dict(zip(STATE, np.transpose(found), strict=True))
 
 
@@ -153,6 +164,13 @@ def _simulated(tool: Tool, row: Neighbours, settings: Settings, pitch: float, **
     runs = simulate_row(tool, settings, **_placed(row, pitch), **options)
     require_result(runs[-1], settings)
     return runs
+
+
+def root_pitch(tool: Tool) -> float:
+    """Return the pitch at which wires touch at their roots, 2 asin(d/(2 r_h)), deg."""
+    if not tool.bristle.wire_diameter < 2.0 * tool.hub.radius:
+        raise ValueError(f"hub_radius = {tool.hub.radius:g}: must be above half of wire_diameter (in m)")
+    return math.degrees(2.0 * math.asin(tool.bristle.wire_diameter / (2.0 * tool.hub.radius)))
 
 
 def _least_pitches(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
@@ -189,10 +207,9 @@ def _searched(row: Row, least: LeastPitch, reference: float | None) -> Quantity:
     if least.until is None or least.by_theory is None or row.neighbours.search == "no":
         return Quantity(least.name, "deg", None, least.by_theory, reference)
     pair, end, speed = dataclasses.replace(row.neighbours, bristles=2), least.until, row.tool.hub.speed
-    roots = math.degrees(2.0 * math.asin(row.tool.bristle.wire_diameter / (2.0 * row.tool.hub.radius)))
 
     def touch(pitch: float) -> bool:
-        if pitch <= roots:
+        if pitch <= root_pitch(row.tool):
             return True
         turn = math.radians(pitch)
         until = end + turn / speed if least.of_follower else end
@@ -239,12 +256,13 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]
     last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
     alone = None if touches else 0.0
     referred = None if reference is None else float(len(_touches(reference)))
-    judged = reference is not None or not touches
+    # A row ends for all when one bristle jams.
+    judged = reference is not None or (not touches and last.stop_reason is StopReason.END)
     found = [Quantity("wire_contacts", "1", touches, alone, referred, tolerance=0.0 if judged else None)]
     own, theory = strike_values(row.tool, last), strike_values(row.tool, row.lone)
     independent = dict.fromkeys(STATE) if reference is None else strike_values(row.tool, reference)
     for name, unit in STATE.items():
-        value = theory[name] if independent[name] is None else independent[name]
+        value = theory[name] if reference is None else independent[name]
         tolerance = None
         if judged and value:
             # Errors are relative to angles of a radian, and to the strike of a bristle alone.
@@ -259,14 +277,12 @@ def _remarks(row: Row) -> tuple[str, ...]:
     shown = ", ".join(f"{each:.4f}" for each in times[:6]) + (", ..." if len(times) > 6 else "")
     touches = f"touches a neighbour at {shown} ms" if times else "touches no neighbour"
     strike = "does not strike" if contact is None else f"strikes at {1e3 * contact.time:.4f} ms"
+    simulated = "simulated with two bristles, " if row.neighbours.search == "yes" else ""
     counted = (
-        "least pitches: simulated with two bristles, theory by the motion of one alone; counted are touches until the bristle"
-        " in front strikes, until the follower itself does, and in the whole pass"
+        f"least pitches: {simulated}theory by the motion of one alone; counted are touches until the bristle in front"
+        " strikes, until the follower itself does, and in the whole pass"
     )
     if reason := _unsearched(row.tool, row.lone):
         counted = f"least pitches: not searched, as {reason}"
-    return (
-        f"bristle {row.neighbours.bristles} {touches}, and {strike}",
-        counted,
-        "theory of the strike: a bristle alone",
-    )
+    said = f"bristle {row.neighbours.bristles} {touches}, and {strike}; the run ended: {row.bristles[-1].stop_reason}"
+    return said, counted, "theory of the strike: a bristle alone"
