@@ -18,7 +18,6 @@ from bristle_sim.render.drawing import View, moving_arrow, point_arrow
 from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
 from bristle_sim.render.panels import say
 from bristle_sim.render.style import signed, styled
-from bristle_sim.scene.wire_strike import WireStrike
 from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.theory.cueing import centrifugal_stiffness
 from bristle_sim.theory.wire import hinge_stiffness
@@ -73,7 +72,7 @@ class WireScene(FilmScene):
     @styled()
     def __init__(self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0) -> None:
         self.struck = struck
-        self.wire, self.rigid = _Motion(struck, struck.wire), _Motion(struck, struck.rigid)
+        self.wire, self.rigid = _Motion(struck), _Motion(struck, rigid=True)
         warp = slow_motion(0.0, self.wire.end, duration)
         super().__init__(warp, width, height, LETTERS * min(width / 960.0, height / 540.0), COLUMNS)
         figure, top, small = self.stage.figure, 1.0 - HEADER, 0.62 * self.letters
@@ -185,8 +184,8 @@ class _Motion:
         touch_time, touch_force: history of the contact force, s and N.
     """
 
-    def __init__(self, struck: FlexibleWire, run: WireStrike) -> None:
-        strike = struck.strike
+    def __init__(self, struck: FlexibleWire, *, rigid: bool = False) -> None:
+        strike, run = struck.strike, struck.rigid if rigid else struck.wire
         tool = strike.tool
         time, kept = np.unique(run.time, return_index=True)
         self._angles = CubicHermiteSpline(time, run.angles[kept], run.rates[kept])

@@ -42,7 +42,7 @@ CUTTING_FRICTION = 0.5
 REFERENCE_ACCURACY = 1e-9
 
 REFERENCE_FRICTION = 10.0
-"""Largest friction of a strike that the independent solution is asked for: its steps shrink with the time that slip lasts."""
+"""Largest friction of a strike for which the independent solution is computed: its steps shrink with the time that slip lasts."""
 
 LONGEST = 10.0
 """Times the contact of the rigid bristle that a contact may last."""
