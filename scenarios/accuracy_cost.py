@@ -7,12 +7,12 @@ times, all methods in turn. The table compares our CPU time (simulated) with the
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effort
 from bristle_sim.comparison import Report
 from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli.scenario import figure
 
 
 def run(values: Mapping[str, Any]) -> Report:
@@ -22,20 +22,12 @@ def run(values: Mapping[str, Any]) -> Report:
     return accuracy_cost(build(Effort, values))
 
 
-def plot(report: Report, path: Path) -> None:
-    """Error against CPU time, one panel a case."""
-    from bristle_sim.render.cost_figure import cost_figure
-    from bristle_sim.render.style import save_figure
-
-    save_figure(cost_figure(report.subject), path)
-
-
 SCENARIO = Scenario(
     name="accuracy_cost",
     question="What does accuracy cost in time?",
     parts=(Effort,),
     run=run,
-    plot=plot,
+    plot=figure("cost_figure"),
 )
 
 if __name__ == "__main__":

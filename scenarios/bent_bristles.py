@@ -6,12 +6,12 @@ takes for a contact. The film shows the forward knee retract at once, the other 
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Contact, Hub, Workpart
+from bristle_sim.scenario_cli import Scenario, build, build_tool, main
+from bristle_sim.scenario_cli.scenario import figure
 from bristle_sim.settings import Settings
 
 
@@ -19,23 +19,7 @@ def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and run it with the three shapes."""
     from bristle_sim.studies.bent_bristles import bent_bristles
 
-    tool = Tool(
-        hub=build(Hub, values),
-        belt=build(Belt, values),
-        bristle=build(Bristle, values),
-        bar=build(Bar, values),
-        workpart=build(Workpart, values),
-        contact=build(Contact, values),
-    )
-    return bent_bristles(tool, build(Settings, values))
-
-
-def plot(report: Report, path: Path) -> None:
-    """Tip paths of the three through the contact zone."""
-    from bristle_sim.render.bent_figure import bent_figure
-    from bristle_sim.render.style import save_figure
-
-    save_figure(bent_figure(report.subject), path)
+    return bent_bristles(build_tool(values), build(Settings, values))
 
 
 def series(report: Report) -> dict[str, Any]:
@@ -53,7 +37,7 @@ SCENARIO = Scenario(
     question="Reverse bent, straight, forward bent: which tip slides, which retracts at once?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Contact, Settings),
     run=run,
-    plot=plot,
+    plot=figure("bent_figure"),
     series=series,
     without=WIRE_KEYS,
     defaults={

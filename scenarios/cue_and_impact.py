@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
+from bristle_sim.scenario_cli import Scenario, build, build_tool, main
+from bristle_sim.scenario_cli.scenario import series_of_pass
 from bristle_sim.settings import Settings
 
 
@@ -19,16 +20,7 @@ def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and simulate one pass."""
     from bristle_sim.studies.whole_pass import whole_pass
 
-    tool = Tool(
-        hub=build(Hub, values),
-        belt=build(Belt, values),
-        bristle=build(Bristle, values),
-        bar=build(Bar, values),
-        workpart=build(Workpart, values),
-        contact=build(Contact, values),
-        gravity=values["gravity"],
-    )
-    return whole_pass(tool, build(Settings, values), with_reference=values["reference"] == "yes")
+    return whole_pass(build_tool(values), build(Settings, values), with_reference=values["reference"] == "yes")
 
 
 def plot(report: Report, path: Path) -> None:
@@ -46,11 +38,6 @@ def video(report: Report, path: Path) -> None:
     pass_video(report.subject.trajectory, report.subject.tool, path)
 
 
-def series(report: Report) -> dict[str, Any]:
-    """The simulated motion."""
-    return dict(report.subject.trajectory.columns())
-
-
 SCENARIO = Scenario(
     name="cue_and_impact",
     question="From bar to rebound: does the cued tool do what the formulas say?",
@@ -58,8 +45,7 @@ SCENARIO = Scenario(
     run=run,
     plot=plot,
     video=video,
-    series=series,
-    without=WIRE_KEYS,
+    series=series_of_pass,
 )
 
 if __name__ == "__main__":

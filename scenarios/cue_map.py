@@ -12,22 +12,16 @@ from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli import Scenario, build, build_tool, main
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_map import MapGrid, cue_map
 
 
 def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and look for the bar's best directions."""
-    tool = Tool(
-        hub=build(Hub, values),
-        belt=build(Belt, values),
-        bristle=build(Bristle, values),
-        bar=build(Bar, values),
-        workpart=build(Workpart, values),
-        gravity=values["gravity"],
+    return cue_map(
+        build_tool(values), build(Settings, values), build(MapGrid, values), with_reference=values["reference"] == "yes"
     )
-    return cue_map(tool, build(Settings, values), build(MapGrid, values), with_reference=values["reference"] == "yes")
 
 
 def plot(report: Report, path: Path) -> None:

@@ -9,12 +9,12 @@ bar_vertical put it, show the strikes that follow.
 import math
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli.scenario import figure, series_of_pass
 from bristle_sim.settings import Settings
 
 
@@ -39,26 +39,13 @@ def run(values: Mapping[str, Any]) -> Report:
     )
 
 
-def plot(report: Report, path: Path) -> None:
-    """The released bristle and the formula's, and the bar where it stands and where the cue needs it."""
-    from bristle_sim.render.cue_figure import cue_figure
-    from bristle_sim.render.style import save_figure
-
-    save_figure(cue_figure(report.subject), path)
-
-
-def series(report: Report) -> dict[str, Any]:
-    """The simulated motion."""
-    return dict(report.subject.trajectory.columns())
-
-
 SCENARIO = Scenario(
     name="cue_timing",
     question="How well do the quasi-static cue formulas place the bar?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Release, Settings, Comparison),
     run=run,
-    plot=plot,
-    series=series,
+    plot=figure("cue_figure"),
+    series=series_of_pass,
     without=(
         "knee_position",
         "knee_angle_deg",

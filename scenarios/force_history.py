@@ -8,13 +8,13 @@ above any zero, units are read from headings, ``time_column`` and ``force_column
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub, Surface
+from bristle_sim.parameters.crater import ForceHistory, Measurement
 from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli.scenario import figure, series_of_contact
 from bristle_sim.settings import Settings
 
 
@@ -32,28 +32,13 @@ def run(values: Mapping[str, Any]) -> Report:
     )
 
 
-def plot(report: Report, path: Path) -> None:
-    """Draw both forces over time, the ten segments of table 3.1 and the fit tried on points of the curve."""
-    from bristle_sim.render.force_figure import force_figure
-    from bristle_sim.render.style import save_figure
-
-    save_figure(force_figure(report.subject), path)
-
-
-def series(report: Report) -> dict[str, Any]:
-    """The simulated contact in time."""
-    if report.subject.contact is None:
-        raise ValueError(report.subject.no_contact)
-    return dict(report.subject.contact.record.columns())
-
-
 SCENARIO = Scenario(
     name="force_history",
     question="Does a simulated contact push as the force curve of chapter 3 assumes?",
     parts=(Hub, Bristle, Surface, ForceHistory, Measurement, Settings),
     run=run,
-    plot=plot,
-    series=series,
+    plot=figure("force_figure"),
+    series=series_of_contact,
     without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
 )
 

@@ -6,12 +6,12 @@ passes the radial direction. How fast is its tip then, and how fast must the pul
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Workpart
+from bristle_sim.scenario_cli import Scenario, build, build_tool, main
+from bristle_sim.scenario_cli.scenario import figure
 from bristle_sim.settings import Settings
 
 
@@ -19,22 +19,7 @@ def run(values: Mapping[str, Any]) -> Report:
     """Build the bar-cued tool from the keys and run it with and without its bar."""
     from bristle_sim.studies.inertia_driven import inertia_driven
 
-    tool = Tool(
-        hub=build(Hub, values),
-        belt=build(Belt, values),
-        bristle=build(Bristle, values),
-        bar=build(Bar, values),
-        workpart=build(Workpart, values),
-    )
-    return inertia_driven(tool, build(Settings, values), with_reference=values["reference"] == "yes")
-
-
-def plot(report: Report, path: Path) -> None:
-    """Draw both bristles' angles over the hub's turn, and their rates over the angles."""
-    from bristle_sim.render.inertia_figure import inertia_figure
-    from bristle_sim.render.style import save_figure
-
-    save_figure(inertia_figure(report.subject), path)
+    return inertia_driven(build_tool(values), build(Settings, values), with_reference=values["reference"] == "yes")
 
 
 SCENARIO = Scenario(
@@ -42,7 +27,7 @@ SCENARIO = Scenario(
     question="How fast does the tip strike that inertia drives, without a bar?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=run,
-    plot=plot,
+    plot=figure("inertia_figure"),
     without=(
         "knee_position",
         "knee_angle_deg",

@@ -12,6 +12,7 @@ from typing import Any
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli.scenario import film_of_impact, series_of_impact
 from bristle_sim.settings import Settings
 
 
@@ -38,27 +39,14 @@ def plot(report: Report, path: Path) -> None:
     save_figure(oblique_figure(report.subject, oblique_panels(report.subject)), path)
 
 
-def video(report: Report, path: Path) -> None:
-    """The strike in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
-    from bristle_sim.render.impact_video import impact_video
-    from bristle_sim.studies.timed_contact import with_visible_contact
-
-    impact_video(with_visible_contact(report.subject), path)
-
-
-def series(report: Report) -> dict[str, Any]:
-    """The contact in time, where the law resolves it."""
-    return dict(report.subject.strikes[report.subject.law].contact.columns())
-
-
 SCENARIO = Scenario(
     name="oblique_impact",
     question="One strike of a radial bristle: does the simulated impact follow the closed forms?",
     parts=(Hub, Bristle, Strike, Surface, Contact, Settings),
     run=run,
     plot=plot,
-    video=video,
-    series=series,
+    video=film_of_impact,
+    series=series_of_impact,
     without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
 )
 

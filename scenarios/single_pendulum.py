@@ -12,6 +12,7 @@ from typing import Any
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli.scenario import film_of_impact, series_of_impact
 from bristle_sim.settings import Settings
 
 
@@ -33,27 +34,14 @@ def plot(report: Report, path: Path) -> None:
     save_figure(single_pendulum_figure(report.subject, single_pendulum_panels(report.subject)), path)
 
 
-def video(report: Report, path: Path) -> None:
-    """The strike in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
-    from bristle_sim.render.impact_video import impact_video
-    from bristle_sim.studies.timed_contact import with_visible_contact
-
-    impact_video(with_visible_contact(report.subject), path)
-
-
-def series(report: Report) -> dict[str, Any]:
-    """The contact in time, where the law resolves it."""
-    return dict(report.subject.strikes[report.subject.law].contact.columns())
-
-
 SCENARIO = Scenario(
     name="single_pendulum",
     question="Stronge's single pendulum: does the simulated impact follow the closed form?",
     parts=(SinglePendulum, Surface, Contact, Settings),
     run=run,
     plot=plot,
-    video=video,
-    series=series,
+    video=film_of_impact,
+    series=series_of_impact,
     without=("step", "hub_turn"),
 )
 

@@ -21,7 +21,7 @@ STICTION = "stiction, $\\mu$ = tan $\\gamma$"
 HAND = "the impact at hand"
 ROUGH = Surface(friction=0.5, restitution=0.5)
 TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
-"""Relative error of an impulse summed by the trapezoidal rule over the 24 stretches of a record."""
+"""Relative error of an impulse summed by the trapezoidal rule over the 24 intervals of a record."""
 
 
 def bristle(state: Strike | None = None, contact: Contact | None = None, **surface: float) -> Impacts:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import zip_longest
 from typing import Any
-
-__all__ = ["Quantity", "Report", "Unfinished", "cells", "finite", "table"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,6 +164,16 @@ def _table(quantities: Sequence[Quantity], digits: int, left_out: Sequence[str])
         words += [cell.rjust(width) for cell, width in zip(row[2:], widths[2:], strict=True)]
         lines.append("  ".join(words).rstrip())
     lines.insert(1, "-" * max(map(len, lines)))
+    return lines
+
+
+def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Sequence[int] = ()) -> list[str]:
+    """Join cells of several lines each into the lines of a row; those whose number is in ``right`` stand at the right."""
+    lines = []
+    for parts in zip_longest(*columns, fillvalue=""):
+        padded = zip(parts, widths, strict=True)
+        aligned = [f"{part:>{width}}" if i in right else f"{part:<{width}}" for i, (part, width) in enumerate(padded)]
+        lines.append("  ".join(aligned).rstrip())
     return lines
 
 

@@ -5,15 +5,11 @@ from __future__ import annotations
 import itertools
 import os
 import re
-import shutil
-import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
-
-__all__ = ["complete_or_absent", "is_special"]
 
 _COUNT = itertools.count()
 
@@ -29,6 +25,8 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
     receives the bytes when the partial file is complete; so does an open stream such as ``/dev/stdout``, whatever it is
     redirected to. An OSError names the target.
     """
+    import tempfile
+
     special = is_special(target)
     final = target if special else Path(os.path.realpath(target))
     folder = Path(tempfile.gettempdir()) if special else final.parent
@@ -36,6 +34,8 @@ def complete_or_absent(target: Path) -> Iterator[Path]:
     try:
         yield partial
         if special:
+            import shutil
+
             with partial.open("rb") as written, _opened(final) as stream:
                 shutil.copyfileobj(written, stream)
         else:

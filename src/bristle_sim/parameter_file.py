@@ -19,8 +19,6 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Choice, Range, shown
 
-__all__ = ["MAY_BE_ABSENT", "likely_key", "read_keys", "read_tool", "tool_keys", "write_tool"]
-
 ABSENT = "false"
 """What ``read_keys`` returns for a part that the file says is absent."""
 

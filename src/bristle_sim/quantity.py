@@ -16,8 +16,6 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-__all__ = ["ANY", "Choice", "Range", "check", "choice", "count", "declaration", "quantity", "shown", "validate"]
-
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
 
@@ -257,3 +255,12 @@ def validate(instance: Any) -> None:
         if "declaration" in each.metadata:
             checked = check(instance, each.name, getattr(instance, each.name))
             object.__setattr__(instance, each.name, checked)
+
+
+class Declared:
+    """Base of frozen dataclasses whose declared fields are checked when an object is made."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        validate(self)

@@ -6,9 +6,6 @@ from dataclasses import dataclass
 
 from bristle_sim.quantity import ANY, quantity, shown, validate
 
-__all__ = ["MAXIMUM_STEPS", "Settings"]
-
-
 MAXIMUM_STEPS = 500_000
 """Engine steps of a run by default: fifty whole passes, 2 to 6 s of CPU time."""
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from enum import StrEnum
 
 from bristle_sim.quantity import shown
-
-__all__ = ["ABSENCES", "EVENTS", "StopReason", "checked_event"]
 
 EVENTS = (
     "bar touch",
@@ -16,6 +13,8 @@ EVENTS = (
     "strike",
     "workpart touch",
     "workpart release",
+    "wire touch",
+    "wire release",
     "largest retraction",
     "highest relative speed",
     "retraction limit",
@@ -88,6 +87,8 @@ def checked_event(key: str, name: object, known: Iterable[str]) -> str:
     names = tuple(known)
     if isinstance(name, str) and name in names:
         return str(name)
+    import difflib
+
     likely = difflib.get_close_matches(name, names, 1) if isinstance(name, str) else []
     hint = f"; did you mean {likely[0]!r}?" if likely else ""
     raise ValueError(f"{key} = {shown(name)}: must be one of {', '.join(names)}{hint}")

@@ -93,6 +93,13 @@ def run(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> tuple[Any, 
     return json.loads(out)["parameters"], err
 
 
+def test_a_tool_file_that_cannot_be_read_is_named_with_its_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    for path, reason in ((tmp_path / "none.toml", "No such file or directory"), (tmp_path, "Is a directory")):
+        assert command.main(["cue_timing", "--parameters", str(path)]) == 2
+        line = capsys.readouterr().err.strip()
+        assert line.endswith(f"error: --parameters = '{path}': must be a readable file ({reason})")
+
+
 def test_a_tool_file_gives_parameters_and_set_overrides_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     path = tmp_path / "tool.toml"
     write_tool(Tool(hub=Hub(speed=300.0), bar=None), path)

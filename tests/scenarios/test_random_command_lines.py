@@ -37,8 +37,12 @@ LIMIT = 30.0
 LONG = {"accuracy_cost", "dissertation_audit", "dissertation_figures", "hard_cases"}
 """Scenarios whose keys choose among fixed work, of minutes in all; the suite runs them elsewhere, by their quick parts."""
 
-SMALL = {"tolerances": ("samples=2", "rounding=no"), "cue_map": ("map_points=2",)}
-"""Settings that keep scenarios short that take thousands of passes, with progress and time left, by default."""
+SMALL = {
+    "tolerances": ("samples=2", "rounding=no"),
+    "cue_map": ("map_points=2", "accuracy=0.0001", "reference=no"),
+    "neighbours": ("search=no",),
+}
+"""Settings that keep scenarios short that take many passes, with progress and time left, by default."""
 
 FEW = 4
 """Command lines of each scenario in the suite."""

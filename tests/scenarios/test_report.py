@@ -18,10 +18,10 @@ import pytest
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool, Workpart
 from bristle_sim.quantity import Choice, Range
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.report import answer, motion_data, write_report
 from bristle_sim.scenario_cli import command
 from bristle_sim.scene.tool import simulate
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
@@ -169,7 +169,7 @@ def test_the_slider_moves_the_wire(browser: Any, page: Path):
     Far from events both cubics have the same ends; beside one the page keeps the side of the instant it shows.
     """
     tab, said, _ = opened(browser, page)
-    motion = Motion(simulate(Tool(workpart=Workpart(friction=0.3))))
+    motion = SampledMotion(simulate(Tool(workpart=Workpart(friction=0.3))))
     seen = set()
     for microseconds in (0, 1000, 2500, 4000, 4529, 4540, 6000, 8000):
         move_to(tab, microseconds)

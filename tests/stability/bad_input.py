@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import inspect
 import math
 import random
@@ -11,8 +10,9 @@ from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, TypeVar
 
-from bristle_sim import crater_parameters, parameters
+from bristle_sim import parameters
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
+from bristle_sim.parameters import crater as crater_parameters
 from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.strike import Chain, strike
@@ -20,7 +20,7 @@ from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 from stability.attempts import BAD, Tally, finite
-from stability.theory_samples import MODULES, WHOLE, samples_of
+from stability.theory_samples import MODULES, WHOLE, public_functions, samples_of
 
 __all__ = ["corner", "trials"]
 
@@ -155,10 +155,7 @@ def _any_answer(answer: object) -> bool:
 
 def _theory(name: str) -> Tally:
     tally = Tally()
-    module = importlib.import_module(f"bristle_sim.theory.{name}")
-    for function in (getattr(module, each) for each in module.__all__):
-        if not inspect.isfunction(function):
-            continue
+    for function in public_functions(name):
         good = samples_of(function)
         for argument in good:
             for value in BAD if argument not in WHOLE else ():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +13,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES
 
-__all__ = ["MODULES", "WHOLE", "samples_of"]
+__all__ = ["MODULES", "WHOLE", "public_functions", "samples_of"]
 
 MODULES = (
     "cueing",
@@ -52,7 +53,7 @@ SAMPLES = TOOL | IMPACTS | CRATERS
 """Samples by the arguments' names."""
 
 OWN: dict[str, dict[str, Any]] = {
-    "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "terms": 1, "duration": 1e-4, "peak_force": 60.0}
+    "fit_force_history": {"time": TIMES, "force": BRISTLE(TIMES), "duration": 1e-4, "peak_force": 60.0}
     | {"start": 0.0},
     "constant_for_crater_depth": {"depth": 1e-4},
     "friction_for_crater_depth": {"depth": 1.6e-4},
@@ -69,6 +70,13 @@ OWN: dict[str, dict[str, Any]] = {
 
 WHOLE: dict[str, Any] = {"tool": Tool(), "curve": BRISTLE, "angles": PRINTED_ANGLES}
 """Arguments that are no numbers; not spoilt."""
+
+
+def public_functions(module: str) -> list[Callable[..., Any]]:
+    """Return the functions that a module of the theory defines for others."""
+    loaded = importlib.import_module(f"bristle_sim.theory.{module}")
+    found = (each for name, each in vars(loaded).items() if not name.startswith("_") and inspect.isfunction(each))
+    return [each for each in found if each.__module__ == loaded.__name__]
 
 
 def samples_of(function: Callable[..., Any]) -> dict[str, Any]:

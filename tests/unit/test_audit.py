@@ -14,7 +14,11 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from bristle_sim.dissertation.audit import DIFFERS, NOT_COMPUTABLE, REPRODUCED, audit_rows
-from bristle_sim.dissertation.audit_row import claim, half_unit, number
+from bristle_sim.dissertation.audit_crater import crater_figures
+from bristle_sim.dissertation.audit_force import force_figures
+from bristle_sim.dissertation.audit_impact import impact_figures
+from bristle_sim.dissertation.audit_row import Found, audit_row, half_unit
+from bristle_sim.dissertation.audit_tool import tool_figures
 
 ROWS = {row.where: row for row in audit_rows()}
 
@@ -219,7 +223,7 @@ def test_every_difference_is_computed_a_second_time():
 
 @pytest.mark.parametrize("where", COMPUTED)
 def test_differences_by_an_independent_computation(where):
-    # Quadrature was asked for 1e-11, the limit's extrapolation leaves 1e-7, solving for coefficients 1e-13.
+    # Quadrature is requested to reach 1e-11, the limit's extrapolation leaves 1e-7, solving for coefficients 1e-13.
     assert ROWS[where].computed == pytest.approx(COMPUTED[where](), rel=1e-6)
 
 
@@ -330,14 +334,21 @@ def test_half_a_unit_of_the_last_digit(printed, half):
     [(57.49, 0.0, REPRODUCED), (56.5, 0.0, REPRODUCED), (57.51, 0.0, DIFFERS), (57.51, 0.02, REPRODUCED)],
 )
 def test_verdicts_on_numbers(computed, allowance, status):
-    row = number("place", "57", "N", computed, half_unit, allowance=allowance)
+    row = audit_row({"where": "place", "printed": "57", "unit": "N"}, Found(computed, allowance=allowance))
     assert row.status == status
-    assert row.function == "dissertation.audit_row.half_unit"
     assert row.tolerance == pytest.approx(0.5 + allowance)
 
 
 def test_verdicts_on_statements():
-    assert claim("place", "grows", "1", 0.1, True, half_unit).status == REPRODUCED
-    assert claim("place", "grows", "1", -0.1, False, half_unit).status == DIFFERS
+    entry = {"where": "place", "statement": "grows", "why": "by {0:.1f}"}
+    assert audit_row(entry, Found(0.1, True, (2.0,))).status == REPRODUCED
+    assert audit_row(entry, Found(-0.1, False, (2.0,))).why == "by 2.0"
+    assert audit_row(entry, Found(-0.1, False, (2.0,))).status == DIFFERS
     with pytest.raises(ArithmeticError, match="place"):
-        claim("place", "grows", "1", math.nan, True, half_unit)
+        audit_row(entry, Found(math.nan, True, (2.0,)))
+
+
+def test_every_figure_belongs_to_a_row():
+    """A figure whose place is misspelt would leave its row without one."""
+    for figures in (tool_figures, impact_figures, force_figures, crater_figures):
+        assert set(figures()) <= set(ROWS)

@@ -59,8 +59,8 @@ def test_order_of_the_three_shapes() -> None:
     """Film (Zhang 2020, fig. 1.4): the forward bent tip retracts at once, the other two slide first."""
     report = bent_bristles(TOOL, Settings())
     slides = report.subject.slides
-    assert slides["forward"].turns_in_compression
-    assert not slides["reverse"].turns_in_compression
+    assert (slides["forward"].ending, slides["forward"].ending_phase) == ("turns", "compression")
+    assert (slides["reverse"].ending, slides["reverse"].ending_phase) == ("turns", "restitution")
     after = {row.name: row.simulated for row in report.quantities}
     backwards = [after[f"{shape}_tip_speed_along_after"] for shape in ("reverse", "straight", "forward")]
     assert backwards == sorted(backwards, reverse=True)
@@ -90,8 +90,8 @@ def test_remarks_say_what_was_computed() -> None:
         assert shape in remark
         assert f"{1e3 * slides[shape].forward:.2f} mm forward" in remark
     assert report.outcome is None
-    assert slides["forward"].turn_time < slides["forward"].compression_time
-    assert slides["reverse"].turn_time > slides["reverse"].compression_time
+    assert slides["forward"].ending_time < slides["forward"].compression_time
+    assert slides["reverse"].ending_time > slides["reverse"].compression_time
 
 
 @pytest.mark.parametrize("knee", [-45.0, 30.0])
@@ -120,6 +120,19 @@ def test_figure_ends_wires_and_paths_at_the_strike(knee: float) -> None:
         "straight",
         "forward bent",
     ]
+
+
+@pytest.mark.parametrize(("friction", "turning"), [(0.31, 3), (0.6, 0)])
+def test_figure_marks_slip_that_turns_back_and_not_slip_that_stops(friction: float, turning: int) -> None:
+    """Friction above tan(23.4 deg) = 0.43 stops the tip of a straight rod for good, and of these bent ones too."""
+    tool = dataclasses.replace(TOOL, workpart=Workpart(friction=friction))
+    bent = bent_bristles(tool, Settings()).subject
+    speeds = bent_figure(bent).axes[2]
+    # A tip that sticks goes no farther than 1 % of its slide while in touch; one that turns leaves backwards.
+    assert all((slide.total > 0.99 * slide.forward) == (turning == 0) for slide in bent.slides.values())
+    assert {slide.ending for slide in bent.slides.values()} == {"turns" if turning else "stops"}
+    assert all(0.0 < slide.ending_time < slide.duration for slide in bent.slides.values())
+    assert [line.get_marker() for line in speeds.lines].count("D") == turning
 
 
 def test_figure_of_bristles_that_never_strike_says_so() -> None:

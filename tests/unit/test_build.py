@@ -103,7 +103,7 @@ class TestWhatIsThere:
         """The engine multiplies both shapes' coefficients; only the engaged pair sees one another."""
         scene, _ = build_tool(Tool())
         bar = scene.effects.obstacles[0]
-        scene.engage(bar, friction=bar.friction, elasticity=0.0, iterations=5)
+        scene.contacts.engage(bar, friction=bar.friction, elasticity=0.0, iterations=5)
         pairs = [(a, b) for a in fixed_shapes(scene) for b in link_shapes(scene) if meet(a, b)]
         assert len(pairs) == 1
         assert [(a.friction * b.friction, a.elasticity * b.elasticity) for a, b in pairs] == [(0.0, 0.0)]
@@ -246,10 +246,11 @@ class TestContact:
     def test_obstacles_do_not_act_in_flight(self) -> None:
         """A rod placed deep inside its obstacles moves on as if they were absent."""
         bar = BarObstacle((0.0, -0.5), 0.3, 0.1, 0.5, 0.5)
-        scene = self.resting(Effects(obstacles=(bar, WorkpartObstacle(0.1, 0.5, 0.5, 0.5))), 0.3)
+        floor = WorkpartObstacle(0.1, 0.5, 0.5, 0.5)
+        scene = self.resting(Effects(obstacles=(bar, floor)), 0.3)
         scene.place(State(0.0, (0.3,), (2.0,)))
         scene.step(0.01, 1)
-        assert scene.contact_impulse() == (0.0, 0.0)
+        assert scene.contacts.totals(floor, alone=True) == (0.0, 0.0, 0.0)
         # The rod swings freely: the joint's force turns it at a rate that stays, to the order of the step.
         assert scene.rates()[0] == pytest.approx(2.0, rel=1e-3)
 
@@ -257,9 +258,9 @@ class TestContact:
         """Rod at 45 degrees, gravity g: moments about the root, N L sin 45 = m g (L/2) sin 45, so N = m g/2."""
         floor = WorkpartObstacle(math.cos(0.25 * math.pi), 0.0, 0.0, 0.0)
         scene = self.resting(Effects(gravity=9.0, obstacles=(floor,)), 0.25 * math.pi)
-        scene.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
+        scene.contacts.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
         scene.step(1e-3, 3)
-        normal, tangential = scene.contact_impulse()
+        normal, tangential, _ = scene.contacts.totals(floor, alone=True)
         # Eighty iterations leave 0.4^80; the state moves by 1e-6 in three steps of 1e-3.
         assert normal == pytest.approx(4.5e-3, rel=1e-5)
         assert tangential == 0.0
@@ -268,9 +269,9 @@ class TestContact:
         floor = WorkpartObstacle(math.cos(0.25 * math.pi), 0.0, 0.0, 0.0)
         scene = self.resting(Effects(gravity=9.0, obstacles=(floor,)), 0.25 * math.pi)
         before = scene.space.iterations
-        scene.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
+        scene.contacts.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
         scene.step(1e-3, 1)
-        scene.release(floor)
+        scene.contacts.release()
         scene.step(1e-3, 2)
         assert scene.space.iterations == before
         # Falls at (3/2) (g/L) sin 45 from rest at the first step of the two without contact.
@@ -282,9 +283,9 @@ class TestContact:
         floor = WorkpartObstacle(math.cos(0.6), friction, friction, 0.0)
         scene = self.resting(Effects(obstacles=(floor,)), -0.6)
         scene.place(State(0.0, (-0.6,), (1.0,)))
-        scene.engage(floor, friction=friction, elasticity=0.0, iterations=200)
+        scene.contacts.engage(floor, friction=friction, elasticity=0.0, iterations=200)
         scene.step(1e-9, 1)
-        normal, tangential = scene.contact_impulse()
+        normal, tangential, _ = scene.contacts.totals(floor, alone=True)
         # One degree of freedom: v_n = -L sin 0.6, K = (s (s + mu c)) 3/m with friction helping to stop the tip.
         s, c = math.sin(0.6), math.cos(0.6)
         assert normal == pytest.approx(s / (3.0 * s * (s + friction * c)), rel=1e-6)

@@ -3,7 +3,7 @@
 import pytest
 
 from bristle_sim.theory import checks
-from bristle_sim.theory.ranges import RANGES, checked_arguments, checked_numbers
+from bristle_sim.theory.checks import RANGES, checked_arguments, checked_numbers
 
 
 def test_numbers_that_no_machine_word_holds_are_numbers() -> None:

@@ -46,7 +46,7 @@ def test_differences_are_relative_to_the_size_of_the_other_side():
         (0.0, 0.0, 1e-9, True),
         (1e-9, 0.0, 1e-9, True),  # beside zero the tolerance is an absolute one
         (-2e-9, 0.0, 1e-9, False),
-        (None, 1.0, 0.1, False),  # a number was asked for and none came
+        (None, 1.0, 0.1, False),  # a number was requested and none came
         (None, 1.0, None, None),
         (5.0, 1.0, None, None),
         (1.0, None, 0.1, None),

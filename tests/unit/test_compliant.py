@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Contact, Surface
+from bristle_sim.scene import compliant
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
@@ -36,6 +37,15 @@ class TestCompliantContact:
             found = strike(PAIR, surface, Contact("compliant"), Settings(accuracy=accuracy)).contact.duration
             # Without restitution compression alone takes the time. The motion meanwhile is of the order of it.
             assert found == pytest.approx(duration, rel=1e-4)
+
+    def test_clear_of_rounding_fewer_steps_do(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """By closely spaced repetitions, to the same accuracy of each interval; the contact itself is 0.4 durations off both."""
+        close = strike(PAIR, ROUGH, Contact("compliant"), Settings(accuracy=1e-3))
+        monkeypatch.setattr(compliant, "CLEAR", math.inf)
+        wide = strike(PAIR, ROUGH, Contact("compliant"), Settings(accuracy=1e-3))
+        assert close.steps < 0.9 * wide.steps
+        fastest = max(map(abs, PAIR.rates))
+        assert close.contact.rates_after == pytest.approx(wide.contact.rates_after, abs=1e-4 * fastest)
 
     @pytest.mark.parametrize("duration", [1e-4, 1e-3])
     def test_duration_as_given(self, duration: float) -> None:

@@ -1,4 +1,4 @@
-"""Samples between those of a contact's stretches lie on the contact's course: a half wave, known in closed form."""
+"""Samples between those of a contact's intervals lie on the contact's course: a half wave, known in closed form."""
 
 import math
 

@@ -8,6 +8,7 @@ import pymunk
 import pytest
 
 from bristle_sim.scene.contact_space import contact_space
+from bristle_sim.scene.joints import joint_rows
 
 UP = (0.0, 1.0)
 ROUNDING = 1e-13
@@ -280,6 +281,17 @@ class TestJointsThatTurn:
         space.add(body, pymunk.GrooveJoint(space.static_body, body, (0.0, 0.0), (2.0, 0.0), (1.0, 0.0)))
         matrix = contact_space(body, (0.0, 0.0), UP).inverse_mass
         np.testing.assert_allclose(matrix, [[0.25, 0.0], [0.0, 1.0]], atol=ROUNDING)
+
+    def test_a_limit_of_what_cannot_turn_is_not_passed(self) -> None:
+        """Gears to the ground leave w = 0 but for rounding, which the terms of the limit's rate then consist of."""
+        space, body, wheel = pymunk.Space(), pymunk.Body(1.3, 0.7), pymunk.Body(2.0, 1.1)
+        gears = pymunk.GearJoint(space.static_body, wheel, 0.0, 1.3), pymunk.GearJoint(wheel, body, 0.0, 0.9)
+        ratchets = [pymunk.RatchetJoint(wheel, body, 0.0, tooth) for tooth in (-0.3, 0.3)]
+        space.add(body, wheel, *gears, *ratchets)
+        limits = [row for each in ratchets for row in joint_rows(each)]
+        for angle in np.linspace(0.0, 3.0, 10):
+            found = contact_space(body, (0.3, math.cos(angle)), UP, released=ratchets)
+            assert not any(found.passes(limit, (1.0, math.sin(angle))) for limit in limits)
 
 
 Vector = tuple[float, float]

@@ -7,9 +7,8 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
-from bristle_sim.render.colours import BLUE, ORANGE
 from bristle_sim.render.cost_figure import LEAST, OTHERS, WIDTH, best_methods, cost_figure, verdict
-from bristle_sim.render.style import save_figure
+from bristle_sim.render.style import BLUE, ORANGE, save_figure
 
 
 @dataclass
@@ -42,7 +41,7 @@ POINTS = {
         at("scipy dop853", 0.0, 5e-4),
         at("mujoco rk4", math.inf, math.nan),
     ],
-    "second": [at("exudyn rk44", 1e-2, 1e-3), at("pybullet euler", 1e-1, 1e-2)],
+    "second": [at("numpy rk44", 1e-2, 1e-3), at("mujoco euler", 1e-1, 1e-2)],
     "third": [at("bristle_sim energetic", 2e-16, 1e-3)],
 }
 
@@ -78,7 +77,7 @@ def test_the_best_of_each_peer_has_a_colour_and_the_others_are_grey(figure):
 
 
 def test_a_package_that_does_not_get_to_1e_6_is_judged_by_what_it_reaches():
-    assert best_methods(POINTS["second"]) == {"exudyn": "exudyn rk44", "pybullet": "pybullet euler"}
+    assert best_methods(POINTS["second"]) == {"numpy": "numpy rk44", "mujoco": "mujoco euler"}
 
 
 def test_the_title_says_what_the_reader_should_see(figure):

@@ -135,10 +135,15 @@ def test_a_maximum_is_found_uphill(peak: float):
     assert found.direction == pytest.approx(peak, abs=1e-5)
 
 
-def test_how_the_answer_moves_agrees_with_asking_again(monkeypatch: pytest.MonkeyPatch):
-    """The rows are the same questions, so that each can be asked by itself."""
+def test_how_the_answer_moves_agrees_with_asking_again(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+):
+    """The rows are the same questions, so that each can be asked by itself; each is logged with the time left."""
     monkeypatch.setattr(module, "MOVES", {"hub_speed": (0.9,), "belt_stiffness": (0.8, 1.25)})
-    report = cue_map(Tool(), Settings(), with_reference=False)
+    with caplog.at_level("INFO"):
+        report = cue_map(Tool(), Settings(), with_reference=False)
+    assert [each.split(",")[0] for each in caplog.messages] == [f"{done} of 5 searches done" for done in range(1, 6)]
+    assert caplog.messages[-1].endswith("about 0 s left")
     row = next(each for each in report.extra["moves"] if each["key"] == "hub_speed")
     again = radial_place(Tool(hub=Hub(speed=row["value"])), simulation(Settings()))
     # Both are roots of one lag, good to 1e-6 of some rad.

@@ -167,11 +167,10 @@ def test_stiffened_motion_against_a_march():
 
 @pytest.mark.parametrize("zeta", [0.0, 0.018, 0.3, 0.6])
 def test_damped_motion_against_a_march(zeta):
-    time, speed, at_radial = march(stiffness=1.0, centrifugal=0.0, damping=2 * zeta, steps=4000)
+    time, speed, _ = march(stiffness=1.0, centrifugal=0.0, damping=2 * zeta, steps=4000)
     # With steps of 1e-3 the parabola misses the top by (1e-3)^2/6, and a chord the speed at the crossing by (1e-3)^2/8.
     assert cueing.damped_cue_time(1.0, zeta) == pytest.approx(time, rel=1e-6)
     assert cueing.damped_highest_speed(RETRACTION, 1.0, zeta) == pytest.approx(speed, rel=1e-9)
-    assert cueing.damped_radial_speed(RETRACTION, 1.0, zeta) == pytest.approx(at_radial, rel=1e-6)
 
 
 def test_critical_and_overdamped_release():
@@ -185,23 +184,17 @@ def test_critical_and_overdamped_release():
     assert cueing.damped_highest_speed(0.5, 3.0, 1e4) == pytest.approx(0.5 * 3.0 / 2e4, rel=1e-6)
 
 
-def test_damping_ratio_inverts_both_speeds():
+def test_damping_ratio_inverts_the_highest_speed():
     share = np.array([1.0, 0.999, 0.97, 0.7, 0.4, 0.368])
     np.testing.assert_allclose(cueing.damped_highest_speed(1.0, 1.0, cueing.damping_ratio(share)), share, rtol=1e-13)
-    share = np.array([1.0, 0.999, 0.97, 0.5, 0.1, 0.001])
-    zeta = cueing.damping_ratio(share, radial=True)
-    # The logarithm of the share times a rounding.
-    np.testing.assert_allclose(cueing.damped_radial_speed(1.0, 1.0, zeta), share, rtol=1e-13)
 
 
 def test_damping_that_lowers_the_speed_to_the_printed_one():
-    """869.1 to 845.6 rad/s: 0.0180 of the belt's own critical damping as the bristle is radial, 0.0184 at its fastest."""
+    """869.1 to 845.6 rad/s: 0.0184 of the belt's own critical damping at its fastest."""
     undamped = cueing.stiffened_highest_speed(RETRACTION, PRINTED_PER_DEGREE, CENTRIFUGAL, INERTIA)
     to_belt = math.sqrt(1 + CENTRIFUGAL / PRINTED_PER_DEGREE)
-    for radial, printed in ((True, 0.0180), (False, 0.0184)):
-        zeta = cueing.damping_ratio(845.6 / undamped, radial=radial)
-        # Three digits; treating the sine as linear in the damping's share alone changes the fourth.
-        assert zeta * to_belt == pytest.approx(printed, abs=5e-5)
+    # Three digits; treating the sine as linear in the damping's share alone changes the fourth.
+    assert cueing.damping_ratio(845.6 / undamped) * to_belt == pytest.approx(0.0184, abs=5e-5)
 
 
 def test_cue_with_damping_comes_earlier_and_slower():
@@ -229,7 +222,6 @@ def test_cue_with_damping_comes_earlier_and_slower():
         ),
         (lambda: cueing.stiffened_cue_time(math.nan, 1.0, 1.0, 1.0), r"^retraction = nan: "),
         (lambda: cueing.damped_cue_time(1.0, -0.1), r"^damping_ratio = -0.1: .*0 <= damping_ratio .*\(dimensionless\)"),
-        (lambda: cueing.damped_radial_speed(1.0, 1.0, 1.0), r"^damping_ratio = 1: must be less than 1"),
         (lambda: cueing.damping_ratio(0.3), r"^speed_share = 0.3: must be 0.368 to 1"),
         (lambda: cueing.cue(Tool(bar=None)), "^bar, workpart: must both be there"),
     ],

@@ -40,7 +40,7 @@ def test_final_rates_over_the_mass_ratio() -> None:
     assert second.theory[-1] == pytest.approx(0.12120826, abs=5e-9)
     assert [mark.y for mark in panel.marks] == pytest.approx([-0.19893234, 0.22313679], abs=5e-9)
     for rod, curve in enumerate((first, second), start=1):
-        for law, tolerance in (("energetic", 1e-11), ("compliant", 1e-5)):  # rounding; ten times the accuracy asked for
+        for law, tolerance in (("energetic", 1e-11), ("compliant", 1e-5)):  # rounding; ten times the requested accuracy
             x, simulated = curve.points[law]
             assert x.size == {"energetic": 9, "compliant": 4}[law]
             for ratio, value in zip(x, simulated, strict=True):

@@ -462,10 +462,10 @@ class TestRest:
                 step(1e-6)
             times = []
             for _ in range(60 // balls + 3):
-                start = time.perf_counter()
+                start = time.process_time()
                 for _ in range(200):
                     step(1e-6)
-                times.append(time.perf_counter() - start)
+                times.append(time.process_time() - start)
             return min(times)
 
         assert cost(0.1, True) < 20.0 * cost(0.1, False)

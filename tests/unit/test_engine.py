@@ -1,10 +1,15 @@
 """The engine's bare calls do, bit for bit, what pymunk's documented ones do, and stand in for them only where they exist."""
 
+import dataclasses
+
 import pymunk
 import pytest
 
-from bristle_sim.scene import engine
+from bristle_sim.parameters import Bar, Tool
+from bristle_sim.scene import arbiters, engine
 from bristle_sim.scene.energetic_contact import EnergeticContact
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
 
 POINT = (0.1, -0.5)
 
@@ -20,15 +25,18 @@ def pendulum() -> tuple[pymunk.Space, pymunk.Body]:
 def swing() -> list[tuple[float, ...]]:
     """Some steps of a pendulum that is placed, read and pushed on, as the engine module does it."""
     space, body = pendulum()
-    step, put = engine.stepper(space), engine.placer(body)
+    step, put = engine.stepper(space), engine.placer([body])
     read, push = engine.point_reader(body, POINT), engine.pusher(body)
-    put(0.7, (0.5, -0.1), (0.25, 0.125), -1.5)
+    angle, rate, (same,) = engine.readers([body])
+    put((0.5, -0.1, 0.7, 0.25, 0.125, -1.5))
     seen = []
     for _ in range(5):
         x, y, u, v = read()
         push((-0.3 * u, 0.2), (x, y))
         step(0.01)
-        seen.append((x, y, u, v, body.angle, body.angular_velocity, *body.position, *body.velocity))
+        seen.append((x, y, u, v, angle(same), rate(same), *body.position, *body.velocity))
+    put(None)
+    seen.append((*body.position, body.angle, *body.velocity, body.angular_velocity))
     return seen
 
 
@@ -42,6 +50,7 @@ def swing_by_pymunk() -> list[tuple[float, ...]]:
         body.apply_force_at_world_point((-0.3 * u, 0.2), (x, y))
         space.step(0.01)
         seen.append((x, y, u, v, body.angle, body.angular_velocity, *body.position, *body.velocity))
+    seen.append((0.5, -0.1, 0.7, 0.25, 0.125, -1.5))
     return seen
 
 
@@ -55,6 +64,23 @@ def test_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
     assert engine.stepper(space) == space.step
     assert engine.pusher(body) == body.apply_force_at_world_point
     assert swing() == swing_by_pymunk()
+
+
+def test_every_body_takes_six_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A kinematic body and two dynamic ones, by the bare call and by pymunk's own."""
+    told = [float(number) for number in range(18)]
+    for bare in (True, False):
+        if not bare:
+            monkeypatch.setattr(engine, "lib", None)
+        kinds = (pymunk.Body.KINEMATIC, pymunk.Body.DYNAMIC, pymunk.Body.DYNAMIC)
+        bodies = [pymunk.Body(1.0, 1.0, kind) for kind in kinds]
+        engine.placer(bodies)(told)
+        assert told == [
+            number for each in bodies for number in (*each.position, each.angle, *each.velocity, each.angular_velocity)
+        ]
+        angle, rate, same = engine.readers(bodies)
+        assert list(map(angle, same)) == [2.0, 8.0, 14.0]
+        assert list(map(rate, same)) == [5.0, 11.0, 17.0]
 
 
 def test_the_first_step_is_checked_by_pymunk() -> None:
@@ -86,3 +112,41 @@ def test_contacts_are_read_alike_without_bare_calls(monkeypatch: pytest.MonkeyPa
     bare = bounces()
     monkeypatch.setattr(engine, "lib", None)
     assert bounces() == bare
+
+
+def test_impulses_of_a_body_among_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two balls side by side on a rough floor, one of them sliding; each is told its own impulse, bare or not."""
+    space = pymunk.Space()
+    space.gravity, floor = (0.0, -10.0), pymunk.Segment(space.static_body, (-9.0, -1.0), (9.0, -1.0), 1.0)
+    floor.friction = 0.5
+    space.add(floor)
+    balls = []
+    for place, mass in ((-1.0, 1.0), (1.0, 2.0)):
+        ball = pymunk.Body(mass, 0.004)
+        ball.position, ball.velocity = (place, 0.1), (place, 0.0)
+        shape = pymunk.Circle(ball, 0.1)
+        shape.friction = 0.5
+        space.add(ball, shape)
+        balls.append(ball)
+    bare = [arbiters.impulse_reader(space, ball) for ball in balls]
+    monkeypatch.setattr(engine, "lib", None)
+    documented = [arbiters.impulse_reader(space, ball) for ball in balls]
+    for _ in range(3):
+        space.step(1e-3)
+    assert [read() for read in bare] == [read() for read in documented]
+    # Weight times step, and a quarter of it (0.5^2) against the slip: the tangent is the normal, upwards, turned clockwise.
+    assert bare[0]() == pytest.approx((0.01, 0.0025), rel=1e-9)
+    assert bare[1]() == pytest.approx((0.02, -0.005), rel=1e-9)
+
+
+def a_pass() -> tuple[object, ...]:
+    """A pass up to the strike, most of it on a rough bar: placed, stepped, warmed up, its impulses read, in every way."""
+    tool = dataclasses.replace(Tool(), bar=dataclasses.replace(Bar(), friction=0.1))
+    run = simulate(tool, Settings(accuracy=1e-4), stop_after="strike")
+    return run.angles.tolist(), run.rates.tolist(), run.normal_force.tolist(), run.events, run.contacts
+
+
+def test_a_pass_is_the_same_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
+    bare = a_pass()
+    monkeypatch.setattr(engine, "lib", None)
+    assert a_pass() == bare

@@ -5,29 +5,37 @@ import math
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.engine_contact import ELBOW, EngineContact, elbow, locking, set_back, sustained_contact_record
+from bristle_sim.scene.contact_forces import ContactForces
+from bristle_sim.scene.engine_contact import EngineContacts, set_back
+from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
 from bristle_sim.scene.stepping import Advance
+from bristle_sim.scene.sustained_contact import Sustained, elbow, locking
 from bristle_sim.stop_reason import StopReason
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
 
 
-def on_workpart(angle: float, friction: float) -> EngineContact:
+def gaps_at(angle: float, rate: float) -> tuple[Gaps, State]:
+    state = State(0.0, (angle,), (rate,))
+    return Gaps(ROD, state), state
+
+
+def on_workpart(angle: float, friction: float) -> EngineContacts:
     """The rod's tip on the workpart."""
     obstacle = WorkpartObstacle(math.cos(angle), friction, friction, 0.5)
-    return EngineContact(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle)
+    return EngineContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle])
 
 
-def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[EngineContact, BarObstacle]:
+def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[EngineContacts, BarObstacle]:
     """The rod, at an angle, against a bar of reach 0.1 at a distance along it, on the side of larger angles."""
     direction = (math.sin(angle), -math.cos(angle))
     across = (math.cos(angle), math.sin(angle))
     centre = (along * direction[0] + 0.1 * across[0], along * direction[1] + 0.1 * across[1])
     obstacle = BarObstacle(centre, 0.1, 0.0, friction, 0.5)
-    return EngineContact(Scene(ROD, Effects(obstacles=(obstacle,))), obstacle), obstacle
+    return EngineContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle]), obstacle
 
 
 class TestGrip:
@@ -41,7 +49,7 @@ class TestGrip:
         sine, cosine = math.sin(angle), math.cos(angle)
         slip = math.copysign(1.0, rate) if rate else 0.0
         expected = 3.0 * sine * (sine - friction * slip * cosine) / (1.0 + 3.0 * sine**2)
-        found = on_workpart(angle, friction).grip(State(0.0, (angle,), (rate,)))
+        found = on_workpart(angle, friction).grip(*gaps_at(angle, rate))
         assert found == pytest.approx(expected, rel=1e-13)
 
     @pytest.mark.parametrize("angle", [0.0, 0.7, -2.0])
@@ -49,47 +57,49 @@ class TestGrip:
     def test_on_a_bar_in_any_direction(self, angle: float, along: float) -> None:
         """K_nn = 3/m s^2 at a distance s from the root; free 1/m (1 + 12 (s - 1/2)^2)."""
         contact, _ = beside_bar(angle, along)
-        found = contact.grip(State(0.0, (angle,), (0.1,)))
+        found = contact.grip(*gaps_at(angle, 0.1))
         assert found == pytest.approx(3.0 * along**2 / (1.0 + 12.0 * (along - 0.5) ** 2), rel=1e-12)
 
     @pytest.mark.parametrize("along", [0.2, 0.5, 0.8])
     def test_iterations_solve_to_rounding_and_no_further(self, along: float) -> None:
         """Each leaves 1 - grip of the error: as many as it takes to 1e-17."""
         contact, _ = beside_bar(0.7, along)
-        left = abs(1.0 - contact.engage(State(0.0, (0.7,), (0.1,))))
+        left = abs(1.0 - contact.engage(*gaps_at(0.7, 0.1)))
         rounds = contact.scene.space.iterations
         assert left**rounds <= 1e-17 < left ** (rounds - 1)
 
     def test_iterations_have_a_bound(self) -> None:
         """Friction of tan gamma leaves no grip: no number of iterations is enough, 40 000 are taken."""
         contact = on_workpart(0.7, math.tan(0.7))
-        assert contact.engage(State(0.0, (0.7,), (0.3,))) == pytest.approx(0.0, abs=1e-15)
+        assert contact.engage(*gaps_at(0.7, 0.3)) == pytest.approx(0.0, abs=1e-15)
         assert contact.scene.space.iterations == 40_000
 
     @pytest.mark.parametrize(("force", "impulse", "fails"), [(1.0, 0.0, False), (0.0, 1.0, True), (-1.0, 1.0, True)])
     def test_a_contact_only_pushes(self, force: float, impulse: float, fails: bool) -> None:
         """What counts is the force of the last step, not what was pushed before."""
-        assert on_workpart(0.7, 0.3).fails([force, impulse, 0.0, 0.0]) is fails
+        contact = on_workpart(0.7, 0.3)
+        assert ContactForces(contact.scene, contact.obstacles).fails([force, impulse, 0.0, 0.0]) is fails
 
 
 class TestEventFunctions:
     def test_friction_that_locks_is_a_jam(self) -> None:
         """Zero where the grip is 1e-3; it ends the run and has a name in the record only with friction."""
-        state = State(0.0, (0.7,), (0.3,))
+        gaps, state = gaps_at(0.7, 0.3)
         result = Advance(state, (0.0,), (), 0.0)
         for friction, event in ((0.4, "jam"), (0.0, None)):
             contact = on_workpart(0.7, friction)
-            function = locking(contact)
-            assert function.value(result) == pytest.approx(contact.grip(state) - 1e-3, abs=1e-15)
+            function = locking(contact, gaps, 0)
+            assert function.value(result) == pytest.approx(contact.grip(gaps, state) - 1e-3, abs=1e-15)
             assert (function.falling, function.event) == (True, event)
             assert function.final is (StopReason.JAM if friction else StopReason.NO_GRIP)
 
     def test_another_piece_that_meets_the_bar(self) -> None:
         """Its gap falls to zero; a straight wire has no other piece."""
         contact, _ = beside_bar(0.7, 0.5)
-        function = elbow(contact)
-        assert (function.name, function.falling) == (ELBOW, True)
-        assert function.value(Advance(State(0.0, (0.7,), (0.1,)), (0.0,), (), 0.0)) == math.inf
+        gaps, state = gaps_at(0.7, 0.1)
+        function = elbow(contact, gaps, 0)
+        assert function.falling
+        assert function.value(Advance(state, (0.0,), (), 0.0)) == math.inf
 
 
 class TestSetBack:
@@ -98,8 +108,8 @@ class TestSetBack:
     @pytest.mark.parametrize("off", [1e-3, -1e-3])
     def test_onto_the_workpart(self, off: float) -> None:
         """The tip is at -cos of the angle, and does not move along the normal where the rate is 0."""
-        contact = on_workpart(0.7, 0.0)
-        found = set_back(ROD, contact.obstacle, State(1.5, (0.7 + off,), (0.2,)))
+        state = State(1.5, (0.7 + off,), (0.2,))
+        found = set_back(Gaps(ROD, state), on_workpart(0.7, 0.0).obstacles, state)
         assert found.time == 1.5
         assert found.angles[0] == pytest.approx(0.7, abs=1e-14)
         assert found.rates[0] == pytest.approx(0.0, abs=1e-14)
@@ -108,21 +118,27 @@ class TestSetBack:
     @pytest.mark.parametrize("off", [1e-3, -1e-3])
     def test_onto_a_bar_in_any_direction(self, angle: float, off: float) -> None:
         _, obstacle = beside_bar(angle, 0.6)
-        found = set_back(ROD, obstacle, State(0.0, (angle + off,), (0.2,)))
+        gaps, state = gaps_at(angle + off, 0.2)
+        found = set_back(gaps, [obstacle], state)
         assert found.angles[0] == pytest.approx(angle, abs=1e-13)
         assert found.rates[0] == pytest.approx(0.0, abs=1e-13)
 
     def test_a_link_whose_turning_does_not_help_stays(self) -> None:
         """A hanging rod's tip moves along the surface."""
-        state = State(0.0, (0.0,), (0.2,))
-        assert set_back(ROD, WorkpartObstacle(0.9, 0.0, 0.0, 0.5), state) == state
+        gaps, state = gaps_at(0.0, 0.2)
+        assert set_back(gaps, [WorkpartObstacle(0.9, 0.0, 0.0, 0.5)], state) == state
 
 
 def test_record_of_a_sustained_contact() -> None:
     """Slip of a tip at 0.7 is the rate times cos 0.7; the normal velocity is 0 by definition."""
     obstacle = WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5)
     first, last = State(1.0, (0.7,), (0.5,)), State(1.5, (0.7,), (-0.25,))
-    record = sustained_contact_record(ROD, obstacle, first, last, (3.0, -1.0, -0.2), "released")
+    contact = Sustained(obstacle)
+    contact.begin(first)
+    contact.add(0.0, (3.0, -1.0, -0.2), 0.5)
+    record = contact.record(Gaps(ROD, first), last, "released")
+    assert record is not None
+    assert contact.record(Gaps(ROD, first), first, "released") is None
     assert (record.obstacle, record.law, record.outcome) == ("workpart", "sustained", "released")
     assert (record.time, record.duration, record.impulse) == (1.0, 0.5, (3.0, -1.0))
     assert record.compressive_work == (0.0, -0.2)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from bristle_sim.scene import events
-from bristle_sim.scene.events import first_touch, interpolate, locate
+from bristle_sim.scene.events import first_touch, guess, interpolate, locate
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
@@ -124,6 +124,24 @@ class TestLocate:
         assert len(calls) < 40
         assert all(0.0 <= at <= 1.0 for at in calls)
 
+    def test_a_good_guess_takes_three_evaluations(self) -> None:
+        """exp(x) - 2 from a guess 1e-4 off: the quadratic through that and the ends is right to 1e-7, the next one to 1e-14."""
+        calls = []
+
+        def value(at: float) -> float:
+            calls.append(at)
+            return math.exp(at) - 2.0
+
+        found = locate(value, 0.0, 1.0, -1.0, math.e - 2.0, 1e-12, guess=math.log(2.0) + 1e-4)
+        assert found == pytest.approx(math.log(2.0), abs=1e-12)
+        assert calls[0] == math.log(2.0) + 1e-4
+        assert len(calls) <= 4
+
+    @pytest.mark.parametrize("beside", [-0.1, 0.0, 1.0, 2.0, math.nan])
+    def test_a_guess_outside_is_none(self, beside: float) -> None:
+        found = locate(lambda at: at - 0.25, 0.0, 1.0, -0.25, 0.75, 1e-12, guess=beside)
+        assert found == pytest.approx(0.25, abs=1e-12)
+
     @pytest.mark.parametrize("jump", [1e-9, 0.25, 1.0 - 1e-9])
     def test_past_a_jump(self, jump: float) -> None:
         """No value is within the tolerance: the first duration past the jump, to the last digits."""
@@ -134,6 +152,21 @@ class TestLocate:
         """False position creeps up on it from one side."""
         found = locate(lambda at: -1.0 if at < 0.25 else 1e3, 0.0, 1.0, -1.0, 1e3, 0.0)
         assert 0.25 <= found <= 0.25 + 1e-14
+
+
+class TestGuess:
+    """A link that turns by t^2 in two time units, which the cubic through the ends has exactly."""
+
+    START, END = State(1.0, (0.0,), (0.0,)), State(3.0, (4.0,), (4.0,))
+
+    def test_root_on_the_cubic(self) -> None:
+        """Located to 1e-9 of the largest value, 3, whose slope there is 2."""
+        assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END) == pytest.approx(1.0, abs=3e-9)
+
+    def test_none_without_a_change_of_sign_or_a_value_or_time(self) -> None:
+        assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END, 0.4) is None
+        assert guess(lambda _: math.nan, self.START, self.END) is None
+        assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END._replace(time=1.0)) is None
 
 
 def test_a_cubic_has_the_states_and_rates_of_its_ends() -> None:

@@ -6,8 +6,8 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.parameters.crater import ForceHistory, Measurement
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import PiecewiseCubic
 from bristle_sim.studies.force_comparison import SEGMENTS, force_comparison, segment_table
@@ -104,7 +104,7 @@ def test_the_energy_balance_sees_a_wrong_record(column):
     history = dataclasses.replace(found.history, **{column: 1.01 * getattr(found.history, column)})
     wrong = dataclasses.replace(found, record=dataclasses.replace(found.record, history=history))
     # In the hub's frame the tip is about as fast before as after: one per cent of a force changes the work there by
-    # some 1e-6 J, several times what is allowed.
+    # some 1e-6 J, several times the tolerance.
     allowed = 1e-5 * 12e-3
     assert abs(-wrong.work_in_hub_frame - wrong.energy_given_up_in_hub_frame) > 5.0 * allowed
 

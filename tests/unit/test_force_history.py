@@ -40,7 +40,7 @@ def test_impulse_is_the_integral_of_the_force(curve):
     ends = curve.duration * np.array([0.1, 0.466, 1.0])
     start = 0.05 * curve.duration
     expected = [quad(lambda t: float(curve(t)), start, end, epsrel=1e-12, epsabs=0.0)[0] for end in ends]
-    # quad was asked for 1e-12 of the value.
+    # quad is requested to reach 1e-12 of the value.
     np.testing.assert_allclose(curve.impulse(ends, start), expected, rtol=1e-11)
     assert curve.impulse(start, start) == 0.0
 

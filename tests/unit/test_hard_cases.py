@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bristle_sim.benchmarks.hard_cases.jam import rod_near_jam
-from bristle_sim.benchmarks.hard_cases.long_run import FREE, jacobi_energy
-from bristle_sim.benchmarks.hard_cases.motion import damped_decay
+from bristle_sim.benchmarks.hard_cases.motion import FREE, jacobi_energy
 from bristle_sim.theory import cueing
 from bristle_sim.theory.impact import energetic_impact
+from stability.cases.jam import rod_near_jam
+from stability.cases.motion import damped_decay
 
 
 class TestDampedDecay:

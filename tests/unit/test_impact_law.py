@@ -203,6 +203,17 @@ def test_single_impacts_equal_the_array(law):
 
 
 @every_law
+def test_floats_are_taken_as_they_are(law):
+    """As a scene gives them, an array and floats, and as lists and integers, which are turned into arrays first."""
+    matrix, velocity = np.array([[2.0, 0.5], [0.5, 1.0]]), (-3.0, 1.0)
+    expected = law(matrix.tolist(), list(velocity), 1, 0.5, 0.25, 1.5)
+    for each in (velocity, np.array(velocity)):
+        assert_same(law(matrix, each, 1.0, 0.5, 0.25, 1.5), expected, 0.0)
+    with pytest.raises(ValueError, match="restitution = 2"):
+        law(matrix, velocity, 1.0, 2.0)
+
+
+@every_law
 def test_arguments_broadcast(law):
     impacts = random_impacts(13, 6)
     shaped = law(impacts["inverse_mass"][:, None], impacts["velocity"], np.array([[[0.1]], [[0.5]]]), 0.5)

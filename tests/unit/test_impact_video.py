@@ -11,8 +11,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.render.chain_drawing import ChainDrawing
 from bristle_sim.render.contact_motion import ContactMotion, contact_motion
+from bristle_sim.render.impact_drawings import ChainDrawing
 from bristle_sim.render.impact_video import ImpactScene, impact_video
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain

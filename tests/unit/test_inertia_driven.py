@@ -101,7 +101,7 @@ def test_scene_theory_and_reference_agree():
     simulated, found = values()
     assert [each.name for each in found.quantities if not each.ok] == []
     for each in found.quantities[:4]:
-        # Asked for 1e-9, and the 1e-8 of either.
+        # Requested: 1e-9; promised: 1e-8 of either.
         assert each.simulated == pytest.approx(each.theory, rel=1e-8)
         assert each.simulated == pytest.approx(each.reference, rel=1e-8)
     assert simulated["hub_speed_for_equal_tip_speed"] == pytest.approx(465.6, abs=0.1)

@@ -1,6 +1,6 @@
 """The benchmark runs and tells every way's cost; no figure is required here, as machines are noisy."""
 
-from bristle_sim.benchmarks.law_benchmark import costs
+from benchmarks.law_benchmark import costs
 
 
 def test_every_way_is_measured() -> None:

@@ -17,11 +17,11 @@ SCRIPTS = sorted((ROOT / "scenarios").glob("*.py"))
 TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 RANKS = {
+    "arrays": -1,
     "quantity": 0,
     "files": 0,
-    "force_file": 0,
+    "force_file": 1,
     "parameters": 1,
-    "crater_parameters": 1,
     "settings": 1,
     "stop_reason": 1,
     "parameter_file": 2,
@@ -153,7 +153,7 @@ def test_the_wheel_carries_every_folder_and_the_scripts():
         ("studies", "import matplotlib.pyplot as plt"),
         ("studies", "from bristle_sim.render import style"),
         ("studies", "from bristle_sim.dissertation.audit import audit_rows"),
-        ("dissertation", "from bristle_sim.benchmarks import law_benchmark"),
+        ("dissertation", "from bristle_sim.benchmarks import machine"),
         ("render", "from bristle_sim.scenario_cli import main"),
         ("render", "from bristle_sim.parameters import Tool\nfrom bristle_sim.__main__ import main"),
         ("scenario_cli", "def later():\n    import jinja2"),

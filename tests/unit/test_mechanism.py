@@ -126,3 +126,13 @@ def test_without_a_hub_the_root_is_the_origin() -> None:
     pose = Mechanism((Link.rod(1.0, 1.0),)).poses(State(0.3, (0.5,), (2.0,)))[0]
     assert pose.joint == (0.0, 0.0)
     assert pose.joint_velocity == (0.0, 0.0)
+
+
+def test_poses_of_a_state_are_computed_once() -> None:
+    """Of the state itself: an equal one may be of another mechanism's making, and comparing costs more than computing."""
+    mechanism, state = chain(np.random.default_rng(3)), random_state(np.random.default_rng(4))
+    found = mechanism.poses(state)
+    assert mechanism.poses(state) is found
+    again = mechanism.poses(State(*state))
+    assert again is not found
+    assert again == found

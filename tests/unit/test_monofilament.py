@@ -100,17 +100,26 @@ def test_final_impulse_has_the_form_printed():
         assert result.normal_final_impulse == pytest.approx(printed, rel=1e-13)
 
 
+def rate_in_compression(impulse, start, friction):
+    """(2.34)."""
+    return start - 3.0 * (math.sin(ANGLE) + friction * math.cos(ANGLE)) * impulse / (MASS * LENGTH)
+
+
+def rate_in_restitution(impulse, friction):
+    """(2.43)."""
+    return rate_in_compression(impulse, mono.rest_rate(LENGTH, HUB_RADIUS, HUB_SPEED), -friction)
+
+
 def test_rates_along_the_impulse_join_up():
     result = monofilament_impact(*TOOL, ANGLE, 0.2, E, 0.35)
     compression, final = result.normal_compressive_impulse, result.normal_final_impulse
-    start, rod = RATIO * HUB_SPEED, (MASS, LENGTH)
-    assert mono.rate_in_compression(0.0, start, *rod, ANGLE, 0.2) == start
+    start = RATIO * HUB_SPEED
+    assert rate_in_compression(0.0, start, 0.2) == start
     rest = mono.rest_rate(LENGTH, HUB_RADIUS, HUB_SPEED)
     # Roundings of terms that are twenty times the result.
-    assert mono.rate_in_compression(compression, start, *rod, ANGLE, 0.2) == pytest.approx(rest, rel=1e-13)
-    later = (*rod, HUB_RADIUS, HUB_SPEED, ANGLE, 0.35)
-    assert mono.rate_in_restitution(0.0, *later) == rest
-    assert mono.rate_in_restitution(final - compression, *later) == pytest.approx(result.final_bristle_rate, rel=1e-13)
+    assert rate_in_compression(compression, start, 0.2) == pytest.approx(rest, rel=1e-13)
+    friction = 0.35
+    assert rate_in_restitution(final - compression, friction) == pytest.approx(result.final_bristle_rate, rel=1e-13)
     assert rest * LENGTH + HUB_RADIUS * HUB_SPEED == pytest.approx(0.0, abs=1e-15 * HUB_RADIUS * HUB_SPEED)
 
 
@@ -119,16 +128,13 @@ def test_works_are_the_integrals_of_velocity_over_impulse():
     mu_1, mu_2 = 0.2, 0.35
     result = monofilament_impact(*TOOL, ANGLE, mu_1, E, mu_2)
     impulse = np.linspace(0.0, result.normal_compressive_impulse, 5)
-    rate = mono.rate_in_compression(impulse, RATIO * HUB_SPEED, MASS, LENGTH, ANGLE, mu_1)
+    rate = rate_in_compression(impulse, RATIO * HUB_SPEED, mu_1)
     speed = -(LENGTH * rate + HUB_RADIUS * HUB_SPEED) * math.sin(ANGLE)
     running = np.concatenate([[0.0], np.cumsum(np.diff(impulse) * (speed[1:] + speed[:-1]) / 2)])
-    strike = (MASS, mono.tip_speed(*TOOL[1:]), ANGLE, mu_1)
-    # Rounding of a sum of four terms.
-    np.testing.assert_allclose(mono.normal_work_in_compression(impulse, *strike), running, rtol=1e-12, atol=1e-18)
     assert running[-1] == pytest.approx(result.normal_compressive_work, rel=1e-13)
 
     rest = np.linspace(0.0, result.normal_final_impulse - result.normal_compressive_impulse, 5)
-    rate = mono.rate_in_restitution(rest, MASS, LENGTH, HUB_RADIUS, HUB_SPEED, ANGLE, mu_2)
+    rate = rate_in_restitution(rest, mu_2)
     speed = -(LENGTH * rate + HUB_RADIUS * HUB_SPEED) * math.sin(ANGLE)
     restitutive = np.sum(np.diff(rest) * (speed[1:] + speed[:-1]) / 2)
     # The speed is a small difference of rates; e*^2 is what (2.47) asks for.

@@ -1,4 +1,4 @@
-"""Pitch from which two wires touch: closed form, brute force on another interpolation, and what is known of the tool."""
+"""A row of bristles: least pitches searched on simulated rows, and what a neighbour's touch does to the strike."""
 
 import dataclasses
 import functools
@@ -6,130 +6,120 @@ import math
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicHermiteSpline
 
-from bristle_sim.parameters import Belt, Tool, Workpart
-from bristle_sim.scene.tool import simulate
+from bristle_sim.parameters import Neighbours, Tool, Workpart
+from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_place
+from bristle_sim.render.row_video import RowScene
 from bristle_sim.settings import Settings
-from bristle_sim.studies.neighbours import LonePass, least_pitch, nearest_approach, polyline_distance
+from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
 
-RADIUS, LENGTH, DIAMETER = 0.0275, 0.027, 7.1e-4
+ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "normal_final_impulse": 2.751e-3}
+"""The strike of a bristle without neighbours, which two integrations agree on."""
 
 
 @functools.cache
-def lone_pass(damping=0.0):
-    tool = Tool(belt=Belt(damping_ratio=damping))
-    return simulate(tool, Settings(accuracy=1e-8, samples_per_period=150))
+def report(search="no", with_reference=False, **row):
+    return neighbours(Tool(), Neighbours(search=search, **row), Settings(), with_reference=with_reference)
 
 
-def strike(run):
-    return run.first_contact("workpart").time
+def rows(**options):
+    return {each.name: each for each in report(**options).quantities}
 
 
-def test_wires_that_turn_with_the_hub_touch_at_their_roots():
-    """2 r_h sin(beta/2) = d."""
-    free = Tool(bar=None, workpart=Workpart(penetration=-0.01))
-    run = simulate(free, Settings(hub_turn=1.0))
-    found = least_pitch(run, DIAMETER, largest=math.radians(5.0))
-    assert found == pytest.approx(2.0 * math.asin(DIAMETER / (2.0 * RADIUS)), rel=1e-6)  # tolerance of the root search
+def test_least_pitches_on_simulated_rows():
+    """Theory to 0.05 deg, which is 16.4 deg to the strike and some 46 in the whole pass, undamped."""
+    found = rows(search="yes")
+    for name, known, within in (("to_strike", 16.4, 0.05), ("whole_pass", 46.0, 0.5)):
+        row = found[f"least_pitch_{name}_deg"]
+        assert row.simulated == pytest.approx(known, abs=within)
+        assert abs(row.simulated - row.theory) <= 0.05
+    own = found["least_pitch_to_own_strike_deg"]
+    assert found["least_pitch_to_strike_deg"].theory < own.theory == pytest.approx(own.simulated, abs=0.05)
 
 
-def test_what_is_known_of_the_operating_point():
-    """Under some 16.4 degrees before the strike, under some 46 at any time; damping makes the swing after it smaller."""
-    run = lone_pass()
-    to_strike = math.degrees(least_pitch(run, DIAMETER, until=strike(run), largest=math.radians(20.0)))
-    whole = math.degrees(least_pitch(run, DIAMETER, largest=math.radians(60.0)))
-    assert to_strike == pytest.approx(16.4, abs=0.05)
-    assert whole == pytest.approx(46.0, abs=0.5)
-    damped = math.degrees(least_pitch(lone_pass(0.05), DIAMETER, largest=math.radians(60.0)))
-    assert to_strike < damped < whole
+def test_a_bristle_that_touches_nobody_strikes_as_if_alone():
+    """Ten times the accuracy of 1e-6, of a lag that is the difference of angles twenty times as large."""
+    found = rows(pitch_deg=50.0)
+    assert found["wire_contacts"].simulated == 0
+    for name, value in ALONE.items():
+        assert found[name].simulated == pytest.approx(value, rel=2e-4)  # of which four digits are known
+        assert found[name].simulated == pytest.approx(found[name].theory, rel=2e-4 if "lag" in name else 1e-5)
 
 
-def test_thicker_wires_touch_from_farther():
-    run = lone_pass()
-    pitches = [least_pitch(run, size, until=strike(run), largest=math.radians(20.0)) for size in (5e-4, DIAMETER, 1e-3)]
-    assert pitches == sorted(pitches)
+def test_a_touch_before_the_strike_spoils_it_as_the_reference_says():
+    """To ten times the accuracy of 1e-6, with wires that stay in contact; the touch takes more than half of the impulse."""
+    found = rows(with_reference=True, pitch_deg=10.0)
+    assert found["wire_contacts"].simulated == found["wire_contacts"].reference > 0
+    for name in ALONE:
+        assert found[name].ok
+    assert found["normal_final_impulse"].simulated < 0.5 * ALONE["normal_final_impulse"]
 
 
-def by_brute_force(run, pitch, until):
-    """Least distance of points on both wires at instants, closed in on by finer and finer grids of all three.
-
-    The wires' positions follow from angles and rates, and not from the recorded centre lines.
-    """
-    cuts = np.flatnonzero(np.diff(run.time) <= 0.0) + 1
-    parts = [part for part in np.split(np.arange(run.time.size), cuts) if part.size > 1]
-    splines = [CubicHermiteSpline(run.time[part], run.angles[part, 0], run.rates[part, 0]) for part in parts]
-    starts = np.array([spline.x[0] for spline in splines])
-
-    def points(time, along):
-        hub_angle = run.hub_angle[0] + run.hub_speed * time
-        number = np.searchsorted(starts, np.maximum(time, 0.0), side="right") - 1
-        angle = np.select([number == each for each in range(len(splines))], [spline(time) for spline in splines])
-        angle = np.where(time < 0.0, hub_angle, angle)
-        shape = (len(time), 1)
-        x = RADIUS * np.sin(hub_angle).reshape(shape) + LENGTH * along * np.sin(angle).reshape(shape)
-        y = -RADIUS * np.cos(hub_angle).reshape(shape) - LENGTH * along * np.cos(angle).reshape(shape)
-        return np.stack([x, y], axis=-1)
-
-    low, high = np.array([0.0, 0.0, 0.0]), np.array([until, 1.0, 1.0])
-    grids = (1200, 28, 28)
-    least = math.inf
-    for _ in range(9):
-        time, first, second = (np.linspace(*each) for each in zip(low, high, grids, strict=True))
-        ahead, behind = points(time, first), points(time - pitch / run.hub_speed, second)
-        distance = np.linalg.norm(ahead[:, :, np.newaxis] - behind[:, np.newaxis], axis=-1)
-        at = np.unravel_index(distance.argmin(), distance.shape)
-        least = min(least, float(distance[at]))
-        middle = np.array([time[at[0]], first[at[1]], second[at[2]]])
-        size = 3.0 * (high - low) / (np.array(grids) - 1)
-        low, high = np.maximum(middle - size, 0.0), np.minimum(middle + size, [until, 1.0, 1.0])
-        grids = (40, 28, 28)
-    return least
+def test_over_the_pitch_the_strike_changes_where_theory_says():
+    subject = report().subject
+    least = next(each.by_theory for each in subject.least if each.of_follower)
+    found = over_pitch(subject, [least - 0.05, least + 0.05])
+    below, above = found["relative_speed_at_contact"]
+    assert below < 0.5 * ALONE["relative_speed_at_contact"] < above
 
 
-@pytest.mark.parametrize("whole", [False, True])
-def test_the_least_pitch_by_brute_force(whole):
-    """Touching 1e-4 degrees below it, not touching 1e-4 degrees above it, nor at larger pitches."""
-    run = lone_pass()
-    until = float(run.time[-1]) if whole else strike(run)
-    found = least_pitch(run, DIAMETER, until=until, largest=math.radians(48.0 if whole else 18.0))
-    near = math.radians(1e-4)
-    assert by_brute_force(run, found - near, until) < DIAMETER < by_brute_force(run, found + near, until)
-    for larger in np.linspace(found + 0.01, 1.5, 4):
-        assert by_brute_force(run, larger, until) > DIAMETER
+def test_the_series_has_every_bristle():
+    series = row_series(report(bristles=3, pitch_deg=50.0).subject)
+    assert {f"relative_angle_{number} (rad)" for number in (1, 2, 3)} <= set(series)
+    assert len({len(column) for column in series.values()}) == 1
 
 
-def test_the_nearest_approach_says_when():
-    run = lone_pass()
-    lone = LonePass(run)
-    distance, when = nearest_approach(lone, math.radians(16.0), strike(run))
-    delay = math.radians(16.0) / run.hub_speed
-    at = np.array([when])
-    assert polyline_distance(lone.centre_line(at), lone.centre_line(at - delay))[0] == distance < DIAMETER
-    assert 0.0 < when <= strike(run)
-
-
-def test_distances_of_bent_lines_against_points_on_them():
-    chance = np.random.default_rng(5)
-    lines = chance.normal(size=(2, 25, 3, 2))
-    fraction = np.linspace(0.0, 1.0, 200)[:, np.newaxis]
-    dense = [
-        np.concatenate([line[:, i, np.newaxis] * (1.0 - fraction) + line[:, i + 1, np.newaxis] * fraction for i in (0, 1)], axis=1)
-        for line in lines
-    ]  # fmt: skip
-    expected = np.linalg.norm(dense[0][:, :, np.newaxis] - dense[1][:, np.newaxis], axis=-1).min(axis=(1, 2))
-    found = polyline_distance(*lines)
-    # Points are at most half of 1/199 of a piece, some 5 long, away from the nearest ones.
-    assert found == pytest.approx(expected, abs=0.03)
-    assert (found <= expected + 1e-12).all()
-    assert (found == 0.0).sum() > 2
+def test_a_pass_without_a_strike():
+    """The workpart is out of reach: the whole pass has a least pitch, the strike has none."""
+    out_of_reach = Tool(workpart=Workpart(penetration=-0.01))
+    found = neighbours(out_of_reach, Neighbours(search="no"), Settings())
+    values = {each.name: each for each in found.quantities}
+    assert found.outcome == "no contact"
+    assert values["least_pitch_to_strike_deg"].theory is None
+    assert values["least_pitch_whole_pass_deg"].theory > 0.0
+    assert [words for words, _ in instants(found.subject)] == ["first touch", "last touch"]
 
 
 def test_bad_input_in_one_line():
-    run = lone_pass()
-    with pytest.raises(ValueError, match=r"^wire_diameter = 0: must be above 0"):
-        least_pitch(run, 0.0)
-    with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
-        least_pitch(dataclasses.replace(run, hub_speed=0.0), DIAMETER)
-    with pytest.raises(ValueError, match=r"^largest = 0.1: must be a pitch at which wires do not touch"):
-        least_pitch(run, DIAMETER, largest=0.1)
+    with pytest.raises(ValueError, match=r"^pitch"):
+        report(pitch_deg=1.0)
+    with pytest.raises(ValueError, match=r"^bristles = 1.0: must be a whole number from 2 to 12"):
+        Neighbours(bristles=1)
+
+
+class TestPictures:
+    def test_the_figure_shows_two_touches_and_the_least_pitches(self):
+        subject = report().subject
+        (first, begin), (second, later) = instants(subject)
+        assert (first, second) == ("first touch", "last touch before bristle 2 strikes")
+        assert begin < later < subject.bristles[1].event_time("strike")
+        pitches = pitches_to_draw(subject)[:3]
+        strikes = {name: np.array([1.0, 2.0, math.nan]) * size for name, size in ALONE.items()}
+        figure = neighbours_figure(subject, pitches, strikes)
+        words = " ".join(text.get_text() for legend in figure.legends for text in legend.get_texts())
+        assert all(each in words for each in ("16.42°", "18.69°", "46.13°", "bristle alone"))
+
+    def test_where_wires_touch(self):
+        """The end of one wire 0.7 mm above the middle of the other one: midway between the centre lines."""
+        flat = np.array([[0.0, 0.0], [0.02, 0.0]])
+        upright = np.array([[0.01, 0.03], [0.01, 7e-4]])
+        assert touch_place(flat, upright, 7e-4) == pytest.approx([0.01, 3.5e-4])
+        assert touch_place(upright, flat, 7e-4) == pytest.approx([0.01, 3.5e-4])
+        assert touch_place(flat, upright + np.array([0.0, 1e-4]), 7e-4) is None
+
+    def test_the_film_marks_touches_and_says_how_fast_the_spoilt_strike_is(self):
+        subject = report().subject
+        scene = RowScene(subject, 160, 120, 4.0)
+        strike = subject.bristles[1].first_contact("workpart")
+        touch = [
+            each.time for each in subject.bristles[1].events if each.name == "wire touch" and each.time < strike.time
+        ][-1]
+        scene.show(float(scene.warp.film_time(touch)) + 0.01)
+        assert len(scene.ring.get_xdata()) == 1
+        scene.show(float(scene.warp.film_time(strike.time)) + 0.01)
+        rate = strike.rates_before[0] - Tool().hub.speed
+        assert scene.caption.get_text() == f"bristle 2 strikes at {rate:.0f} rad/s relative to the hub"
+
+    def test_a_row_that_touches_nobody_can_be_drawn(self):
+        subject = dataclasses.replace(report(pitch_deg=50.0).subject)
+        assert [words for words, _ in instants(subject)] == ["bristle 1 strikes", "bristle 2 strikes"]

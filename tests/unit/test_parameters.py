@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bristle_sim import crater_parameters, parameters
+from bristle_sim import parameters
 from bristle_sim.parameters import (
     PRINTED_BELT_STIFFNESS,
     RETRACTION_AT_RELEASE,
@@ -26,6 +26,7 @@ from bristle_sim.parameters import (
     Workpart,
     operating_point,
 )
+from bristle_sim.parameters import crater as crater_parameters
 from bristle_sim.quantity import Choice, Range
 
 

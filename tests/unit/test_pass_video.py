@@ -59,7 +59,7 @@ def test_scene_shows_the_run(run):
     assert 0.5 * (outline[1] + outline[2]) == pytest.approx(1e3 * run.tip[20], abs=1e-9)
     assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
     retraction, clock = -math.degrees(run.relative_angle[20]), 1e3 * run.time[20]
-    texts = [readout.text.replace("\N{MINUS SIGN}", "-") for readout in scene.readouts]
+    texts = [readout.get_text().replace("\N{MINUS SIGN}", "-") for readout in scene.readouts]
     assert float(texts[0].split()[1]) == pytest.approx(clock, abs=0.5e-3)  # half of the last digit shown
     assert float(texts[2].split()[1].rstrip("°")) == pytest.approx(retraction, abs=0.05)
 

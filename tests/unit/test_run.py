@@ -15,6 +15,7 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scene.contact_laws import EnergeticLaw
+from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
@@ -63,7 +64,7 @@ def least_gap(tool: Tool, run: Trajectory) -> float:
 
 
 ACCURACY = Settings().accuracy
-"""Asked for by default: events of a run are good to it, relative to the run's time."""
+"""Requested by default: events of a run are good to it, relative to the run's time."""
 
 INSIDE = -ACCURACY * 0.027
 """So is what is touched, relative to the bristle's length."""
@@ -392,3 +393,20 @@ class TestSamples:
         assert max(b - a for a, b in pairwise(run.time)) <= 2.0 * math.pi / 1121.3 / 24.0 * (1.0 + 1e-9)
         for each in run.events:
             assert np.abs(run.time - each.time).min() == 0.0
+
+
+class TestCost:
+    """Engine steps of a pass up to the strike, which are the same on every machine."""
+
+    def test_after_a_contact_intervals_are_limited_but_not_halved(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A stepper that is told of a limit that is twice the last interval cuts it evenly, and keeps to that."""
+        told, propose = [], Extrapolation.propose
+        monkeypatch.setattr(
+            Extrapolation, "propose", lambda self, remaining: told.append(remaining) or propose(self, remaining)
+        )
+        simulate(Tool(), Settings(accuracy=1e-6), stop_after="strike")
+        assert told == sorted(told, reverse=True), "what is left of the run"
+
+    def test_a_release_is_approached_by_the_slope_of_the_force(self) -> None:
+        """2849 steps where trial intervals were halved until they ended before the release, and limits were cut evenly."""
+        assert simulate(Tool(), Settings(accuracy=1e-6), stop_after="strike").cost.steps < 2300

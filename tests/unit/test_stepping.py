@@ -8,7 +8,7 @@ import pytest
 
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import PlainSteps, Stepper, SymmetricSteps
+from bristle_sim.scene.stepping import PlainSteps, Stepper
 
 ROD = Link.rod(1.0, 1.0)
 
@@ -36,11 +36,11 @@ def carried(stepper: Stepper, scene: Scene, state: State, duration: float) -> np
     return np.array([state.angles[0], state.rates[0]])
 
 
-def observed_order(kind: type[PlainSteps] | type[SymmetricSteps], damping: float) -> float:
+def observed_order(damping: float) -> float:
     """Slope of error over step in a doubly logarithmic plot, from 128 to 1024 steps a radian; steps add up exactly."""
     scene, start, exact = oscillator(damping)
     counts = np.array([256, 512, 1024, 2048])
-    errors = [np.abs(carried(kind(2.0 / count), scene, start, 2.0) - exact(2.0)).max() for count in counts]
+    errors = [np.abs(carried(PlainSteps(2.0 / count), scene, start, 2.0) - exact(2.0)).max() for count in counts]
     return float(-np.polyfit(np.log(counts), np.log(errors), 1)[0])
 
 
@@ -49,13 +49,7 @@ class TestOrder:
 
     @pytest.mark.parametrize("damping", [0.0, 0.3])
     def test_plain_steps_are_of_first_order(self, damping: float) -> None:
-        assert observed_order(PlainSteps, damping) == pytest.approx(1.0, abs=0.03)
-
-    def test_symmetric_steps_are_of_second_order(self) -> None:
-        assert observed_order(SymmetricSteps, 0.0) == pytest.approx(2.0, abs=0.03)
-
-    def test_symmetric_steps_are_of_first_order_with_damping(self) -> None:
-        assert observed_order(SymmetricSteps, 0.3) == pytest.approx(1.0, abs=0.1)
+        assert observed_order(damping) == pytest.approx(1.0, abs=0.03)
 
     def test_plain_error_is_the_one_of_drift_then_kick(self) -> None:
         """Drift by the old rate, then kick: a' = a + h u, u' = u - h a' is the energy-like integral's own motion.
@@ -94,27 +88,10 @@ class Tally:
 
 
 class TestFixedSteps:
-    @pytest.mark.parametrize(
-        ("share", "count"), [(0.5, 1), (1.0, 1), (2.0, 2), (2.5, 3), (8.0, 8), (8.0 * (1.0 + 1e-14), 8)]
-    )
-    def test_an_interval_takes_as_many_steps_as_it_needs(self, share: float, count: int) -> None:
-        """Equal steps no longer than the requested one; an interval of whole steps is not cut once more by rounding."""
-        scene, state = oscillator()[:2]
-        load = Tally()
-        result = SymmetricSteps(0.01).advance(scene, state, 0.01 * share, load)
-        assert load.calls == scene.steps == count
-        assert result.totals == (0.01 * share / count, count)
-
-    def test_symmetric_steps_propose_eight(self) -> None:
-        stepper = SymmetricSteps(0.01)
-        assert stepper.propose(1e3) == pytest.approx(0.08, rel=1e-15)
-        assert stepper.propose(0.03) == 0.03
-
-    @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
-    def test_a_load_that_fails_makes_the_interval_fail(self, kind: type[PlainSteps] | type[SymmetricSteps]) -> None:
+    def test_a_load_that_fails_makes_the_interval_fail(self) -> None:
         scene, state = oscillator()[:2]
         for least, failed in ((0.0, False), (0.05, True)):
-            result = kind(0.1).advance(scene, state, 0.01, Tally(least))
+            result = PlainSteps(0.1).advance(scene, state, 0.01, Tally(least))
             assert result.failed is failed
             assert len(result.accelerations) == 1
             assert result.error == 0.0, "there is no estimate"
@@ -128,21 +105,17 @@ class TestFixedSteps:
             PlainSteps(0.01).advance(scene, state, duration, load)
         assert told == [True, False, False, False, False, False, False, False]
 
-    @pytest.mark.parametrize("stepper", [PlainSteps(0.01), SymmetricSteps(0.01)])
-    def test_joints_are_left_uncorrected(self, stepper: Stepper) -> None:
+    def test_joints_are_left_uncorrected(self) -> None:
         """A correction divides what is open by the step: over the instant of an impact it would be without bound."""
         scene, state = oscillator()[:2]
-        stepper.advance(scene, state, 0.01)
+        PlainSteps(0.01).advance(scene, state, 0.01)
         assert [joint.error_bias for joint in scene.joints] == [1.0]
 
-    @pytest.mark.parametrize("kind", [PlainSteps, SymmetricSteps])
     @pytest.mark.parametrize("step", [0.01, 3.0])
-    def test_interpolation_error_of_a_straight_line(
-        self, kind: type[PlainSteps] | type[SymmetricSteps], step: float
-    ) -> None:
+    def test_interpolation_error_of_a_straight_line(self, step: float) -> None:
         """A cubic that ends on the line of its first rate, at another rate, is off it by h dr (s^2 - s^3), at most 4/27.
 
         Twice that for each link; 2 % for a factor of 8/27 rounded to two digits.
         """
         start, end = State(1.0, (0.1, 0.2), (1.0, -2.0)), State(1.0 + step, (0.3, 0.1), (1.5, -2.2))
-        assert kind(0.01).interpolation_error(start, end) == pytest.approx(8.0 / 27.0 * step * 0.7, rel=0.02)
+        assert PlainSteps(0.01).interpolation_error(start, end) == pytest.approx(8.0 / 27.0 * step * 0.7, rel=0.02)

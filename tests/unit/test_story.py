@@ -45,3 +45,12 @@ def test_a_release_in_the_instant_of_a_touch_is_a_bounce():
 def test_story_ends_soon_after_the_last_touch_or_with_the_run(run):
     assert story_end(run) == pytest.approx(1.12 * STRIKE)
     assert story_end(make_trajectory(events=())) == END
+
+
+def test_the_swing_of_a_wire_that_the_hub_carries_along_is_not_labelled():
+    # The closed form swings with the rate 770 sin(1100 t) rad/s: 0.85 rad/s after a microsecond, 770 a quarter period on.
+    events = (Event("highest relative speed", 1e-6), Event("highest relative speed", 1.35e-3), Event("strike", STRIKE))
+    run = make_trajectory(events=events)
+    assert [event.time for event in key_events(run)] == [1.35e-3, STRIKE]
+    assert run.notable_events == events[1:]
+    assert "highest relative speed 1.35 ms, strike" in repr(run)

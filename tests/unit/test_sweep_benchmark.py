@@ -7,7 +7,7 @@ import pytest
 pytest.importorskip("zarr", reason="needs the extra sweep")
 pytest.importorskip("psutil", reason="comes with the extra sweep")
 
-from bristle_sim.benchmarks import sweep_benchmark
+from benchmarks import sweep_benchmark
 
 
 def test_rows_machine_and_command(capsys: pytest.CaptureFixture[str]):
@@ -19,7 +19,7 @@ def test_rows_machine_and_command(capsys: pytest.CaptureFixture[str]):
         assert (way, kept, ratio, best, same) == ("serial", store, "1.00", "1.00", "yes")
         assert min(map(float, numbers)) >= 0.0
     assert any(line.startswith("processor: ") for line in told)
-    assert told[-1].endswith("sweep_benchmark --passes 3")
+    assert told[-1].endswith("sweep_benchmark.py --passes 3")
 
 
 def test_every_pass_strikes():

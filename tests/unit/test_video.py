@@ -14,7 +14,6 @@ import pytest
 from bristle_sim.parameters import Tool
 from bristle_sim.render import video
 from bristle_sim.render.pass_video import pass_video
-from bristle_sim.render.readout import Readout
 from bristle_sim.render.video import Stage, write_video
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import make_trajectory
@@ -43,22 +42,6 @@ def test_stage_draws_what_is_still_once(monkeypatch):
     assert len(drawn) == 1
     # Rows count from the top: y = 20 of 48 is row 28, and a pixel's centre is half a pixel off its index.
     assert np.array(places) == pytest.approx(np.array([[28.0, 10.0], [28.0, 40.0]]), abs=1.0)
-
-
-def test_readout_darkens_its_own_place_alone_and_survives_the_edge():
-    readout = Readout(50, 5, 15.0)
-    picture = np.full((30, 64, 4), 255, dtype=np.uint8)
-    readout.text = "8888 \N{SNOWMAN}"
-    readout.paint(picture)
-    dark = np.argwhere(picture[..., 0] < 128)
-    assert dark.size
-    assert dark[:, 1].min() >= 50
-    assert dark[:, 0].min() >= 5
-    assert dark[:, 0].max() < 5 + readout.height
-    blank = np.full_like(picture, 255)
-    readout.text = "\N{SNOWMAN}"
-    readout.paint(blank)
-    assert (blank == 255).all()
 
 
 # The reader of imageio-ffmpeg leaves its pipes to the garbage collector.

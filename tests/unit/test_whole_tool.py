@@ -9,9 +9,8 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.settings import Settings
-from bristle_sim.studies.load_cell import load_cell_response
 from bristle_sim.studies.periodic_turn import TurnNotCompleted, periodic_turn
-from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, turn_forces
+from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, load_cell_response, turn_forces
 from bristle_sim.studies.whole_tool import Assembly, load_cell_series, whole_tool
 
 FINE = Settings(accuracy=1e-8)
@@ -136,7 +135,7 @@ class TestForces:
     def test_means_against_impulses_and_power_against_the_energy_lost(self, tool):
         found, _ = rows(tool)
         assert [each.ok for each in found.values() if each.tolerance] == [True] * 4
-        # The 1e-6; the worst of these four measured 4e-8.
+        # Required: 1e-6; the worst of these four measured 4e-8.
         for name in ("mean_normal_force", "mean_tangential_force", "mean_torque", "drive_power"):
             assert found[name].tolerance == 1e-6
             assert found[name].simulated == pytest.approx(found[name].theory, rel=1e-6, abs=1e-12)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle, Tool
-from bristle_sim.theory.ranges import RANGES
+from bristle_sim.theory.checks import RANGES
 from bristle_sim.theory.wire import (
     beam_frequencies,
     chain_frequencies,

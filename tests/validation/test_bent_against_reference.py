@@ -137,7 +137,7 @@ def test_whole_pass_without_a_bar(knee: float) -> None:
 
 
 def test_finer_accuracy_comes_nearer() -> None:
-    """A thousandth of the error is asked for, and no more is left."""
+    """A thousandth of the error is requested, and no more is left."""
     bent = HELD[1]
     scene = simulate(bent, Settings(accuracy=1e-9), stop_after="strike")
     reference = simulate_reference(bent, accuracy=1e-12, stop_after="strike")

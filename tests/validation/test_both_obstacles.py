@@ -8,15 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bristle_sim.benchmarks.hard_cases.touching import between, contact_work, deepest, wedge_closes
+from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.contact_laws import contact_at
-from bristle_sim.scene.engine_contact import EngineContact, opening_rate
+from bristle_sim.scene.engine_contact import EngineContacts, opening_rate
+from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Touch
 from bristle_sim.scene.tool import build_tool, simulate, tool_units
 from bristle_sim.settings import Settings
+from stability.cases.touching import contact_work, deepest, wedge_closes
 
 FEW = Settings(maximum_steps=5000)
 
@@ -97,7 +99,9 @@ def test_grip_of_one_link_is_that_of_the_engines_bodies(angle: float, friction: 
         rub = friction * math.copysign(1.0, touch.velocity[1])
         expected = (space.inverse_mass[0, 0] - rub * space.inverse_mass[0, 1]) / free
         # Rounding, and cancellation of a free body's response against its joint's.
-        assert EngineContact(scene, obstacle).grip(state) == pytest.approx(expected, rel=1e-12, abs=1e-12)
+        assert EngineContacts(scene, [obstacle]).grip(Gaps(scene.mechanism, state), state) == pytest.approx(
+            expected, rel=1e-12, abs=1e-12
+        )
 
 
 def drawn(seed: int) -> tuple[Tool, dict[str, float]]:

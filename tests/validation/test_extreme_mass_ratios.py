@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bristle_sim.benchmarks.hard_cases.mass_ratio import ANGLES, MOTIONS, approaching, two_rods
+from bristle_sim.benchmarks.hard_cases.impacts import ANGLES, MOTIONS
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.extrapolation import Extrapolation
@@ -19,6 +19,7 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.theory.pendulums import double_pendulum_impact
+from stability.cases.mass_ratio import approaching, two_rods
 
 START = State(0.0, (0.6, -0.4), (0.5, -1.0))
 """Start of a flight: a turn of the second rod is half done in its 3 s."""

@@ -79,13 +79,12 @@ class TestInertia:
     @pytest.mark.parametrize("share", [0.98, 1.02])
     def test_moment_of_inertia_off(self, monkeypatch: pytest.MonkeyPatch, share: float) -> None:
         """About the centre, where it is a quarter of that about the root: 0.5 % of the latter."""
-        true = tool._link
+        true = tool.wire_links
 
-        def off(*arguments) -> Link:
-            link = true(*arguments)
-            return replace(link, inertia=link.inertia * share)
+        def off(*arguments) -> tuple[Link, ...]:
+            return tuple(replace(link, inertia=link.inertia * share) for link in true(*arguments))
 
-        monkeypatch.setattr(tool, "_link", off)
+        monkeypatch.setattr(tool, "wire_links", off)
         assert check_strike in failing()
 
     def test_hub_off_its_speed(self) -> None:

@@ -40,7 +40,7 @@ def check_retraction(run: Trajectory) -> None:
 
 
 def check_bar(run: Trajectory) -> None:
-    """First touch by geometry, an inelastic tap, then the wire held until the bar lets go."""
+    """First touch by geometry, an inelastic tap, then sustained contact until the bar releases the wire."""
     taps = [each for each in run.contacts if each.obstacle == "bar"]
     assert run.event_time("bar touch") == pytest.approx(1.279e-3, abs=0.5e-6)
     assert [(each.law, each.outcome) for each in taps[:2]] == [("energetic", "no rebound")] * 2
@@ -210,7 +210,7 @@ class TestReturn:
 
 
 def test_accuracy_converges_on_one_answer() -> None:
-    """Relative speed at the strike: each accuracy asked for is met, against the reference at 1e-12."""
+    """Relative speed at the strike: each requested accuracy is met, against the reference at 1e-12."""
     reference = simulate_reference(Tool(), stop_after="strike", accuracy=1e-12).first_contact("workpart")
     assert reference is not None
     for accuracy in (1e-3, 1e-5, 1e-7, 1e-9):

@@ -140,7 +140,7 @@ class TestFlight:
     def test_belt_oscillation_is_a_complex_exponential(self, damping):
         """With the root on the hub's axis the centrifugal term vanishes: a damped harmonic oscillator.
 
-        Tolerance: a hundred times the accuracy asked for, of angles and rates of the order of 1 and the natural rate.
+        Tolerance: a hundred times the requested accuracy, of angles and rates of the order of 1 and the natural rate.
         """
         tool = replace(FREE, hub=Hub(radius=0.0), belt=Belt(damping_ratio=damping))
         angle, rate, natural = -0.6, 300.0, natural_rate(tool)
@@ -164,7 +164,7 @@ class TestFlight:
         _, cosine, delta, _ = ellipj(rate * run.time, modulus)
         swing = run.relative_angle if speed else run.angles[:, 0]
         expected = 2.0 * np.arcsin(math.sin(0.5 * start) * cosine / delta)
-        # A hundred times the accuracy asked for.
+        # A hundred times the requested accuracy.
         np.testing.assert_allclose(swing, expected, rtol=0.0, atol=1e-10)
         quarter = ellipk(modulus) / rate
         assert run.event_time("highest relative speed") == pytest.approx(quarter, rel=1e-9)
@@ -175,7 +175,7 @@ class TestFlight:
         angle, rate = run.relative_angle, run.relative_rate
         kinetic = 0.5 * FREE.bristle.inertia_about_root * rate**2
         jacobi = kinetic + 0.5 * FREE.belt.stiffness * angle**2 - centrifugal_stiffness(FREE) * np.cos(angle)
-        # A hundred times the accuracy asked for, of the energy that swings to and fro.
+        # A hundred times the requested accuracy, of the energy that swings to and fro.
         assert np.ptp(jacobi) < 1e-10 * np.ptp(kinetic)
 
     def test_energies_are_those_of_the_rods_elements(self):
@@ -201,7 +201,7 @@ class TestFlight:
         drop = FREE.belt.stiffness * RETRACTED**2 + 2.0 * centrifugal_stiffness(FREE) * (1.0 - math.cos(RETRACTED))
         assert (run.stop_reason, run.events[-1].name) == (StopReason.EVENT, "highest relative speed")
         assert run.time[-1] == run.event_time("highest relative speed")
-        # A hundred times the accuracy asked for; the instant is where the acceleration, 1e6 rad/s^2 per rad, vanishes.
+        # A hundred times the requested accuracy; the instant is where the acceleration, 1e6 rad/s^2 per rad, vanishes.
         assert run.relative_rate[-1] == pytest.approx(math.sqrt(drop / FREE.bristle.inertia_about_root), rel=1e-8)
         assert run.relative_angle[-1] == pytest.approx(0.0, abs=1e-8)
 
@@ -220,7 +220,7 @@ class TestOperatingPoint:
     def test_numbers_of_two_other_integrations(self, cued):
         """Found with a rigid-body engine and with a stiff damped bar; tolerances are half of their last digits.
 
-        The last touch is ill-conditioned, the wire's end grazes the bar: two digits fewer are asked for.
+        The last touch is ill-conditioned, the wire's end grazes the bar: two digits fewer are requested.
         """
         last_touch = cued.event_time("bar release", last=True)
         assert last_touch == pytest.approx(2.95e-3, abs=1e-5)
@@ -239,7 +239,7 @@ class TestOperatingPoint:
             assert each.velocity_after[0] == pytest.approx(-0.42 * each.velocity_before[0], rel=1e-12)
         # Half of the last digit.
         assert run.relative_rate[-2] == pytest.approx(911.9, abs=0.05)
-        # 1e-8: a hundred times the accuracy asked for, and as much for the plain integration.
+        # 1e-8: a hundred times the requested accuracy, and as much for the plain integration.
         expected = plain_pass(0.42)
         assert [each.time for each in run.contacts] == pytest.approx([state[0] for state in expected], rel=1e-8)
         np.testing.assert_allclose((run.relative_angle[-2], run.relative_rate[-2]), expected[-1][1:], rtol=1e-8)
@@ -255,7 +255,7 @@ class TestOperatingPoint:
         run = simulate_reference(replace(operating_point(), workpart=None))
         fastest = np.argmax(run.relative_rate)
         assert run.time[fastest] == run.event_time("highest relative speed")
-        # A hundred times the accuracy asked for.
+        # A hundred times the requested accuracy.
         assert run.relative_angle[fastest] == pytest.approx(0.0, abs=1e-8)
 
     def test_first_tap_lifts_the_wire_off_before_it_is_held(self, cued):
@@ -366,7 +366,7 @@ class TestImpact:
         assert (run.event_time("jam") is not None) == (outcome == "jam")
 
     def test_elastic_frictionless_bounces_keep_the_energy(self):
-        """Hub at rest, e = 1, mu = 0, no damping: nothing does work; a hundred times the accuracy asked for."""
+        """Hub at rest, e = 1, mu = 0, no damping: nothing does work; a hundred times the requested accuracy."""
         tool = Tool(
             hub=Hub(speed=0.0),
             belt=Belt(stiffness=1e-4),
@@ -397,12 +397,12 @@ class TestImpact:
         start = -math.acos(math.cos(lean) - height / 0.027)
         run = simulate_reference(tool, start_hub_angle=0.0, start_relative_angle=start, duration=0.05)
         fall = math.sqrt(2.0 * height / (1.5 * GRAVITY * math.sin(lean) ** 2))
-        hold = run.contacts[-1]
-        assert (hold.law, hold.outcome) == ("sustained", "end of run")
-        assert hold.time == pytest.approx(fall * (1.0 + e) / (1.0 - e), rel=2e-3)
+        sustained = run.contacts[-1]
+        assert (sustained.law, sustained.outcome) == ("sustained", "end of run")
+        assert sustained.time == pytest.approx(fall * (1.0 + e) / (1.0 - e), rel=2e-3)
         # Statics: torque m g (L/2) sin phi = N L sin phi.
         assert run.normal_force[-1] == pytest.approx(0.5 * tool.bristle.mass * GRAVITY, rel=1e-9)
-        assert hold.impulse[0] == pytest.approx(run.normal_force[-1] * hold.duration, rel=1e-9)
+        assert sustained.impulse[0] == pytest.approx(run.normal_force[-1] * sustained.duration, rel=1e-9)
 
 
 class TestHold:
@@ -417,14 +417,16 @@ class TestHold:
         bar = Bar(horizontal=horizontal, vertical=vertical, friction=friction)
         tool = Tool(bar=bar, workpart=None, belt=Belt(damping_ratio=0.05), gravity=1000.0 * GRAVITY)
         run = simulate_reference(tool, start_relative_angle=0.07, hub_turn=1.3, sample_interval=1e-6)
-        hold = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
-        rows = (run.time >= hold.time) & (run.time <= hold.time + hold.duration) & (run.normal_force > 0.0)
+        sustained = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
+        rows = (
+            (run.time >= sustained.time) & (run.time <= sustained.time + sustained.duration) & (run.normal_force > 0.0)
+        )
         torque = contact_moment(tool, run) - centrifugal_stiffness(tool) * np.sin(run.relative_angle)
         torque -= tool.belt.stiffness * run.relative_angle + tool.belt_damping * run.relative_rate
         torque -= 0.5 * tool.bristle.mass * tool.bristle.length * tool.gravity * np.sin(run.angles[:, 0])
         gained = tool.bristle.inertia_about_root * (run.rates[rows, 0][-1] - run.rates[rows, 0][0])
         assert trapezoid(torque[rows], run.time[rows]) == pytest.approx(gained, rel=5e-4)
-        assert trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(hold.impulse[0], rel=1e-3)
+        assert trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(sustained.impulse[0], rel=1e-3)
         # On the bar to rounding of its distance, and pushed by it.
         assert np.abs(bar_gap(tool, run)[rows]).max() < 1e-15 * 55.0
 
@@ -443,12 +445,12 @@ class TestHold:
         assert rows.sum() > 50
         belt = tool.belt.stiffness * run.relative_angle
         np.testing.assert_allclose(contact_moment(tool, run)[rows], belt[rows], rtol=1e-4)
-        hold = run.contacts[-1]
-        assert hold.law == "sustained"
-        assert (hold.compressive_work[1] < 0.0) == (friction > 0.0)
+        sustained = run.contacts[-1]
+        assert sustained.law == "sustained"
+        assert (sustained.compressive_work[1] < 0.0) == (friction > 0.0)
 
     def test_bar_behind_the_wire(self):
-        """Hub at rest: the belt draws the wire back onto a bar behind it, where statics hold."""
+        """Hub at rest: the belt draws the wire back onto a bar behind it, where statics sustained."""
         bar = Bar(radius=0.003, horizontal=0.0344, vertical=0.0314, friction=0.2)
         tool = Tool(hub=Hub(speed=0.0), bar=bar, workpart=None)
         run = simulate_reference(tool, start_hub_angle=-1.0, start_relative_angle=1.0, duration=0.01)
@@ -473,7 +475,7 @@ class TestHold:
         assert abs(cross(arm, normal) / (arm @ normal)) == pytest.approx(1.0, rel=1e-10)
 
     def test_friction_does_not_change_the_path_along_an_inelastic_bar(self, cued):
-        """Geometry leads the held wire, and whether it is pressed on does not depend on friction; its force does."""
+        """Geometry leads the wire in contact, and whether it is pressed on does not depend on friction; its force does."""
         run = simulate_reference(with_bar(friction=0.5), stop_after="strike", sample_interval=1e-6)
         # Rounding: the first tap's normal velocity is brought to zero along another impulse.
         assert run.event_time("strike") == pytest.approx(cued.event_time("strike"), rel=1e-10)
@@ -481,19 +483,19 @@ class TestHold:
         assert abs(run.contacts[2].impulse[0] / cued.contacts[2].impulse[0] - 1.0) > 0.01
 
     def test_tip_slides_along_an_inelastic_workpart(self):
-        """While it is held the tip is on the surface, friction is mu times the normal force, and dissipates."""
+        """In sustained contact the tip is on the surface, friction is mu times the normal force, and dissipates."""
         tool = Tool(bar=None, workpart=Workpart(restitution=0.0))
         run = simulate_reference(tool, sample_interval=1e-6)
-        hold = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
-        rows = (run.time > hold.time) & (run.time < hold.time + hold.duration)
+        sustained = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
+        rows = (run.time > sustained.time) & (run.time < sustained.time + sustained.duration)
         assert rows.sum() > 1000
         # Ten roundings of the depth.
         assert np.abs(run.tip[rows, 1] + tool.workpart_depth).max() < 1e-15 * 54.5
-        assert hold.impulse[1] == pytest.approx(-0.31 * hold.impulse[0], rel=1e-9)
+        assert sustained.impulse[1] == pytest.approx(-0.31 * sustained.impulse[0], rel=1e-9)
         slip = np.gradient(run.tip[rows, 0], run.time[rows])
         power = -0.31 * run.normal_force[rows] * slip
         # Differences and trapezoids of 1 us over milliseconds; the ends of the interval are left out, 1e-3 of it.
-        assert trapezoid(power, run.time[rows]) == pytest.approx(hold.compressive_work[1], rel=2e-3)
+        assert trapezoid(power, run.time[rows]) == pytest.approx(sustained.compressive_work[1], rel=2e-3)
 
 
 class TestNames:
@@ -601,7 +603,7 @@ def bent(angle, position=0.75, **changes):
 
 
 def elbow(restitution=0.0, friction=0.3):
-    """A knee that opens towards the bar; its shank is held first, then the rest strikes the bar."""
+    """A knee that opens towards the bar; its shank is in contact first, then the rest strikes the bar."""
     bar = Bar(horizontal=0.04407, vertical=0.01969, friction=friction, restitution=restitution)
     return bent(31.0, 0.9, bar=bar, hub=Hub(speed=200.0), belt=Belt(damping_ratio=0.05))
 
@@ -624,7 +626,7 @@ class TestKnee:
         start = [0.4 - math.pi / 2, speed - 200.0]
         settings = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-12, "t_eval": run.time}
         expected = solve_ivp(motion, (0.0, run.time[-1]), start, **settings).y
-        # A hundred times the accuracy asked for, of angles of the order of 1 and the natural rate.
+        # A hundred times the requested accuracy, of angles of the order of 1 and the natural rate.
         np.testing.assert_allclose(run.angles[:, 0], expected[0], rtol=0.0, atol=1e-10)
         np.testing.assert_allclose(run.rates[:, 0], expected[1], rtol=0.0, atol=1e-10 * natural_rate(tool))
 
@@ -650,7 +652,7 @@ class TestKnee:
         arms = arms * np.exp(1j * run.relative_angle[:, np.newaxis])
         kinetic = 0.5 * np.abs(run.relative_rate[:, np.newaxis] * arms) ** 2 @ masses
         centrifugal = 0.5 * tool.hub.speed**2 * np.abs(arms - 1j * tool.hub.radius) ** 2 @ masses
-        # A hundred times the accuracy asked for, of the energy that swings to and fro.
+        # A hundred times the requested accuracy, of the energy that swings to and fro.
         assert np.ptp(kinetic + 0.5 * tool.belt.stiffness * run.relative_angle**2 - centrifugal) < 1e-10 * np.ptp(
             kinetic
         )
@@ -675,18 +677,22 @@ class TestKnee:
     def test_force_gives_the_bristle_its_momentum(self, angle, position, nearness):
         """As for the straight bristle, over touches that pass the knee outside, and inside on both sides of the blow.
 
-        1 us of some milliseconds is lost at a hold's ends, and where the force jumps.
+        1 us of some milliseconds is lost at the ends of a sustained contact, and where the force jumps.
         """
         bar = Bar(horizontal=nearness * 0.05037, vertical=nearness * 0.0225, friction=0.3)
         tool = bent(angle, position, bar=bar, workpart=None, gravity=1000.0 * GRAVITY, belt=Belt(damping_ratio=0.05))
         run = simulate_reference(tool, start_hub_angle=-1.4, hub_turn=1.0, sample_interval=1e-6)
         moment = contact_moment(tool, run)
         moment += free_moment(tool, run.hub_angle, run.angles[:, 0], run.rates[:, 0])
-        for hold in (each for each in run.contacts if each.law == "sustained" and each.duration > 2e-4):
-            rows = (run.time > hold.time) & (run.time < hold.time + hold.duration) & (run.normal_force > 0.0)
+        for sustained in (each for each in run.contacts if each.law == "sustained" and each.duration > 2e-4):
+            rows = (
+                (run.time > sustained.time)
+                & (run.time < sustained.time + sustained.duration)
+                & (run.normal_force > 0.0)
+            )
             gained = tool.bristle.inertia_about_root * np.ptp(run.rates[rows, 0][[0, -1]])
             assert abs(trapezoid(moment[rows], run.time[rows])) == pytest.approx(gained, rel=1e-3)
-            assert trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(hold.impulse[0], rel=1e-3)
+            assert trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(sustained.impulse[0], rel=1e-3)
             # On the bar to rounding of its distance.
             assert np.abs(bar_gap(tool, run)[rows]).max() < 1e-15 * 55.0
 
@@ -706,7 +712,7 @@ class TestKnee:
         assert blow.rates_after[0] - blow.rates_before[0] == pytest.approx(kick, rel=1e-12)
 
     def test_inelastic_bar_takes_both_parts_of_an_elbow(self):
-        """Held by the shank, struck at the rest, held by the rest: the path does not depend on friction."""
+        """In contact along the shank, struck at the rest, in contact along the rest: the path does not depend on friction."""
         runs = [simulate_reference(elbow(friction=friction), stop_after="strike") for friction in (0.0, 0.3)]
         for run in runs:
             bar = [(each.law, each.outcome) for each in run.contacts[:-1]]
@@ -717,8 +723,8 @@ class TestKnee:
     def test_hold_on_the_workpart_keeps_the_tip_on_it(self):
         tool = bent(40.0, bar=None, workpart=Workpart(restitution=0.0, friction=0.1))
         run = simulate_reference(tool, sample_interval=1e-6)
-        hold = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
-        rows = (run.time > hold.time) & (run.time < hold.time + hold.duration)
+        sustained = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
+        rows = (run.time > sustained.time) & (run.time < sustained.time + sustained.duration)
         assert rows.sum() > 100
         # Ten roundings of the depth.
         assert np.abs(run.tip[rows, 1] + tool.workpart_depth).max() < 1e-15 * 54.5

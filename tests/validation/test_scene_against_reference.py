@@ -104,7 +104,7 @@ def test_parts_absent(absent: tuple[str, ...]) -> None:
     ids=label,
 )
 def test_high_accuracy(changes: dict[str, dict[str, float]]) -> None:
-    """The reference is asked for 1e-12, so that 1e-8 is the scene's own error at 1e-9."""
+    """The reference has a requested accuracy of 1e-12, so that 1e-8 is the scene's own error at 1e-9."""
     compare(changed(changes), 1e-9)
 
 

@@ -131,7 +131,7 @@ def test_identical_rods_at_the_published_point(
 @pytest.mark.parametrize("ratio", [1.0, 10.0, 1e4])
 @pytest.mark.parametrize("friction", [0.0, 0.3, 0.5, 0.7])
 def test_compliant_contact_tends_to_the_law(ratio: float, friction: float) -> None:
-    """Asked for 1e-4 and 1e-6, a contact resolved in time comes within ten times that of its rigid-body limit: its
+    """With 1e-4 and 1e-6 requested, a contact resolved in time comes within ten times that of its rigid-body limit: its
     duration is a tenth of the accuracy over the fastest rate, and rates change by about that much meanwhile."""
     chain = Chain((ratio, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)), (0.1, 0.2))
     limit = strike(chain, Surface(friction, None, 0.5), Contact(), Settings()).contact

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bristle_sim.benchmarks.accuracy_cost.machine import surroundings
+from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.parameters import Bristle, Hub, Tool, Workpart
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.wire_strike import build_wire, free_flight

@@ -9,20 +9,19 @@ from __future__ import annotations
 import dataclasses
 import textwrap
 import time as clock
+import tomllib
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
+from importlib import resources
 
-from bristle_sim.comparison import Quantity, Report
-from bristle_sim.dissertation.audit_crater import crater_rows
-from bristle_sim.dissertation.audit_force import force_rows
-from bristle_sim.dissertation.audit_impact import impact_rows
-from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
-from bristle_sim.dissertation.audit_tool import tool_rows
-from bristle_sim.quantity import choice, validate
-
-__all__ = ["AuditView", "audit_report", "audit_rows", "shown_number", "terminal_table"]
+from bristle_sim.comparison import Quantity, Report, side_by_side
+from bristle_sim.dissertation.audit_crater import crater_figures
+from bristle_sim.dissertation.audit_force import force_figures
+from bristle_sim.dissertation.audit_impact import impact_figures
+from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow, Found, audit_row
+from bristle_sim.dissertation.audit_tool import tool_figures
+from bristle_sim.quantity import Declared, choice
 
 WIDTH = 100
 """Columns of a terminal that the table fits in."""
@@ -32,7 +31,7 @@ PRINTED, COMPUTED, UNIT = 22, 12, 9
 
 
 @dataclass(frozen=True, slots=True)
-class AuditView:
+class AuditView(Declared):
     """Which rows the table shows; the JSON always has them all."""
 
     show: str = choice(
@@ -43,13 +42,13 @@ class AuditView:
         meaning="which rows the table shows; the JSON has all",
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 def audit_rows() -> tuple[AuditRow, ...]:
     """Return all rows of the audit (see AuditRow); numbers are finite, places unique."""
-    return (*tool_rows(), *impact_rows(), *force_rows(), *crater_rows())
+    text = resources.files("bristle_sim.dissertation").joinpath("audit.toml").read_text(encoding="utf-8")
+    entries = tomllib.loads(text)["row"]
+    figures = {**tool_figures(), **impact_figures(), **force_figures(), **crater_figures()}
+    return tuple(audit_row(each, figures.get(each["where"], Found(None))) for each in entries)
 
 
 def audit_report(view: AuditView) -> Report:
@@ -81,22 +80,14 @@ def terminal_table(rows: Sequence[AuditRow], width: int = WIDTH) -> str:
     status = max(map(len, (REPRODUCED, DIFFERS, NOT_COMPUTABLE)))
     place = width - PRINTED - COMPUTED - UNIT - status - 8
     widths = (place, PRINTED, COMPUTED, UNIT, status)
-    lines = [_line(("where", "printed", "computed", "unit", "status"), widths), "-" * width]
+    lines = [*_line(("where", "printed", "computed", "unit", "status"), widths), "-" * width]
     for row in rows:
         cells = (row.where, shown_number(row.printed), shown_number(row.computed), row.unit, row.status)
-        lines.append(_line(cells, widths))
+        lines += _line(cells, widths)
         lines += textwrap.wrap(row.why, width, initial_indent="    ", subsequent_indent="    ")
     return "\n".join(lines)
 
 
-def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
-    """Join cells side by side, each wrapped within its own column; numbers stand at the right."""
-    columns = [textwrap.wrap(cell, width) for cell, width in zip(cells, widths, strict=True)]
-    lines = []
-    for parts in zip_longest(*columns, fillvalue=""):
-        aligned = [
-            f"{part:>{width}}" if index in (1, 2) else f"{part:<{width}}"
-            for index, (part, width) in enumerate(zip(parts, widths, strict=True))
-        ]
-        lines.append("  ".join(aligned).rstrip())
-    return "\n".join(lines)
+def _line(cells: Sequence[str], widths: Sequence[int]) -> list[str]:
+    """Wrap each cell within its own column; numbers stand at the right."""
+    return side_by_side([textwrap.wrap(*each) for each in zip(cells, widths, strict=True)], widths, right=(1, 2))

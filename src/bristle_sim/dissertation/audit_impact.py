@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.dissertation.audit_row import AuditRow, claim, number
+from bristle_sim.dissertation.audit_row import Found
 from bristle_sim.dissertation.audit_tool import PRINTED_RATE, SPEED_RATIO
 from bristle_sim.parameters import Tool, operating_point
 from bristle_sim.theory import monofilament, pendulums
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.impact import energetic_impact
-
-__all__ = ["impact_rows", "strike"]
+from bristle_sim.theory.pendulum_phases import stick_friction
 
 Array = Any
 """A float or an array of floats."""
@@ -26,9 +25,9 @@ BELOW_STICTION = np.linspace(0.0, 0.42, 22)
 """Friction up to just below tan(23.4 deg) = 0.433."""
 
 
-def impact_rows() -> tuple[AuditRow, ...]:
-    """Rows of sections 2.3 and 2.4."""
-    return (*_impulses(), *_works(), *_restitution(), *_stiction(), *_pendulums())
+def impact_figures() -> dict[str, Found]:
+    """Figures of sections 2.3 and 2.4."""
+    return {**_impulses(), **_works(), **_restitution(), **_stiction(), **_pendulums()}
 
 
 def strike(
@@ -85,6 +84,12 @@ def least_step(values: Array) -> float:
     return float(np.min(np.diff(values)) / np.ptp(values))
 
 
+def _rises(values: Array) -> Found:
+    """Return that values increase along their last axis, with the smallest increase relative to the range."""
+    step = least_step(values)
+    return Found(step, step > 0.0)
+
+
 def two_friction_difference() -> float:
     """Largest relative difference of p_fy with mu_1 = 0.31 kept and mu_2 varied from that with mu_1 = mu_2 varied."""
     one = strike(BELOW_STICTION).normal_final_impulse
@@ -125,7 +130,7 @@ def hub_as_rod(mass_ratio: float) -> float:
     return hit.normal_final_impulse
 
 
-def _impulses() -> tuple[AuditRow, ...]:
+def _impulses() -> dict[str, Found]:
     over_angles = strike(FRICTIONS, ANGLES[:, np.newaxis])
     ends = over_angles.normal_compressive_impulse[:, -1]
     spread = float(np.ptp(ends) / np.mean(ends))
@@ -134,28 +139,22 @@ def _impulses() -> tuple[AuditRow, ...]:
     ratios = strike(speed_ratio=np.linspace(1.0, 5.0, 9)).normal_compressive_impulse
     shear = -over_angles.tangential_compressive_impulse
     impulse = resultant_impulse(BELOW_STICTION)
-    by = monofilament.normal_compressive_impulse
-    return (
-        claim("fig. 2.7: p_cy falls with friction", "falls", "1", least_step(-over_angles.normal_compressive_impulse),
-              least_step(-over_angles.normal_compressive_impulse) > 0.0, by),
-        claim("fig. 2.7: p_cy converges to a common value as friction approaches 1", "common value", "1", spread,
-              spread < 0.01, by,
-              f"at mu = 1 p_cy goes like 1/(sin gamma + cos gamma), still {spread:.0%} apart from 15 to 30 deg; the curves"
-              f" draw together from {first:.0%} of that at mu = 0 but do not meet"),
-        claim("fig. 2.8: p_cy is linear in the bristle's length", "linear", "1", bend(lengths), bend(lengths) < 1e-12, by),
-        claim("fig. 2.9: p_cy is linear in the speed ratio", "linear", "1", bend(ratios), bend(ratios) < 1e-12, by),
-        claim("fig. 2.15: p_cx grows with friction", "grows", "1", least_step(shear), least_step(shear) > 0.0,
-              monofilament.tangential_compressive_impulse),
-        claim("fig. 2.15: p_cx grows as the impact gets shallower", "grows", "1", least_step(-shear[:, 1:].T),
-              least_step(-shear[:, 1:].T) > 0.0, monofilament.tangential_compressive_impulse),
-        claim("sec. 5.1: elevated friction leads to the greatest compressive impulse", "grows with friction", "1",
-              float(impulse[-1] / impulse[0]), bool(impulse[-1] > impulse[0]), resultant_impulse,
-              f"the resultant p_c falls from {1e3 * impulse[0]:.3f}e-3 N s without friction to"
-              f" {1e3 * impulse[-1]:.3f}e-3 at mu = 0.42, as long as mu < cot gamma; its tangential part grows"),
-    )  # fmt: skip
+    return {
+        "fig. 2.7: p_cy falls with friction": _rises(-over_angles.normal_compressive_impulse),
+        "fig. 2.7: p_cy converges to a common value as friction approaches 1": Found(
+            spread, spread < 0.01, (spread, first)
+        ),
+        "fig. 2.8: p_cy is linear in the bristle's length": Found(bend(lengths), bend(lengths) < 1e-12),
+        "fig. 2.9: p_cy is linear in the speed ratio": Found(bend(ratios), bend(ratios) < 1e-12),
+        "fig. 2.15: p_cx grows with friction": _rises(shear),
+        "fig. 2.15: p_cx grows as the impact gets shallower": _rises(-shear[:, 1:].T),
+        "sec. 5.1: elevated friction leads to the greatest compressive impulse": Found(
+            float(impulse[-1] / impulse[0]), bool(impulse[-1] > impulse[0]), (1e3 * impulse[0], 1e3 * impulse[-1])
+        ),
+    }
 
 
-def _works() -> tuple[AuditRow, ...]:
+def _works() -> dict[str, Found]:
     over_angles = strike(FRICTIONS[1:], ANGLES[:, np.newaxis])
     normal, shear = -over_angles.normal_compressive_work, -over_angles.tangential_compressive_work
     by_length, by_ratio = strike(length=np.linspace(0.01, 0.05, 9)), strike(speed_ratio=np.linspace(1.0, 5.0, 9))
@@ -165,70 +164,57 @@ def _works() -> tuple[AuditRow, ...]:
     ratio = work_ratio(0.31, IMPACT_ANGLE)
     total = total_work(FRICTIONS)
     change = float(np.ptp(total) / np.abs(np.mean(total)))
-    by = monofilament.normal_compressive_work
-    along = monofilament.tangential_compressive_work
-    return (
-        claim("fig. 2.10: normal work grows with the impact angle", "grows", "1", least_step(normal.T),
-              least_step(normal.T) > 0.0, by),
-        claim("fig. 2.10: normal work falls with friction", "falls", "1", least_step(-normal), least_step(-normal) > 0.0,
-              by),
-        claim("figs. 2.11, 2.12: normal work grows with length, speed ratio and hub speed", "grows", "1", min(growth),
-              min(growth) > 0.0, by),
-        claim("fig. 2.16: tangential work grows with friction", "grows", "1", least_step(shear), least_step(shear) > 0.0,
-              along),
-        claim("figs. 2.17, 2.18: tangential work grows with length, speed ratio and hub speed", "grows", "1",
-              min(shear_growth), min(shear_growth) > 0.0, along),
-        claim("sec. 2.3.2: tangential work is one order of magnitude greater than normal work", "10 times", "1", ratio,
-              ratio >= 10.0, work_ratio,
-              f"the ratio is mu cot gamma, {ratio:.3f} at the operating point and 1 at most where the tip rebounds"
-              f" (mu < tan gamma); ten would need mu = {10.0 * math.tan(IMPACT_ANGLE):.2f}"),
-        claim("fig. 2.19: total work behaves like tangential work over friction", "grows", "1", change, change > 0.01,
-              total_work,
-              f"it is constant, {1e3 * total[0]:.4f} mJ whatever mu and gamma: -(m/6) v_C^2, the energy of the effective"
-              " mass m/3 along the tip's path"),
-    )  # fmt: skip
+    return {
+        "fig. 2.10: normal work grows with the impact angle": _rises(normal.T),
+        "fig. 2.10: normal work falls with friction": _rises(-normal),
+        "figs. 2.11, 2.12: normal work grows with length, speed ratio and hub speed": Found(
+            min(growth), min(growth) > 0.0
+        ),
+        "fig. 2.16: tangential work grows with friction": _rises(shear),
+        "figs. 2.17, 2.18: tangential work grows with length, speed ratio and hub speed": Found(
+            min(shear_growth), min(shear_growth) > 0.0
+        ),
+        "sec. 2.3.2: tangential work is one order of magnitude greater than normal work": Found(
+            ratio, ratio >= 10.0, (ratio, 10.0 * math.tan(IMPACT_ANGLE))
+        ),
+        "fig. 2.19: total work behaves like tangential work over friction": Found(
+            change, change > 0.01, (1e3 * total[0],)
+        ),
+    }
 
 
-def _restitution() -> tuple[AuditRow, ...]:
+def _restitution() -> dict[str, Found]:
     over_first = strike(BELOW_STICTION, restitution_friction=0.31).normal_final_impulse
     over_second = strike(0.31, restitution_friction=BELOW_STICTION).normal_final_impulse
     over_e = strike(0.31, restitution=np.linspace(0.0, 1.0, 11)).normal_final_impulse
     rebound = -strike(BELOW_STICTION).rebound_ratio
     difference = two_friction_difference()
-    by = monofilament.normal_final_impulse
-    return (
-        claim("fig. 2.13: p_fy grows with friction in restitution", "grows", "1", least_step(over_second),
-              least_step(over_second) > 0.0, by),
-        claim("fig. 2.14: p_fy falls with friction in compression", "falls", "1", least_step(-over_first),
-              least_step(-over_first) > 0.0, by),
-        claim("fig. 2.22: equal or different friction makes minimal distinction", "minimal", "1", difference,
-              difference < 0.05, two_friction_difference,
-              f"p_fy of the two figures is up to {difference:.0%} apart at e* = 0.42, at the lowest friction, since mu_1"
-              " alone sets p_cy; near mu = 0.31, where both are equal by choice, it is small"),
-        claim("fig. 2.23: p_fy grows with restitution", "grows", "1", least_step(over_e), least_step(over_e) > 0.0, by),
-        claim("fig. 2.24: the rebound ratio falls with friction", "falls", "1", least_step(-rebound),
-              least_step(-rebound) > 0.0, monofilament.final_rate),
-    )  # fmt: skip
+    return {
+        "fig. 2.13: p_fy grows with friction in restitution": _rises(over_second),
+        "fig. 2.14: p_fy falls with friction in compression": _rises(-over_first),
+        "fig. 2.22: equal or different friction makes minimal distinction": Found(
+            difference, difference < 0.05, (difference,)
+        ),
+        "fig. 2.23: p_fy grows with restitution": _rises(over_e),
+        "fig. 2.24: the rebound ratio falls with friction": _rises(-rebound),
+    }
 
 
-def _stiction() -> tuple[AuditRow, ...]:
+def _stiction() -> dict[str, Found]:
     threshold = float(monofilament.stiction_friction(IMPACT_ANGLE))
     near = strike(0.31, restitution_friction=threshold * (1.0 - 1e-8)).normal_final_impulse
     growth = float(near / strike(0.31).normal_final_impulse)
     ratio = radius_ratio()
     rounded = math.tan(math.radians(24.0))
-    return (
-        claim("eq. 2.51: p_fy is arbitrarily large at mu_2 = tan gamma", "unbounded", "1", growth, growth > 1e3,
-              monofilament.normal_final_impulse),
-        claim("above eq. 2.51: in our model L = r_h", "1", "1", ratio, abs(ratio - 1.0) < 1e-3, radius_ratio,
-              "0.027 against 0.0275 m; (2.51) does not need it, since both components of v_C have the factor"
-              " L phi' + r_h theta'"),
-        number("fig. 4.15: least friction tan(23.4 deg)", "0.43", "1", threshold, monofilament.stiction_friction),
-        number("fig. 4.14: least friction tan(24 deg)", "0.45", "1", rounded, monofilament.stiction_friction),
-    )  # fmt: skip
+    return {
+        "eq. 2.51: p_fy is arbitrarily large at mu_2 = tan gamma": Found(growth, growth > 1e3),
+        "above eq. 2.51: in our model L = r_h": Found(ratio, abs(ratio - 1.0) < 1e-3),
+        "fig. 4.15: least friction tan(23.4 deg)": Found(threshold),
+        "fig. 4.14: least friction tan(24 deg)": Found(rounded),
+    }
 
 
-def _pendulums() -> tuple[AuditRow, ...]:
+def _pendulums() -> dict[str, Found]:
     alike = degenerate_difference()
     heavy, heavier = heavy_rod(1e4), heavy_rod(1e8)
     drift = abs(heavy.final_rate_1 + 0.1)
@@ -236,24 +222,18 @@ def _pendulums() -> tuple[AuditRow, ...]:
     bristle = float(strike(0.31).normal_final_impulse)
     apart = hub_as_rod(700.0) / bristle - 1.0
     mass = heavy_rod_mass(700.0)
-    stick = float(pendulums.stick_friction(700.0, IMPACT_ANGLE, IMPACT_ANGLE)) - math.tan(IMPACT_ANGLE)
-    double = pendulums.double_pendulum_impact
-    return (
-        claim("fig. 2.26: the degenerated model is Stronge's pendulum", "excellent agreement", "1", alike, alike < 1e-12,
-              degenerate_difference),
-        claim("fig. 2.28: the rate of rod BC converges as n grows", "converges", "1", settled, settled < 1e-3, double),
-        claim("fig. 2.29: rod OB keeps its rate as n grows", "-0.1 rad/s", "rad/s", drift, drift < 1e-4, double),
-        number("fig. 2.30: mass m_1 of the heavy rod, 700 times m_2", "5.871e-2", "kg", mass, heavy_rod_mass,
-               "the ratio 700 is inferred: 5.871e-2 over 8.387e-5 is 700.01"),
-        claim("fig. 2.30: the double pendulum agrees with the monofilament", "excellent agreement", "1", apart,
-              abs(apart) < 0.01, double,
-              f"{abs(apart):.2%} apart at mu = 0.31: the heavy rod has L = 0.027 m where the hub has 0.0275 m; with r_h = L"
-              f" the difference is {abs(hub_as_rod(700.0) / _equal_lengths() - 1.0):.3%} at n = 700 and vanishes like 1/n"),
-        claim("eq. 2.111: the double pendulum's stiction friction is tan gamma", "tan gamma", "1", stick,
-              abs(stick) < 1e-12, pendulums.stick_friction),
-        claim("eq. 2.64: p_fy is what the impact law gives", "p_fy", "1", _law_difference(), _law_difference() < 1e-12,
-              energetic_impact),
-    )  # fmt: skip
+    stick = float(stick_friction(700.0, IMPACT_ANGLE, IMPACT_ANGLE)) - math.tan(IMPACT_ANGLE)
+    return {
+        "fig. 2.26: the degenerated model is Stronge's pendulum": Found(alike, alike < 1e-12),
+        "fig. 2.28: the rate of rod BC converges as n grows": Found(settled, settled < 1e-3),
+        "fig. 2.29: rod OB keeps its rate as n grows": Found(drift, drift < 1e-4),
+        "fig. 2.30: mass m_1 of the heavy rod, 700 times m_2": Found(mass),
+        "fig. 2.30: the double pendulum agrees with the monofilament": Found(
+            apart, abs(apart) < 0.01, (abs(apart), abs(hub_as_rod(700.0) / _equal_lengths() - 1.0))
+        ),
+        "eq. 2.111: the double pendulum's stiction friction is tan gamma": Found(stick, abs(stick) < 1e-12),
+        "eq. 2.64: p_fy is what the impact law gives": Found(_law_difference(), _law_difference() < 1e-12),
+    }
 
 
 def _equal_lengths() -> float:

@@ -8,12 +8,10 @@ statement in words has a computed figure that decides whether it holds.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
-
-__all__ = ["DIFFERS", "NOT_COMPUTABLE", "REPRODUCED", "AuditRow", "claim", "half_unit", "missing", "number"]
 
 REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"
 
@@ -53,34 +51,40 @@ def half_unit(printed: str) -> float:
     return 0.5 * 10.0**exponent
 
 
-def number(
-    where: str,
-    printed: str,
-    unit: str,
-    computed: float,
-    by: Callable[..., Any],
-    why: str = "",
-    *,
-    allowance: float = 0.0,
-) -> AuditRow:
-    """Row of a printed number, given with the digits it has in print; allowance is absolute."""
-    value, figure = float(printed), _finite(where, computed)
-    tolerance = half_unit(printed) + allowance
-    same = abs(figure - value) <= tolerance + SLACK * abs(value)
-    return AuditRow(where, value, unit, figure, _name(by), REPRODUCED if same else DIFFERS, why, tolerance)
+@dataclass(frozen=True, slots=True)
+class Found:
+    """What is computed for a row.
+
+    Attributes:
+        computed: the figure; None where nothing can be computed.
+        holds: whether a statement holds; None for a number.
+        told: further figures that the row's reason states.
+        allowance: for a number that was itself worked out from rounded ones, absolute.
+    """
+
+    computed: float | None
+    holds: bool | None = None
+    told: tuple[float, ...] = ()
+    allowance: float = 0.0
 
 
-def claim(
-    where: str, statement: str, unit: str, computed: float, holds: bool, by: Callable[..., Any], why: str = ""
-) -> AuditRow:
-    """Row of a statement in words, with the figure that decides it."""
-    status = REPRODUCED if holds else DIFFERS
-    return AuditRow(where, statement, unit, _finite(where, computed), _name(by), status, why)
+def audit_row(entry: Mapping[str, Any], found: Found) -> AuditRow:
+    """Return the row of an entry of the table of printed numbers and statements.
 
-
-def missing(where: str, printed: str, unit: str, why: str) -> AuditRow:
-    """Row of a number that the text does not allow to compute."""
-    return AuditRow(where, float(printed), unit, None, "", NOT_COMPUTABLE, why)
+    Raises:
+        ArithmeticError: if a figure is not finite.
+    """
+    where, unit, by = entry["where"], entry.get("unit", "1"), entry.get("by", "")
+    why = entry.get("why", "").format(*found.told)
+    printed = entry["statement"] if "statement" in entry else float(entry["printed"])
+    if found.computed is None:
+        return AuditRow(where, printed, unit, None, by, NOT_COMPUTABLE, why)
+    figure = _finite(where, found.computed)
+    if isinstance(printed, str):
+        return AuditRow(where, printed, unit, figure, by, REPRODUCED if found.holds else DIFFERS, why)
+    tolerance = half_unit(entry["printed"]) + found.allowance
+    same = abs(figure - printed) <= tolerance + SLACK * abs(printed)
+    return AuditRow(where, printed, unit, figure, by, REPRODUCED if same else DIFFERS, why, tolerance)
 
 
 def _finite(where: str, value: float) -> float:
@@ -88,7 +92,3 @@ def _finite(where: str, value: float) -> float:
     if not math.isfinite(figure):
         raise ArithmeticError(f"{where}: computed {figure:g}")
     return figure
-
-
-def _name(function: Callable[..., Any]) -> str:
-    return f"{function.__module__.removeprefix('bristle_sim.')}.{function.__qualname__}"

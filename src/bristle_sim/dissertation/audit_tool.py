@@ -8,13 +8,11 @@ from functools import cache
 
 import numpy as np
 
-from bristle_sim.dissertation.audit_row import AuditRow, claim, missing, number
+from bristle_sim.dissertation.audit_row import Found
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, RETRACTION_AT_RELEASE, Belt, Tool, operating_point
 from bristle_sim.reference import simulate_reference
 from bristle_sim.theory import cueing, monofilament
 from bristle_sim.trajectory import Trajectory
-
-__all__ = ["PRINTED_RATE", "SPEED_RATIO", "tool_rows"]
 
 SPEED_RATIO = 3.23
 """R (Zhang 2020, eq. 2.33)."""
@@ -33,10 +31,10 @@ SAMPLES = 1e-6
 """Time between samples of the simulated pass, s: angles between them are read off to 1e-4 deg."""
 
 
-def tool_rows() -> tuple[AuditRow, ...]:
-    """Rows of figure 1.5 and section 2.2."""
+def tool_figures() -> dict[str, Found]:
+    """Figures of figure 1.5 and section 2.2."""
     tool = operating_point()
-    return (*_speeds(tool), *_speed_ratio(tool), *_belt(tool), *_position(tool), *_passes(tool))
+    return {**_speeds(tool), **_speed_ratio(tool), **_belt(tool), **_position(tool), **_passes(tool)}
 
 
 def turns_per_second(revolutions_per_minute: float) -> float:
@@ -105,70 +103,35 @@ def simulated_second_contact() -> float:
     return 1e3 * (times[1] - times[0]) if len(times) > 1 else 0.0
 
 
-def _speeds(tool: Tool) -> tuple[AuditRow, ...]:
+def _speeds(tool: Tool) -> dict[str, Found]:
     placed = cueing.cue(tool)
-    return (
-        number("fig. 1.5: hub speed", "50.8", "1/s", turns_per_second(FIGURE_1_5[0]), turns_per_second),
-        number("eq. 2.2: hub speed of 2500 rpm", "261.8", "rad/s", angular_speed(2500.0), angular_speed),
-        number(
-            "eq. 2.2: impact angle for a penetration of 4.5 mm",
-            "23.4",
-            "deg",
-            math.degrees(placed.impact_angle),
-            cueing.impact_angle,
+    return {
+        "fig. 1.5: hub speed": Found(turns_per_second(FIGURE_1_5[0])),
+        "eq. 2.2: hub speed of 2500 rpm": Found(angular_speed(2500.0)),
+        "eq. 2.2: impact angle for a penetration of 4.5 mm": Found(math.degrees(placed.impact_angle)),
+        "fig. 4.2: rate before the impact": Found(rate_before_impact(tool)),
+        "eq. 4.3: speed of the tip": Found(
+            float(monofilament.tip_speed(tool.bristle.length, tool.hub.radius, tool.hub.speed, SPEED_RATIO))
         ),
-        number(
-            "fig. 4.2: rate before the impact",
-            "845.6",
-            "rad/s",
-            rate_before_impact(tool),
-            rate_before_impact,
-            "R times the hub's speed; R itself has a row of its own",
-        ),
-        number(
-            "eq. 4.3: speed of the tip",
-            "30",
-            "m/s",
-            float(monofilament.tip_speed(tool.bristle.length, tool.hub.radius, tool.hub.speed, SPEED_RATIO)),
-            monofilament.tip_speed,
-        ),
-        missing(
-            "fig. 2.7: mass of the bristle",
-            "8.387e-5",
-            "kg",
-            f"the density is not printed; a steel wire of this size (7850 kg/m^3) weighs {1e5 * wire_mass(tool):.3f}e-5 kg",
-        ),
-    )
+        "fig. 2.7: mass of the bristle": Found(None, told=(1e5 * wire_mass(tool),)),
+    }
 
 
-def _speed_ratio(tool: Tool) -> tuple[AuditRow, ...]:
+def _speed_ratio(tool: Tool) -> dict[str, Found]:
     placed = cueing.cue(tool)
     fast = cueing.stiffened_cue(tool)
     ratio = placed.highest_relative_speed / tool.hub.speed
     lag, simulated = simulated_strike()
     damping = float(cueing.damping_ratio(PRINTED_RATE / fast.highest_relative_speed))
-    why_ratio = (
-        f"theta_p sqrt(k_T/I) with 0.00041 N m per degree is {placed.highest_relative_speed:.1f} rad/s; with the"
-        f" centrifugal stiffening that is left out it is {fast.highest_relative_speed:.1f} (845.6 at a damping ratio of"
-        f" {damping:.3f}), and the simulated strike has {simulated:.1f}. All are relative to the hub; the impact formulas"
-        " take R as absolute"
-    )
-    return (
-        number("eq. 2.33: speed ratio R", "3.23", "1", ratio, cueing.highest_relative_speed, why_ratio),
-        claim(
-            "sec. 2.3.1: the bristle is radial when it strikes",
-            "theta = phi",
-            "deg",
-            lag,
-            lag < 0.05,
-            simulated_strike,
-            f"a quasi-static release is assumed; simulated, the bristle lets go of the bar while it swings and strikes"
-            f" {lag:.3f} deg short of radial, before its highest speed",
+    return {
+        "eq. 2.33: speed ratio R": Found(
+            ratio, told=(placed.highest_relative_speed, fast.highest_relative_speed, damping, simulated)
         ),
-    )
+        "sec. 2.3.1: the bristle is radial when it strikes": Found(lag, lag < 0.05, (lag,)),
+    }
 
 
-def _belt(tool: Tool) -> tuple[AuditRow, ...]:
+def _belt(tool: Tool) -> dict[str, Found]:
     inertia = tool.bristle.inertia_about_root
     needed, placed = stiffness_for_speed(tool, PRINTED_RATE), stiffness_for_position(tool)
     g = float(cueing.centrifugal_stiffness(tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed))
@@ -176,85 +139,60 @@ def _belt(tool: Tool) -> tuple[AuditRow, ...]:
     turns = [math.degrees(each(soft).hub_turn) for each in (cueing.cue, cueing.stiffened_cue)]
     plain = cueing.cue(tool)
     room = math.degrees(math.atan2(*PRINTED_POSITION) - plain.tip_lag - plain.impact_angle)
-    why_stiffness = (
-        f"it can only be meant per degree: 845.6 rad/s needs {math.radians(needed):.3e} N m per degree, and the printed bar"
-        f" position {math.radians(placed):.3e} ({math.radians(placed - g):.3e} with centrifugal stiffening). Per radian the"
-        f" hub would turn {turns[0]:.0f} deg ({turns[1]:.0f} with stiffening) while the bristle is cued, and the printed"
-        f" position leaves it {room:.1f}"
-    )
     frequency = float(cueing.natural_rate(tool.belt.stiffness, inertia)) / (2.0 * math.pi)
     rpm, other = FIGURE_1_5
     film = (2.0 * math.pi * other) ** 2 * inertia
-    why_frequency = (
-        f"another tool: it needs {math.radians(film):.2e} N m per degree, {film / tool.belt.stiffness:.2f} times the belt of"
-        f" eq. 2.2. 254 Hz is {other / turns_per_second(rpm):.2f} times its hub's 50.8 per second"
-    )
-    return (
-        number("eq. 2.2: belt stiffness k_T", "0.00041", "N m/rad", needed, stiffness_for_speed, why_stiffness),
-        number("fig. 1.5: natural frequency", "254", "Hz", frequency, cueing.natural_rate, why_frequency),
-    )
+    return {
+        "eq. 2.2: belt stiffness k_T": Found(
+            needed,
+            told=(math.radians(needed), math.radians(placed), math.radians(placed - g), turns[0], turns[1], room),
+        ),
+        "fig. 1.5: natural frequency": Found(
+            frequency, told=(math.radians(film), film / tool.belt.stiffness, other / turns_per_second(rpm))
+        ),
+    }
 
 
-def _position(tool: Tool) -> tuple[AuditRow, ...]:
+def _position(tool: Tool) -> dict[str, Found]:
     plain, stiff = cueing.cue(tool), cueing.stiffened_cue(tool)
     direction = math.degrees(math.atan2(*PRINTED_POSITION))
-    why = (
-        f"the bar stands at {direction:.2f} deg from the workpart's normal in print, at"
-        f" {math.degrees(plain.bar_direction):.2f} by (2.1) with 0.00041 N m per degree and at"
-        f" {math.degrees(stiff.bar_direction):.2f} with centrifugal stiffening, which leaves"
-        f" {1e3 * stiff.bar_horizontal:.2f} and {1e3 * stiff.bar_vertical:.2f} mm"
-    )
     horizontal, vertical = 1e3 * plain.bar_horizontal, 1e3 * plain.bar_vertical
     largest, stiffened = bar_deviation(plain), bar_deviation(stiff)
-    return (
-        number("eq. 2.3: bar position S_H", "50.37", "mm", horizontal, cueing.bar_position, why),
-        number("eq. 2.3: bar position S_V", "22.5", "mm", vertical, cueing.bar_position, why),
-        claim(
-            "sec. 2.2: design forecast within 5 %",
-            "within 5 %",
-            "1",
-            largest,
-            largest <= 0.05,
-            bar_deviation,
-            f"S_V is off by {largest:.1%}; with centrifugal stiffening by {stiffened:.1%}, which keeps the promise. The"
-            " distance S cannot tell, since r_b is not printed and follows from it",
+    return {
+        "eq. 2.3: bar position S_H": Found(
+            horizontal,
+            told=(
+                direction,
+                math.degrees(plain.bar_direction),
+                math.degrees(stiff.bar_direction),
+                1e3 * stiff.bar_horizontal,
+                1e3 * stiff.bar_vertical,
+            ),
         ),
-        missing(
-            "eq. 2.2: retraction angle at release",
-            "44.5",
-            "deg",
-            "the bar's radius r_b is not printed; the position of (2.3) gives r_b = "
-            f"{1e3 * (tool.bar.radius if tool.bar else math.nan):.3f} mm with this angle",
+        "eq. 2.3: bar position S_V": Found(
+            vertical,
+            told=(
+                direction,
+                math.degrees(plain.bar_direction),
+                math.degrees(stiff.bar_direction),
+                1e3 * stiff.bar_horizontal,
+                1e3 * stiff.bar_vertical,
+            ),
         ),
-    )
+        "sec. 2.2: design forecast within 5 %": Found(largest, largest <= 0.05, (largest, stiffened)),
+        "eq. 2.2: retraction angle at release": Found(None, told=(1e3 * (tool.bar.radius if tool.bar else math.nan),)),
+    }
 
 
-def _passes(tool: Tool) -> tuple[AuditRow, ...]:
+def _passes(tool: Tool) -> dict[str, Found]:
     largest, delay = simulated_retraction(), simulated_second_contact()
     stiffness = float(cueing.natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root))
-    return (
-        claim(
-            "fig. 2.2: the retraction at release is the largest",
-            "44.5 deg",
-            "deg",
-            largest,
-            abs(largest - math.degrees(RETRACTION_AT_RELEASE)) < 0.05,
-            simulated_retraction,
-            f"simulated, the bristle leaves the bar at {_release_retraction():.1f} deg while still swinging back, up to"
-            f" {largest:.3f} deg",
+    return {
+        "fig. 2.2: the retraction at release is the largest": Found(
+            largest, abs(largest - math.degrees(RETRACTION_AT_RELEASE)) < 0.05, (_release_retraction(), largest)
         ),
-        claim(
-            "sec. 2.3: no secondary contact",
-            "one contact in a pass",
-            "ms",
-            delay,
-            delay == 0.0,
-            simulated_second_contact,
-            f"a rigid bristle comes back {delay:.2f} ms after the strike: the belt returns it within half a period,"
-            f" {1e3 * math.pi / stiffness:.1f} ms, before the hub has carried it past the workpart; damping the belt does not"
-            " help, so the film's single contact must come from the bent, flexible wire",
-        ),
-    )
+        "sec. 2.3: no secondary contact": Found(delay, delay == 0.0, (delay, 1e3 * math.pi / stiffness)),
+    }
 
 
 def _release_retraction() -> float:

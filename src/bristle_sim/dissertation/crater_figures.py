@@ -8,11 +8,12 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bristle_sim.crater_parameters import Crater
+from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Redrawn
+from bristle_sim.parameters.crater import Crater
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.crater_study import MEASURED
 from bristle_sim.studies.crater_sums import energy_depth_course, merchant_depth_course
@@ -27,10 +28,6 @@ from bristle_sim.theory.crater import (
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, PRINTED_KINEMATICS, PRINTED_WIDTH
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES
-
-__all__ = ["FIGURES"]
-
-Array = NDArray[np.float64]
 
 DEPTH = Axis("crater depth", "µm", 1e6)
 PLIES = Axis("number of plies $n$", log=True)

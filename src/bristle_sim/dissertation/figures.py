@@ -11,10 +11,8 @@ from functools import partial
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.dissertation import crater_figures, force_figures, impact_figures
 from bristle_sim.dissertation.redrawn import Redrawn, largest_differences
-from bristle_sim.quantity import choice, validate
+from bristle_sim.quantity import Declared, choice
 from bristle_sim.studies.curves import SOURCES
-
-__all__ = ["NUMBERS", "Selection", "figures_report", "redrawn"]
 
 _BUILDERS: dict[str, Callable[[], Redrawn]] = {
     **{number: partial(impact_figures.impact_figure, number) for number in impact_figures.FIGURES},
@@ -45,15 +43,12 @@ def redrawn(number: str) -> Redrawn:
 
 
 @dataclass(frozen=True, slots=True)
-class Selection:
+class Selection(Declared):
     """Which figures to redraw."""
 
     only: str = choice(
         "all", "only", ("all", *NUMBERS), source="chosen: one figure alone", meaning="figure or table that is redrawn"
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 def figures_report(selection: Selection) -> Report:

@@ -6,8 +6,9 @@ import functools
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
@@ -25,10 +26,6 @@ from bristle_sim.theory.force_history import (
     ForceCurve,
     segment_impulses,
 )
-
-__all__ = ["FORCE", "MICROSECONDS", "bristle_contact", "bristle_figure", "fit_figure", "points_figure", "table"]
-
-Array = NDArray[np.float64]
 
 NOISE, POINTS = 5.0, 61
 """Noise (N) and number of the points that stand in for the measured ones."""

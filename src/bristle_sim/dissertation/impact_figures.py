@@ -14,8 +14,6 @@ from bristle_sim.studies.curves import Axis, Level, Panel
 from bristle_sim.studies.double_pendulum_families import Impact, final_rate, heavy_rod_panel, pendulum_curve, weighted
 from bristle_sim.studies.rod_families import OPERATING_POINT, TOTAL, Sweep, sweep_panel
 
-__all__ = ["FIGURES", "double_pendulum_figure", "heavy_rod_figure", "impact_figure", "single_pendulum_figure"]
-
 FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (10.0, 15.0, 23.4, 30.0)))
 LENGTH = Sweep("length", 0.01, 0.05, "hub_radius", (0.02, 0.0275, 0.035))
 RATIO = Sweep("speed_ratio", 1.0, 5.0, "hub_speed", (200.0, 261.8, 320.0))

@@ -8,8 +8,6 @@ import numpy as np
 
 from bristle_sim.studies.curves import Panel
 
-__all__ = ["Redrawn", "largest_differences"]
-
 
 @dataclass(frozen=True, slots=True)
 class Redrawn:

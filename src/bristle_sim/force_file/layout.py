@@ -12,20 +12,6 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = [
-    "FORCE",
-    "TIME",
-    "VOLTAGE",
-    "Column",
-    "Layout",
-    "columns_of",
-    "find_layout",
-    "is_data",
-    "is_number",
-    "unit_of",
-    "without_unit",
-]
-
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605}
 VOLTAGE = {"V": 1.0, "mV": 1e-3}
@@ -64,7 +50,7 @@ class Layout:
 
     def cells(self, line: str) -> list[str]:
         """Return a line's cells, without blanks and quotes around them."""
-        return split_cells(line, self.separator)
+        return _cells(line, self.separator)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +88,7 @@ def find_layout(path: str | Path, lines: list[str]) -> Layout:
 
 def _columns_of_numbers(sample: list[str], separator: str | None, decimal: str) -> tuple[int, int, tuple[int, ...]]:
     """Return the number of lines with numbers in the same columns, minus that of their words, and the columns."""
-    rows = [split_cells(line, separator) for line in sample]
+    rows = [_cells(line, separator) for line in sample]
     places = [tuple(i for i, cell in enumerate(row) if is_number(cell, decimal)) for row in rows]
     counted = Counter(each for each in places if len(each) >= 2)
     count, _, columns = max(((count, -len(each), each) for each, count in counted.items()), default=(0, 0, ()))
@@ -111,7 +97,7 @@ def _columns_of_numbers(sample: list[str], separator: str | None, decimal: str) 
 
 
 def _holds(line: str, separator: str | None, decimal: str, columns: tuple[int, ...]) -> bool:
-    row = split_cells(line, separator)
+    row = _cells(line, separator)
     return len(row) > columns[-1] and all(is_number(row[i], decimal) for i in columns)
 
 
@@ -163,7 +149,7 @@ def is_data(line: str) -> bool:
     return bool(line.strip()) and not line.lstrip().startswith("#")
 
 
-def split_cells(line: str, separator: str | None) -> list[str]:
+def _cells(line: str, separator: str | None) -> list[str]:
     if separator is None:
         return line.split()
     row = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.force_file.layout import (
     FORCE,
     TIME,
@@ -24,10 +25,6 @@ from bristle_sim.force_file.layout import (
     is_data,
     is_number,
 )
-
-__all__ = ["read_force_csv"]
-
-Array = NDArray[np.float64]
 
 FEWEST_POINTS = 4
 """A file with fewer points than this determines no curve: one term has three unknowns."""

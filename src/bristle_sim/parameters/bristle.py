@@ -6,9 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass
 
-from bristle_sim.quantity import count, quantity, validate
-
-__all__ = ["WIRE_KEYS", "Bristle"]
+from bristle_sim.quantity import Declared, count, quantity
 
 Vector = tuple[float, float]
 
@@ -17,7 +15,7 @@ WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")
 
 
 @dataclass(frozen=True, slots=True)
-class Bristle:
+class Bristle(Declared):
     """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that bends."""
 
     length: float = quantity(
@@ -94,9 +92,6 @@ class Bristle:
         meaning="damping ratio of the wire's first bending mode",
         needs="wire_links != 1",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
     @property
     def path(self) -> tuple[Vector, ...]:

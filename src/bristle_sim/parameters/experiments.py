@@ -4,14 +4,36 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
-from bristle_sim.quantity import ANY, choice, quantity, validate
+from bristle_sim.quantity import ANY, Declared, choice, count, quantity
 
-__all__ = ["Comparison", "ContactStiffness", "DoublePendulum", "Release", "SinglePendulum", "Strike"]
+
+def speed_ratio_at_strike() -> Any:
+    """Declare the bristle's rate over the hub's speed."""
+    return quantity(
+        3.23,
+        "speed_ratio",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
+        meaning="bristle's rate over the hub's speed when it strikes, R",
+    )
+
+
+def impact_angle_at_strike(
+    source: str,
+    at_most: float = 90.0,
+    meaning: str = "angle between the radial bristle and the workpart's normal, gamma",
+) -> Any:
+    """Declare the angle gamma of a strike, in degrees."""
+    key = "impact_angle_deg"
+    return quantity(23.4, key, "deg", at_least=1e-30, at_most=at_most, source=source, meaning=meaning)
 
 
 @dataclass(frozen=True, slots=True)
-class Release:
+class Release(Declared):
     """Release of the bristle from rest relative to the hub."""
 
     retraction_deg: float = quantity(
@@ -24,39 +46,17 @@ class Release:
         meaning="angle by which the released bristle lags the radial direction",
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 @dataclass(frozen=True, slots=True)
-class Strike:
+class Strike(Declared):
     """State of a radial bristle at the instant of its strike."""
 
-    speed_ratio: float = quantity(
-        3.23,
-        "speed_ratio",
-        "1",
-        at_least=0.0,
-        at_most=1e6,
-        source="Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed",
-        meaning="bristle's rate over the hub's speed when it strikes, R",
-    )
-    impact_angle_deg: float = quantity(
-        23.4,
-        "impact_angle_deg",
-        "deg",
-        at_least=1e-30,
-        at_most=90.0,
-        source="Zhang 2020, sec. 2.3: gamma",
-        meaning="angle between the radial bristle and the workpart's normal, gamma",
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
+    speed_ratio: float = speed_ratio_at_strike()
+    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, sec. 2.3: gamma")
 
 
 @dataclass(frozen=True, slots=True)
-class ContactStiffness:
+class ContactStiffness(Declared):
     """Stiffness of a contact resolved in time, given by how long it would keep a rigid bristle in touch."""
 
     duration: float = quantity(
@@ -69,16 +69,13 @@ class ContactStiffness:
         meaning="time for which the contact's stiffness would keep the rigid bristle in touch, without friction, T",
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
-
     def stiffness(self, inverse_mass: float, restitution: float) -> float:
         """Return k = (pi (1 + e*)/(2 T))^2/K_nn, N/m, with K_nn of the rigid bristle, 1/kg."""
         return (0.5 * math.pi * (1.0 + restitution) / self.duration) ** 2 / inverse_mass
 
 
 @dataclass(frozen=True, slots=True)
-class SinglePendulum:
+class SinglePendulum(Declared):
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
     mass: float = quantity(
@@ -99,14 +96,8 @@ class SinglePendulum:
         source="the bristle's: Zhang 2020, 2.4.1",
         meaning="length of the rod",
     )
-    impact_angle_deg: float = quantity(
-        23.4,
-        "impact_angle_deg",
-        "deg",
-        at_least=1e-30,
-        at_most=90.0,
-        source="Zhang 2020, fig. 2.25: rod to the normal",
-        meaning="angle between the rod and the surface's normal, gamma",
+    impact_angle_deg: float = impact_angle_at_strike(
+        "Zhang 2020, fig. 2.25: rod to the normal", meaning="angle between the rod and the surface's normal, gamma"
     )
     rate: float = quantity(
         -845.6,
@@ -118,12 +109,9 @@ class SinglePendulum:
         meaning="rate of the rod before the impact; negative approaches",
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 @dataclass(frozen=True, slots=True)
-class DoublePendulum:
+class DoublePendulum(Declared):
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
     mass: float = quantity(
@@ -191,12 +179,57 @@ class DoublePendulum:
         meaning="rate of the second rod before the impact; negative approaches",
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
+
+@dataclass(frozen=True, slots=True)
+class Neighbours(Declared):
+    """Bristles that follow each other in one plane, and how two wires that touch rub and rebound."""
+
+    bristles: int = count(
+        2,
+        "bristles",
+        at_least=2,
+        at_most=12,
+        source="chosen: one bristle and its follower",
+        meaning="number of bristles in the row; the quantities at a pitch are those of the last one",
+    )
+    pitch_deg: float = quantity(
+        15.0,
+        "pitch_deg",
+        "deg",
+        above=0.0,
+        at_most=180.0,
+        source="chosen: the wires touch at the bar, and again before the last one strikes",
+        meaning="angle about the hub from one bristle to the next",
+    )
+    friction: float = quantity(
+        0.31,
+        "neighbour_friction",
+        "1",
+        at_least=0.0,
+        at_most=1e6,
+        source="assumed: steel on steel, as between tip and workpart",
+        meaning="coefficient of friction between two wires",
+    )
+    restitution: float = quantity(
+        0.42,
+        "neighbour_restitution",
+        "1",
+        at_least=0.0,
+        at_most=1.0,
+        source="assumed: steel on steel, as between tip and workpart",
+        meaning="energetic coefficient of restitution between two wires",
+    )
+    search: str = choice(
+        "yes",
+        "search",
+        ("yes", "no"),
+        source="chosen: it takes some twenty rows of two bristles",
+        meaning="whether the least pitches are also searched on simulated rows",
+    )
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class Comparison(Declared):
     """What a run is compared with."""
 
     reference: str = choice(
@@ -206,6 +239,3 @@ class Comparison:
         source="chosen: the independent solution takes longer",
         meaning="whether the independent solution is computed too and judges the result",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)

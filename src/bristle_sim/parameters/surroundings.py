@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.quantity import choice, quantity, validate
-
-__all__ = ["RETRACTION_AT_RELEASE", "Bar", "Contact", "Surface", "Workpart"]
+from bristle_sim.quantity import Declared, choice, quantity, validate
 
 RETRACTION_AT_RELEASE = math.radians(44.5)
 """Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
@@ -21,7 +19,7 @@ def _bar_radius() -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Bar:
+class Bar(Declared):
     """Accelerator bar: a fixed circle on the incoming side, rigid."""
 
     radius: float = quantity(
@@ -70,9 +68,6 @@ class Bar:
         meaning="energetic coefficient of restitution between wire and bar",
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
-
     @property
     def centre(self) -> tuple[float, float]:
         """Return the centre of the bar, (-S_H, -S_V), m."""
@@ -80,7 +75,7 @@ class Bar:
 
 
 @dataclass(frozen=True, slots=True)
-class Surface:
+class Surface(Declared):
     """How a tip rubs and rebounds on a flat, rigid surface."""
 
     friction: float = quantity(
@@ -110,9 +105,6 @@ class Surface:
         source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*",
         meaning="energetic coefficient of restitution between tip and workpart, e*",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
     @property
     def friction_in_restitution(self) -> float:

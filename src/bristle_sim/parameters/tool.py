@@ -7,16 +7,14 @@ from dataclasses import dataclass, field
 
 from bristle_sim.parameters.bristle import Bristle
 from bristle_sim.parameters.surroundings import Bar, Contact, Workpart
-from bristle_sim.quantity import quantity, shown, validate
-
-__all__ = ["PRINTED_BELT_STIFFNESS", "Belt", "Hub", "Tool", "operating_point"]
+from bristle_sim.quantity import Declared, quantity, shown, validate
 
 PRINTED_BELT_STIFFNESS = 0.00041
 """Belt stiffness as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree."""
 
 
 @dataclass(frozen=True, slots=True)
-class Hub:
+class Hub(Declared):
     """Rotating hub that keeps its speed."""
 
     speed: float = quantity(
@@ -39,12 +37,9 @@ class Hub:
         meaning="distance of the bristle's root from the hub's centre",
     )
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 @dataclass(frozen=True, slots=True)
-class Belt:
+class Belt(Declared):
     """Flexible belt: a torsion spring, perhaps damped, at the bristle's root."""
 
     stiffness: float = quantity(
@@ -65,9 +60,6 @@ class Belt:
         source="undamped as in Zhang 2020",
         meaning="damping ratio of the bristle on its belt; 1 is critical",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 @dataclass(frozen=True, slots=True)

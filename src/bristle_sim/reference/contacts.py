@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
 from bristle_sim.reference.mechanics import Chain, Kinematics
+from bristle_sim.reference.row import Row
 
-__all__ = ["Bar", "Point", "Spring", "Touch", "Workpart", "obstacles_of"]
+__all__ = ["Bar", "Point", "Spring", "Surface", "Touch", "Workpart", "dot", "follows", "obstacles_of", "touch_of"]
 
 Reals = NDArray[np.float64]
 
@@ -75,8 +76,8 @@ class Spring:
         return self.stiffness / self.restitution**2 * (penetration - self.left) if self.restitution else 0.0
 
 
-def _touch(
-    chain: Chain,
+def touch_of(
+    chain: Chain | Row,
     motion: Kinematics,
     link: int,
     gap: float,
@@ -98,10 +99,10 @@ def _touch(
         gap,
         chain.jacobian(motion, link, arm, normal),
         chain.jacobian(motion, link, arm, tangent),
-        (_dot(normal, material), _dot(tangent, material)),
+        (dot(normal, material), dot(tangent, material)),
         (
-            _dot(1j * spin * normal, material) + _dot(normal, change),
-            _dot(1j * spin * tangent, material) + _dot(tangent, change),
+            dot(1j * spin * normal, material) + dot(normal, change),
+            dot(1j * spin * tangent, material) + dot(tangent, change),
         ),
     )
 
@@ -121,7 +122,7 @@ class Bar:
         """Distance of the centre line from the bar's centre in a contact, m."""
         return self.radius + self.wire_radius
 
-    def feet(self, chain: Chain, motion: Kinematics) -> tuple[Reals, Reals]:
+    def feet(self, chain: Chain | Row, motion: Kinematics) -> tuple[Reals, Reals]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
         links = [each.link for each in chain.pieces]
         turn, joint = motion.turn[..., links], motion.joint[..., links]
@@ -131,29 +132,29 @@ class Bar:
         nearest = origin + np.clip(foot, 0.0, [each.length for each in chain.pieces]) * along
         return foot, np.abs(nearest - self.centre) - self.reach
 
-    def gaps(self, chain: Chain, motion: Kinematics) -> Reals:
+    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Reals:
         """Return the gap of every piece, m, shape (..., pieces)."""
         return self.feet(chain, motion)[1]
 
-    def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
+    def touch(self, chain: Chain | Row, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of a contact on a flank or a corner."""
         piece = chain.pieces[point.piece]
         link = piece.link
         joint, turn = motion.joint[link], motion.turn[link]
         along = piece.direction * turn
         origin = joint + piece.start * turn
-        held = piece.length if point.corner else _dot(along, self.centre - origin)
+        held = piece.length if point.corner else dot(along, self.centre - origin)
         outward = origin + held * along - self.centre
         distance = abs(outward)
         normal = outward / distance
         spin = motion.rates[link]
         if point.corner:
             corner = motion.velocity[link] + 1j * spin * (origin + held * along - joint)
-            spin = _dot(1j * normal, corner) / distance
+            spin = dot(1j * normal, corner) / distance
         surface = self.centre + (distance - self.wire_radius) * normal
         # The place of contact stays on the bar, whose normal turns at ``spin``.
         moving = 1j * spin * normal * (distance - self.wire_radius)
-        return _touch(chain, motion, link, distance - self.reach, normal, surface, spin, moving)
+        return touch_of(chain, motion, link, distance - self.reach, normal, surface, spin, moving)
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,20 +165,21 @@ class Workpart:
     surface: Surface
     name: str = "workpart"
 
-    def gaps(self, chain: Chain, motion: Kinematics) -> Reals:
-        """Return the height of the wire's end above the surface, m, shape (..., 1)."""
-        return np.asarray(self._tip(chain, motion).imag + self.depth)[..., None]
+    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Reals:
+        """Return the height of each wire's end above the surface, m, shape (..., wires)."""
+        return np.asarray(self._tips(chain, motion).imag + self.depth)
 
-    def touch(self, chain: Chain, motion: Kinematics, point: Point) -> Touch:
+    def touch(self, chain: Chain | Row, motion: Kinematics, point: Point) -> Touch:
         """Return the kinematics of the wire's end at the surface."""
-        del point
-        tip, link = complex(self._tip(chain, motion)), chain.links - 1
+        link = chain.pieces[point.piece].link
+        tip = complex(self._tips(chain, motion)[chain.tips.index(point.piece)])
         moving = motion.velocity[link] + 1j * motion.rates[link] * (tip - motion.joint[link])
-        return _touch(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
+        return touch_of(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
 
     @staticmethod
-    def _tip(chain: Chain, motion: Kinematics) -> NDArray[np.complex128]:
-        return np.asarray(motion.joint[..., -1] + chain.ends[-1] * motion.turn[..., -1])
+    def _tips(chain: Chain | Row, motion: Kinematics) -> NDArray[np.complex128]:
+        links = [chain.pieces[each].link for each in chain.tips]
+        return np.asarray(motion.joint[..., links] + chain.ends[links] * motion.turn[..., links])
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
@@ -192,5 +194,11 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
     return found
 
 
-def _dot(first: complex, second: complex) -> float:
+def follows(chain: Chain | Row, piece: int) -> bool:
+    """Whether a piece begins where the one before it ends: not at a wire's root."""
+    return piece > 0 and piece - 1 not in chain.tips
+
+
+def dot(first: complex, second: complex) -> float:
+    """Return the scalar product of two vectors."""
     return float((np.conj(first) * second).real)

@@ -7,10 +7,11 @@ from typing import NoReturn
 
 import numpy as np
 
-from bristle_sim.reference.contacts import Point, Spring, Workpart
+from bristle_sim.reference.contacts import Point, Spring, Workpart, follows
 from bristle_sim.reference.forces import Acting, acting, closed, resolve
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, Sustained, System
+from bristle_sim.reference.wires import Wires
 from bristle_sim.stop_reason import StopReason
 
 __all__ = ["decide", "jam", "meet", "move", "part", "record", "turn"]
@@ -19,7 +20,7 @@ LOWEST_REBOUND = 1e-10
 """A rebound that the forces end below this fraction of hub radius and length is taken for a sustained contact."""
 
 MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
-"""The number of impacts in a run after which it gives up, and at one instant after which the wire is wedged."""
+"""The number of impacts in a run after which it gives up, and at one instant after which a lone wire is wedged."""
 
 AT_ONCE = 1e-10
 """Impacts are at one instant within this fraction of a radian of the fastest motion."""
@@ -28,7 +29,8 @@ AT_ONCE = 1e-10
 def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:
     """A contact closes: impacts follow, and contacts that stay."""
     new = _place(system, name, piece, state)
-    log.touch(new.obstacle, state)
+    for own in log.of(new):
+        own.touch(new, state)
     return decide(system, log, state, new)
 
 
@@ -36,9 +38,11 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
     """Return where a piece is touched: on its flank, on the corner at its end, or on the corner before it."""
     pieces = system.chain.pieces
     if isinstance(system.obstacles[name], Workpart):
-        return Point(name, len(pieces) - 1, True)
+        return Point(name, system.chain.tips[piece], True)
+    if isinstance(system.obstacles[name], Wires):
+        return Point(name, piece, False)
     foot = float(system.at(state).feet[piece])
-    if foot <= 0.0 and piece:
+    if foot <= 0.0 and follows(system.chain, piece):
         return Point(name, piece - 1, True)
     return Point(name, piece, foot >= pieces[piece].length)
 
@@ -75,7 +79,8 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
             lasting[point] = Sustained(point, slip, state, (0.0, instant.touch(point).velocity[1]))
     system.sustained = [*lasting.values(), *springs]
     if new is not None and new in points and new not in staying:
-        log.release(new.obstacle, state)
+        for own in log.of(new):
+            own.release(new, state)
     log.check_stop(state)
     return system.closed(state)
 
@@ -88,13 +93,15 @@ def _end(system: System, log: Log, state: State, staying: dict[Point, int], outc
         record(system, log, state, each, outcome)
     log.check_stop(state)
     for each in ending:
-        log.release(each.point.obstacle, state)
+        for own in log.of(each.point):
+            own.release(each.point, state)
 
 
 def record(system: System, log: Log, state: State, each: Sustained, outcome: str) -> None:
     """Record a sustained contact that ends."""
     normal, tangential = system.at(state).touch(each.point).velocity
-    log.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
+    for own in log.of(each.point):
+        own.lasting(each, state, (normal if each.spring else 0.0, tangential), outcome)
 
 
 def jam(log: Log, state: State) -> NoReturn:
@@ -123,7 +130,8 @@ def part(system: System, log: Log, each: Sustained, state: State) -> State:
     """A compliant contact's force is back at zero."""
     record(system, log, state, each, "rebound")
     system.sustained.remove(each)
-    log.release(each.point.obstacle, state)
+    for own in log.of(each.point):
+        own.release(each.point, state)
     log.check_stop(state)
     return state
 
@@ -153,12 +161,15 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
     touch = instant.touch(point)
     change, hit = resolve(instant.mass, touch, surface.friction, surface.restitution, surface.friction_in_restitution)
     after = state._replace(rates=state.rates + change)
-    log.impact(point.obstacle, state, after, touch.velocity, hit)
+    log.impacts.append(state.time)
+    for own in log.of(point):
+        own.impact(point, state, after, touch.velocity, hit)
     if hit.outcome_name == "jam":
         jam(log, after)
-    recent = log.impacts[-MOST_AT_ONCE:]
+    most = MOST_AT_ONCE * len(log.of()) ** 2  # wires in a row pass on impacts to each other
+    recent = log.impacts[-most:]
     fastest = max(system.fastest, float(np.abs(after.rates).max()))
-    if len(recent) == MOST_AT_ONCE and (recent[-1] - recent[0]) * fastest < AT_ONCE:
+    if len(recent) == most and (recent[-1] - recent[0]) * fastest < AT_ONCE:
         jam(log, after)
     if len(log.impacts) > MOST_IMPACTS:
         raise Finished(StopReason.MOST_CONTACTS, after)

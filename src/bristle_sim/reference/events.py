@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import newton
 
-from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart
+from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
 from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
 from bristle_sim.reference.forces import freedom
@@ -57,13 +57,14 @@ class Event(NamedTuple):
 
 def events_of(system: System, log: Log, state: State) -> list[Event]:
     """Return the events that can end the interval which begins at a state."""
-    chain = system.chain
 
-    def upright(instant: Instant) -> float:
-        lean = float(instant.state.angles[0] - chain.hub_angle(instant.state.time))
+    def upright(own: Log, instant: Instant) -> float:
+        lean = float(instant.state.angles[own.first] - own.chain.hub_angle(instant.state.time))
         return (0.5 * math.pi) ** 2 - lean**2
 
-    found = [*_touch_events(system, log, state), Event(upright, -1, ROUNDING, partial(_retraction_limit, log))]
+    found = _touch_events(system, log, state)
+    for own in log.of():
+        found.append(Event(partial(upright, own), -1, ROUNDING, partial(_retraction_limit, own)))
     for number, each in enumerate(system.sustained):
         found += _force_events(system, log, state, number)
         if isinstance(system.obstacles[each.point.obstacle], Bar):
@@ -81,10 +82,10 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
     inside, found = INSIDE * system.size, []
 
     def gap(name: str, piece: int, level: float, instant: Instant) -> float:
-        return float(instant.gaps[name][piece]) - level
+        return float(instant.gaps(name)[piece]) - level
 
-    for name, gaps in system.at(state).gaps.items():
-        for piece, now in enumerate(gaps.tolist()):
+    for name in system.obstacles:
+        for piece, now in enumerate(system.at(state).gaps(name).tolist()):
             if _shadowed(system, name, piece):
                 continue
             value = partial(gap, name, piece, min(now, 0.0) - inside)
@@ -97,9 +98,11 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
 def _shadowed(system: System, obstacle: str, piece: int) -> bool:
     """Whether a piece's nearest point is in contact already, or the corner that is."""
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
+    chain = system.chain
     if isinstance(system.obstacles[obstacle], Workpart):
-        return bool(points)
-    return any(point.piece == piece or (point.corner and point.piece == piece - 1) for point in points)
+        return any(point.piece == chain.tips[piece] for point in points)
+    before = piece - 1 if follows(chain, piece) else None
+    return any(point.piece == piece or (point.corner and point.piece == before) for point in points)
 
 
 def _force_events(system: System, log: Log, state: State, number: int) -> list[Event]:
@@ -187,11 +190,11 @@ def _place_events(system: System, each: Sustained) -> list[Event]:
 
     if corner:
         found = [event(index, length - past, -1, Point(name, index, False))]
-        if index < len(pieces) - 1:
+        if follows(system.chain, index + 1):
             found.append(event(index + 1, past, 1, Point(name, index + 1, False)))
         return found
     found = [event(index, length + past, 1, Point(name, index, True))]
-    if index:
+    if follows(system.chain, index):
         found.append(event(index, -past, -1, Point(name, index - 1, True)))
     return found
 
@@ -237,6 +240,6 @@ def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, i
     reach = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(instant.state.rates))
     return {
         (name, int(piece))
-        for name, gaps in instant.gaps.items()
-        for piece in np.flatnonzero(gaps < 2.0 * reach * duration)
+        for name in system.obstacles
+        for piece in np.flatnonzero(instant.gaps(name) < 2.0 * reach * duration)
     }

@@ -27,18 +27,18 @@ IDLE = 1e-12
 def note_extremes(
     system: System, log: Log, motion: Motion, instants: list[Instant], step: tuple[float, float]
 ) -> float | None:
-    """Note where the first link lags most and its highest relative rate; return the time at which the run ends there.
+    """Note where a wire's first link lags most and its highest relative rate; return the time at which the run ends there.
 
-    The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    ``log`` is that of the wire. The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
     ``instants`` are those at the nodes of the integrator's step; the motion is looked at in ``step``, s.
     """
-    chain = system.chain
+    chain, link = log.chain, log.first
 
     def rate(at: Instant) -> float:
-        return float(at.state.rates[0] - chain.speed)
+        return float(at.state.rates[link] - chain.speed)
 
     def acceleration(at: Instant) -> float:
-        return float(at.balance.accelerations[0])
+        return float(at.balance.accelerations[link])
 
     def changes(value: Callable[[Instant], float], resolution: float) -> list[tuple[float, int]]:
         if step[1] <= step[0] or of_one_sign(np.array([value(each) for each in instants]), resolution):
@@ -51,7 +51,8 @@ def note_extremes(
             log.turned(motion(np.array([time]))[0])
             if log.stop_after == LARGEST_RETRACTION:
                 return time
-    if chain.links > 1 or system.sustained or log.seen(PEAK) or log.seen(STRIKE) or _bar_ahead(system, log, step[0]):
+    touched = any(each.touch.normal_row[link] for each in instants[0].contacts)
+    if chain.links > 1 or touched or log.seen(PEAK) or log.seen(STRIKE) or _bar_ahead(system, log, step[0]):
         return None
     for time, direction in changes(acceleration, ROUNDING * system.fastest**2):
         if direction < 0 and rate(system.at(motion(np.array([time]))[0])) > IDLE * system.fastest:
@@ -64,6 +65,6 @@ def note_extremes(
 def _bar_ahead(system: System, log: Log, time: float) -> bool:
     """Whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
     bar = system.obstacles.get("bar")
-    if not isinstance(bar, Bar) or log.seen("bar touch") or not system.chain.speed:
+    if not isinstance(bar, Bar) or log.seen("bar touch") or not log.chain.speed:
         return False
-    return bool((bar.centre / system.chain.root(time)).imag > 0.0)
+    return bool((bar.centre / log.chain.root(time)).imag > 0.0)

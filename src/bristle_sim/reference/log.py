@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.reference.contacts import Point
 from bristle_sim.reference.mechanics import Chain
-from bristle_sim.reference.system import State, Sustained
+from bristle_sim.reference.system import Instant, State, Sustained
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
@@ -32,10 +34,11 @@ class Finished(Exception):
 
 
 class Log:
-    """The record of a run; ``interval`` is the time between samples, s."""
+    """The record of a wire's run; ``interval`` is the time between samples, s, ``first`` the number of its first link."""
 
-    def __init__(self, chain: Chain, interval: float, stop_after: str | None) -> None:
+    def __init__(self, chain: Chain, interval: float, stop_after: str | None, first: int = 0) -> None:
         self.chain = chain
+        self.first = first
         self.interval = interval
         self.stop_after = stop_after
         self.events: list[Event] = []
@@ -47,11 +50,29 @@ class Log:
 
     # Samples
 
-    def sample(self, state: State, forces: tuple[float, float]) -> None:
+    def of(self, point: Point | None = None) -> Sequence[Log]:
+        """Return the logs of the wires that touch in a contact, of all wires without one."""
+        del point
+        return [self]
+
+    def own(self, state: State) -> State:
+        """Return the state of the wire's own links."""
+        links = slice(self.first, self.first + self.chain.links)
+        return State(state.time, state.angles[links], state.rates[links])
+
+    def sample(self, instant: Instant) -> None:
         """Store a state with its normal and tangential force, N, unless it was stored last."""
+        if self.differs(instant.state, instant.total_forces):
+            self.samples.append((instant.state, instant.total_forces))
+
+    def differs(self, state: State, forces: tuple[float, float]) -> bool:
+        """Whether a state or its forces differ from those stored last."""
         last = self.samples[-1] if self.samples else None
-        if last is None or (last[0].time, last[1]) != (state.time, forces) or (last[0].rates != state.rates).any():
-            self.samples.append((state, forces))
+        return (
+            last is None
+            or (last[0].time, last[1]) != (state.time, forces)
+            or bool((last[0].rates != state.rates).any())
+        )
 
     def times(self, start: float, end: float) -> list[float]:
         """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
@@ -81,18 +102,18 @@ class Log:
         if self.stop_after is not None and self.seen(self.stop_after):
             raise Finished(StopReason.EVENT, state)
 
-    def touch(self, obstacle: str, state: State) -> None:
+    def touch(self, point: Point, state: State) -> None:
         """Note a touch; the first one of the workpart is the strike."""
-        strike = obstacle == "workpart" and not self.seen(STRIKE)
-        self.event(STRIKE if strike else f"{obstacle} touch", state.time)
+        strike = point.obstacle == "workpart" and not self.seen(STRIKE)
+        self.event(STRIKE if strike else f"{point.obstacle} touch", state.time)
 
-    def release(self, obstacle: str, state: State) -> None:
+    def release(self, point: Point, state: State) -> None:
         """Note the end of a contact."""
-        self.event(f"{obstacle} release", state.time)
+        self.event(f"{point.obstacle} release", state.time)
 
     def turned(self, state: State) -> None:
         """Note a state at which retraction may be largest: the relative rate rises through zero."""
-        self._turned.append(state)
+        self._turned.append(self.own(state))
         self.mark(state.time)
 
     def note_largest_retraction(self) -> None:
@@ -111,14 +132,14 @@ class Log:
 
     # Contacts
 
-    def impact(self, obstacle: str, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
+    def impact(self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
         """Record an impact between the states before and after it."""
-        self.impacts.append(state.time)
+        state, after = self.own(state), self.own(after)
         if state.rates[0] < self.chain.speed < after.rates[0]:
             self.turned(state)
         self.contacts.append(
             ContactRecord(
-                obstacle=obstacle,
+                obstacle=point.obstacle,
                 law="energetic",
                 outcome=hit.outcome_name,
                 time=state.time,
@@ -138,7 +159,7 @@ class Log:
 
     def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
         """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
-        first, sums = each.since, each.sums
+        first, last, sums = self.own(each.since), self.own(last), each.sums
         if last.time <= first.time:
             return
         compression = sums if each.compression is None else each.compression

@@ -71,7 +71,7 @@ class Chain:
 
     speed: float
     hub_radius: float
-    start_hub_angle: float
+    start_hub_angle: Any
     gravity: float
     length: float
     masses: Reals
@@ -125,6 +125,11 @@ class Chain:
     def links(self) -> int:
         """How many links."""
         return len(self.masses)
+
+    @property
+    def tips(self) -> tuple[int, ...]:
+        """Return the pieces that end at a wire's tip: the last one."""
+        return (len(self.pieces) - 1,)
 
     def hub_angle(self, time: Any) -> Any:
         """Return the hub's angle, psi_0 + omega t, rad."""

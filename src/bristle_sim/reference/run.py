@@ -53,6 +53,9 @@ class Run:
         except Finished as finished:
             self.state, reason = finished.state, finished.reason
             self._sample(self.state)
+        except np.linalg.LinAlgError:  # more contacts than the links can keep closed
+            self.log.event("jam", self.state.time)
+            return StopReason.JAM
         for each in self.system.sustained:
             record(self.system, self.log, self.state, each, "end of run" if reason is StopReason.END else str(reason))
         return reason
@@ -76,7 +79,8 @@ class Run:
             instants = [self.system.at(each) for each in motion(nodes(*step))]
             first = first_event(self.system, events, motion, instants, step)
             until = step[1] if first is None else first[0]
-            stop = note_extremes(self.system, self.log, motion, instants, (step[0], until))
+            extremes = (note_extremes(self.system, log, motion, instants, (step[0], until)) for log in self.log.of())
+            stop = min((each for each in extremes if each is not None), default=None)
             until = until if stop is None else stop
             *between, self.state = motion(np.array([*self.log.times(step[0], until), until]))
             for each in between:
@@ -141,4 +145,4 @@ class Run:
         return State(time, values[:count], values[count : 2 * count])
 
     def _sample(self, state: State) -> None:
-        self.log.sample(state, self.system.at(state).total_forces)
+        self.log.sample(self.system.at(state))

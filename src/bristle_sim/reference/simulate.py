@@ -21,7 +21,7 @@ from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Cost, Trajectory
 
-__all__ = ["simulate_reference"]
+__all__ = ["FINEST", "Request", "check_start", "note_absences", "parameters", "simulate_reference", "span"]
 
 METHOD = "scipy DOP853"
 """Says in a trajectory's parameters that the reference was integrated."""
@@ -39,7 +39,7 @@ LONGEST = 1e5
 
 
 @dataclass(frozen=True, slots=True)
-class _Request:
+class Request:
     """What was requested, checked."""
 
     start_hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
@@ -102,7 +102,7 @@ def simulate_reference(
             fastest motion.
     """
     wall, cpu = clock.perf_counter(), clock.process_time()
-    request = _Request(
+    request = Request(
         start_hub_angle,
         start_relative_angle,
         start_relative_rate,
@@ -119,17 +119,18 @@ def simulate_reference(
         np.full(chain.links, request.start_hub_angle + request.start_relative_angle),
         np.full(chain.links, chain.speed + request.start_relative_rate),
     )
-    _check_start(chain, obstacles, start)
-    end, interval = _span(chain, request)
+    check_start(chain, obstacles, start)
+    end, interval = span(chain, request)
     log = Log(chain, interval, request.stop_after)
     one_run = Run(System(chain, obstacles), log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = one_run.run()
-    _note_absences(obstacles, log, one_run.state.time)
+    note_absences(obstacles, log, one_run.state.time)
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_run.evaluations)
-    return log.trajectory(reason, cost, _parameters(tool, request))
+    return log.trajectory(reason, cost, parameters(tool, request))
 
 
-def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
+def check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
+    """Refuse a start inside an obstacle."""
     motion = chain.kinematics(*start)
     for name, each in obstacles.items():
         gap = float(each.gaps(chain, motion).min())
@@ -141,7 +142,7 @@ def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: Stat
             )
 
 
-def _span(chain: Chain, request: _Request) -> tuple[float, float]:
+def span(chain: Chain, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
     period = _period(chain)
     end = request.duration
@@ -167,7 +168,7 @@ def _period(chain: Chain) -> float:
     return 2.0 * math.pi / fastest if fastest else math.inf
 
 
-def _note_absences(obstacles: Iterable[str], log: Log, last: float) -> None:
+def note_absences(obstacles: Iterable[str], log: Log, last: float) -> None:
     """Note what never happened up to the last instant."""
     log.note_largest_retraction()
     if "bar" in obstacles and not log.seen("bar touch"):
@@ -176,7 +177,7 @@ def _note_absences(obstacles: Iterable[str], log: Log, last: float) -> None:
         log.event("workpart not reached", last)
 
 
-def _parameters(tool: Tool, request: _Request) -> dict[str, Any]:
+def parameters(tool: Tool, request: Request) -> dict[str, Any]:
     """What the run depends on: method, tool and settings, as the scene's trajectories have them."""
     given = dataclasses.asdict(request)
     start = {name.removeprefix("start_"): given.pop(name) for name in tuple(given) if name.startswith("start_")}

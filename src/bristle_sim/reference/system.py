@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -13,10 +13,13 @@ from numpy.typing import NDArray
 from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, Workpart
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
 from bristle_sim.reference.mechanics import Chain, Kinematics
+from bristle_sim.reference.row import Row
+from bristle_sim.reference.wires import Wires
 
 __all__ = ["Instant", "State", "Sustained", "System"]
 
 Reals = NDArray[np.float64]
+Obstacles = Mapping[str, Bar | Workpart | Wires]
 
 REST = 1e-10
 """A velocity below this fraction of the fastest point's bound is rest: impacts between stiff hinges round this much."""
@@ -53,7 +56,7 @@ class System:
     ``stiffness``, N/m, is that of the contact with the workpart; without one it is rigid.
     """
 
-    def __init__(self, chain: Chain, obstacles: dict[str, Bar | Workpart], stiffness: float | None = None) -> None:
+    def __init__(self, chain: Chain | Row, obstacles: Obstacles, stiffness: float | None = None) -> None:
         self.chain = chain
         self.obstacles = obstacles
         self.stiffness = stiffness
@@ -94,6 +97,7 @@ class Instant:
     def __init__(self, system: System, state: State) -> None:
         self.system = system
         self.state = state
+        self._gaps: dict[str, Reals] = {}
 
     @cached_property
     def turn(self) -> NDArray[np.complex128]:
@@ -138,10 +142,11 @@ class Instant:
         """Accelerations and contact forces."""
         return balance(self.mass, self.forces, self.contacts)
 
-    @cached_property
-    def gaps(self) -> dict[str, Reals]:
-        """The gap of every piece of the wire to every obstacle, m."""
-        return {name: each.gaps(self.system.chain, self.motion) for name, each in self.system.obstacles.items()}
+    def gaps(self, name: str) -> Reals:
+        """Return the gap of every piece of the wire to an obstacle, m."""
+        if name not in self._gaps:
+            self._gaps[name] = self.system.obstacles[name].gaps(self.system.chain, self.motion)
+        return self._gaps[name]
 
     @cached_property
     def feet(self) -> Reals:

@@ -13,8 +13,6 @@ from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUC
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.style import checked_target
 
-__all__ = ["chapter_of", "main", "markdown_page"]
-
 COMMAND = "python -m bristle_sim.render.audit_table media/audit.md"
 CHAPTERS = {2: "The tool, cueing and impact", 3: "Force history", 4: "Crater"}
 

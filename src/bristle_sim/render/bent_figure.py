@@ -9,15 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import panel_title, say
-from bristle_sim.render.style import axes_at, blank_figure, styled
-from bristle_sim.studies.bent_bristles import BentBristles, against_film, slide_path
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.studies.bent_bristles import BentBristles, Slide, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
-
-__all__ = ["bent_figure"]
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 WIDTH, HEIGHT = 16.0, 17.2
 """Printed size, cm."""
@@ -50,7 +47,7 @@ def bent_figure(bent: BentBristles) -> Figure:
     for shape, contact in struck.items():
         if contact is not None:
             _draw_places(wires, paths, bent, shape, contact)
-            _draw_in_touch(speeds, slides, shape, contact)
+            _draw_in_touch(speeds, slides, shape, contact, bent.slides[shape])
     if any(struck.values()):
         _finish_places(wires, paths)
         _finish_times(speeds, slides)
@@ -76,7 +73,7 @@ def _head(figure: Figure, bent: BentBristles) -> None:
 def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
     """Draw the wire at the strike, and the tip's path from before it to after it."""
     run, colour = bent.trajectories[shape], COLOURS[shape]
-    motion = Motion(run)
+    motion = SampledMotion(run)
     end = contact.time + contact.duration
     origin = run.tip[np.searchsorted(run.time, contact.time)]
     wires.plot(
@@ -90,7 +87,7 @@ def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, conta
         paths.plot(MILLIMETRES * along, MILLIMETRES * above, color=colour, linewidth=IN_TOUCH, gid=f"touch {shape}")
 
 
-def _draw_in_touch(speeds: Axes, slides: Axes, shape: str, contact: ContactRecord) -> None:
+def _draw_in_touch(speeds: Axes, slides: Axes, shape: str, contact: ContactRecord, slide: Slide | None) -> None:
     """Draw speed along the workpart and its integral, with the end of compression and the turn of the slip marked."""
     history, colour = contact.history, COLOURS[shape]
     if history is None:
@@ -98,12 +95,10 @@ def _draw_in_touch(speeds: Axes, slides: Axes, shape: str, contact: ContactRecor
     time = MICROSECONDS * (history.time - history.time[0])
     path = MILLIMETRES * slide_path(history)
     deepest, farthest = int(np.argmax(history.penetration)), int(np.argmax(path))
-    # Slip that only stops, because the tip sticks, does not turn back.
-    turns = history.tangential_velocity.min() < -1e-3 * history.tangential_velocity.max()
     for axes, values in ((speeds, history.tangential_velocity), (slides, path)):
         axes.plot(time, values, color=colour, gid=f"in touch {shape}")
         axes.plot(time[deepest], values[deepest], "o", color=colour, markersize=4.5, zorder=3)
-        if turns:
+        if slide is not None and slide.ending == "turns":
             axes.plot(
                 time[farthest], values[farthest], "D", color=colour, markersize=5.5, markerfacecolor="none", zorder=4
             )

@@ -6,15 +6,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
+from bristle_sim.arrays import Array
 from bristle_sim.render.story import Phase
 from bristle_sim.trajectory import ContactHistory, ContactRecord
-
-__all__ = ["ContactMotion", "caption", "contact_motion", "intervals"]
-
-Array = NDArray[np.float64]
 
 POINTS = 1500
 """Instants of a whole contact: a picture's width."""

@@ -12,13 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
-from bristle_sim.benchmarks.accuracy_cost.measure import Point, cheapest, package_of
-from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
+from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost
 from bristle_sim.render.panels import note
-from bristle_sim.render.style import axes_at, blank_figure, styled
-
-__all__ = ["best_methods", "cost_figure", "verdict"]
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, axes_at, blank_figure, styled
 
 WIDTH = 16.0
 """Printed width of the page's text, cm."""
@@ -37,7 +34,7 @@ NOTE = 62
 COLUMNS = 2
 """Columns of a panel's legend."""
 
-COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN, "exudyn": PURPLE, "pybullet": VERMILION}
+COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN}
 MARKERS = "osD^vPX*"
 OTHERS = "#c4c4c4"
 """Colour of peers' methods that are not their package's best."""

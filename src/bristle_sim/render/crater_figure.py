@@ -10,11 +10,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.arrays import Array
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, signed, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    SERIES,
+    VERMILION,
+    axes_at,
+    blank_figure,
+    signed,
+    styled,
+)
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 from bristle_sim.studies.crater_sums import (
     IMPACT_ANGLES_DEG,
@@ -25,10 +36,6 @@ from bristle_sim.studies.crater_sums import (
 )
 from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
-
-__all__ = ["crater_figure", "crater_floor"]
-
-Array = NDArray[np.float64]
 
 WIDTH, HEIGHT = 22.4, 15.6
 """Printed size, cm."""
@@ -100,7 +107,7 @@ def _draw_plies(axes: Axes, study: CraterStudy) -> None:
     axes.axhline(MICRO * limit, color=BLUE, dashes=(1, 1.5), linewidth=0.9, label=f"limit {MICRO * limit:.2f} µm")
     own = float(merchant_depth_sum(crater, crater.plies))
     axes.plot([crater.plies], [MICRO * own], label=f"{MICRO * own:.2f} µm with {crater.plies:g}", **OWN)
-    axes.legend(loc="lower right", labelspacing=0.3)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.05), labelspacing=0.3)
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
@@ -243,7 +250,7 @@ def _draw_constants(axes: Axes, study: CraterStudy) -> None:
     axes.set_xscale("log")
     axes.set_xticks(TICKS, [f"{each:g}" for each in TICKS])
     axes.minorticks_off()
-    axes.set(xlim=(LOWEST, HIGHEST), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (deg)")
+    axes.set(xlim=(LOWEST, HIGHEST), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (°)")
     axes.legend(loc="lower left", title="impact angle", labelspacing=0.3, title_fontsize=7.0)
     words = "solid: the shear\nplane comes out\nof the surface"
     note(axes, words, (0.97, 0.82), (0.0, 0.0), xycoords="axes fraction", ha="right", va="top")

@@ -10,21 +10,29 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from bristle_sim.render.drawing import View
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, signed, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    axes_at,
+    blank_figure,
+    signed,
+    styled,
+)
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_bar, draw_hub, draw_workpart, name_parts
 from bristle_sim.studies.cue_places import BarPlace, FullPass, ReadingPlaces, Release
 from bristle_sim.studies.cue_timing import OWN, CueTiming
-
-__all__ = ["cue_figure"]
-
-Array = NDArray[np.float64]
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 MILLISECONDS = 1e3
 
@@ -68,7 +76,7 @@ def cue_figure(timing: CueTiming) -> Figure:
 
 def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
     """Draw the simulated release and the formula's, each up to its own cue time."""
-    course = Motion(timing.trajectory).course()
+    course = SampledMotion(timing.trajectory).course()
     lines = [("simulated", BLUE, Release(course.time, course.retraction, course.relative_speed))]
     if timing.formula is not None:
         lines.append(("quasi-static formula", VERMILION, timing.formula))

@@ -12,10 +12,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from bristle_sim.render.colours import BLACK
-from bristle_sim.render.style import scale_for
-
-__all__ = ["View", "draw_scale_bar", "moving_arrow", "point_arrow"]
+from bristle_sim.render.style import BLACK, scale_for
 
 LONGEST_BAR = 0.28
 """Longest scale bar as a fraction of the axes' width."""

@@ -6,19 +6,16 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bristle_sim.render.colours import BLACK
-from bristle_sim.render.readout import Readout
-from bristle_sim.render.style import styled
+from bristle_sim.arrays import Array
+from bristle_sim.render.style import BLACK, styled
 from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
-
-__all__ = ["BORDER", "HEADER", "FilmScene", "TimeWarp", "slow_motion", "write_film"]
-
-Array = NDArray[np.float64]
 
 LONGEST = 3600.0
 """Longest film, s."""
@@ -81,6 +78,10 @@ def slow_motion(
     return TimeWarp(elapsed * (duration / elapsed[-1]), physical, shape * (duration / elapsed[-1]))
 
 
+ADVANCE = 0.602
+"""Width of a character of the read-outs, whose letters are of equal width, in letter sizes."""
+
+
 class FilmScene(ABC):
     """The drawing that a film shows, at any film time; a subclass adds what is below the header."""
 
@@ -93,13 +94,16 @@ class FilmScene(ABC):
             self.caption = self.stage.figure.text(
                 BORDER, 1.0 - 0.33 * HEADER, "", va="center", fontsize=letters, weight="bold", color=BLACK
             )
-        self.readouts = tuple(Readout(0, 0, letters, color=color) for _, color in columns)
-        widths = [each.width(characters) for each, (characters, _) in zip(self.readouts, columns, strict=True)]
-        gap = ((1.0 - 2.0 * BORDER) * width - sum(widths)) / (len(widths) - 1)
-        for number, readout in enumerate(self.readouts):
-            readout.left = round(BORDER * width + sum(widths[:number]) + number * gap)
-            readout.top = round(0.78 * HEADER * height - 0.5 * readout.height)
-        self.stage.write(*self.readouts)
+        widths = [characters * ADVANCE * letters / width for characters, _ in columns]
+        gap = (1.0 - 2.0 * BORDER - sum(widths)) / (len(widths) - 1)
+        look: dict[str, Any] = {"family": "DejaVu Sans Mono", "fontsize": 0.72 * letters, "va": "center"}
+        self.readouts = tuple(
+            self.stage.figure.text(left, 1.0 - 0.78 * HEADER, "", color=color, **look)
+            for left, (_, color) in zip(
+                accumulate(widths, lambda x, y: x + y + gap, initial=BORDER), columns, strict=False
+            )
+        )
+        self.stage.add(*self.readouts)
 
     @abstractmethod
     def show(self, film_time: float) -> None:
@@ -117,7 +121,7 @@ class FilmScene(ABC):
             self.caption.set_text(caption)
             self.stage.refresh()
         for readout, text in zip(self.readouts, texts, strict=True):
-            readout.text = text
+            readout.set_text(text)
 
 
 def write_film(

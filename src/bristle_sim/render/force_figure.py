@@ -8,15 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, GREY, LIGHT, SERIES, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import SEGMENTS, ForceComparison, segment_table
 from bristle_sim.studies.force_fits import FitTrial
 from bristle_sim.theory.force_history import BRISTLE, TABLE_3_1, segment_impulses
-
-__all__ = ["draw_forces", "draw_segments", "force_figure"]
 
 WIDTH, HEIGHT = 16.0, 14.4
 """Printed size, cm."""

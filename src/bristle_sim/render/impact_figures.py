@@ -19,8 +19,6 @@ from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import energetic_course, recorded_course
 from bristle_sim.studies.law_convergence import EngineEnergy
 
-__all__ = ["double_pendulum_figure", "oblique_figure", "single_pendulum_figure"]
-
 WIDTH, HEIGHT = 16.0, 15.2
 """Printed size, cm; the width is that of a page's text."""
 

@@ -8,17 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import ConnectionPatch, Rectangle
 
-from bristle_sim.render.chain_drawing import ChainDrawing
-from bristle_sim.render.colours import BLACK, GREY
-from bristle_sim.render.contact_closeup import CloseUp
 from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion
-from bristle_sim.render.contact_panels import NORMAL, TANGENTIAL, ContactPanels
 from bristle_sim.render.film_scene import BORDER, HEADER, FilmScene, TimeWarp, slow_motion, write_film
+from bristle_sim.render.impact_drawings import NORMAL, TANGENTIAL, ChainDrawing, CloseUp, ContactPanels
 from bristle_sim.render.story import Phase, phase_at
-from bristle_sim.render.style import scale_for, signed, styled
+from bristle_sim.render.style import BLACK, GREY, scale_for, signed, styled
 from bristle_sim.studies.impacts import Impacts
-
-__all__ = ["ImpactScene", "impact_video"]
 
 CAPTION_SHOWN = 0.9
 """Film time for which the end of slip keeps its caption, s."""
@@ -111,7 +106,7 @@ class ImpactScene(FilmScene):
         rods = whole.get_window_extent().height / float(np.ptp(whole.get_ylim()))
         ways = near.get_window_extent().width * self.close_up.scale
         deeper = f", depth {self.close_up.stretch:.2g} times more" if self.close_up.stretch > 1.0 else ""
-        words = f"the tip's ways are drawn {_rounded(ways / rods)} times larger than the rods{deeper}"
+        words = f"the tip's displacements are drawn {_rounded(ways / rods)} times larger than the rods{deeper}"
         figure.text(near.get_position().x0, 0.028, words, fontsize=0.58 * self.letters, color=GREY)
 
     def _describe(self, impacts: Impacts) -> None:

@@ -8,12 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.panels import note
-from bristle_sim.render.style import Scale, scale_for
+from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, Scale, scale_for
 from bristle_sim.studies.impulse_course import ImpulseCourse
-
-__all__ = ["PHASE_COLOURS", "draw_impulse_plane"]
 
 PHASE_COLOURS = {
     "compression slip": "#e6eef6",

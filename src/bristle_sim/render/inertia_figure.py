@@ -1,4 +1,4 @@
-"""Draw the inertia-driven bristle and the bar-cued one: angle over the hub's turn, and both in the phase plane."""
+"""Draw the inertia-driven bristle and the bar-cued one: retraction over the hub's turn, and both in the phase plane."""
 
 from __future__ import annotations
 
@@ -7,14 +7,11 @@ import math
 import numpy as np
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLUE, GREY, VERMILION
-from bristle_sim.render.motion import Motion
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLUE, GREY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.trajectory import Trajectory
-
-__all__ = ["inertia_figure"]
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 WIDTH, HEIGHT = 16.0, 8.2
 """Printed size, cm."""
@@ -22,29 +19,29 @@ WIDTH, HEIGHT = 16.0, 8.2
 
 @styled()
 def inertia_figure(driven: InertiaDriven) -> Figure:
-    """Draw angles in degrees and rates in rad/s, relative to the radial direction and to the hub."""
+    """Draw retractions in degrees and rates relative to the hub in rad/s."""
     figure = blank_figure(WIDTH, HEIGHT)
     turn = axes_at(figure, 1.5, 1.2, 6.2, 5.6)
     phase = axes_at(figure, 9.5, 1.2, 6.2, 5.6)
-    panel_title(turn, "a", "angle from the radial direction")
-    panel_title(phase, "b", "rate relative to the hub, over the angle")
+    panel_title(turn, "a", "retraction")
+    panel_title(phase, "b", "rate relative to the hub")
     for run, color, name, end in _runs(driven):
-        motion = Motion(run)
+        motion = SampledMotion(run)
         course = motion.course()
-        angle = -np.degrees(course.retraction)
+        retraction = np.degrees(course.retraction)
         turned = np.degrees(motion.hub_angle(course.time) - run.hub_angle[0])
-        turn.plot(turned, angle, color=color, label=name)
-        phase.plot(angle, course.relative_speed, color=color)
-        for axes, x, y in ((turn, turned, angle), (phase, angle, course.relative_speed)):
+        turn.plot(turned, retraction, color=color, label=name)
+        phase.plot(retraction, course.relative_speed, color=color)
+        for axes, x, y in ((turn, turned, retraction), (phase, retraction, course.relative_speed)):
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
-        note(phase, end, (angle[-1], course.relative_speed[-1]), (-6.0, 5.0), ha="right", color=color)
+        note(phase, end, (retraction[-1], course.relative_speed[-1]), (6.0, 5.0), ha="left", color=color)
     for axes in (turn, phase):
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    turn.set(xlabel="turn of the hub (deg)", ylabel="angle (deg)")
-    phase.set(xlabel="angle (deg)", ylabel="rate (rad/s)")
+    turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
+    phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
     phase.margins(x=0.05, y=0.12)
-    turn.legend(loc="lower left", labelspacing=0.3)
+    turn.legend(loc="upper left", labelspacing=0.3)
     return figure
 
 

@@ -11,15 +11,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bar
-from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.panels import panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.cue_map import CueMap
 
 if TYPE_CHECKING:
     import xarray as xr
-
-__all__ = ["map_figure"]
 
 MILLIMETRES = 1e3
 PANELS: tuple[tuple[str, str, str, float, str], ...] = (

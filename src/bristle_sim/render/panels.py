@@ -9,21 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.render.style import BLACK, BLUE, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.studies.curves import SOURCES, Curve, Level, Mark, Panel
 from bristle_sim.studies.law_convergence import EngineEnergy
-
-__all__ = [
-    "draw_energy",
-    "draw_panel",
-    "explain_marks",
-    "line_entries",
-    "name_curves",
-    "note",
-    "panel_title",
-    "point_entries",
-    "say",
-]
 
 CREATED = "#fbe3d6"
 NOTHING = 1e-12

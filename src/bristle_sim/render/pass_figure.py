@@ -12,19 +12,27 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Transform
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
-from bristle_sim.render.motion import Course, Motion
 from bristle_sim.render.story import CARRIED, key_events, story_end
-from bristle_sim.render.style import axes_at, blank_figure, signed, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    axes_at,
+    blank_figure,
+    signed,
+    styled,
+)
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.trajectory import Event, Trajectory
-
-__all__ = ["pass_figure", "spread"]
-
-Array = NDArray[np.float64]
+from bristle_sim.trajectory.sampled_motion import Course, SampledMotion
 
 MILLISECONDS, MILLIJOULES = 1e3, 1e3
 
@@ -69,7 +77,7 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     Raises:
         ValueError: if the trajectory has fewer than two instants.
     """
-    motion = Motion(trajectory)
+    motion = SampledMotion(trajectory)
     course = motion.course(story_end(trajectory) if until is None else until)
     end = float(course.time[-1])
     marks = _marks(trajectory, end)
@@ -127,7 +135,7 @@ def _draw_line(axes: Axes, time: Array, values: Array, name: str, label: str) ->
     axes.tick_params(labelbottom=False)
 
 
-def _draw_energy(axes: Axes, course: Course, trajectory: Trajectory, motion: Motion, potential: str) -> None:
+def _draw_energy(axes: Axes, course: Course, trajectory: Trajectory, motion: SampledMotion, potential: str) -> None:
     lines: tuple[tuple[str, Array, dict[str, Any]], ...] = (
         ("sum", trajectory.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
         ("bristle, kinetic", trajectory.kinetic_energy, {"color": BLUE}),
@@ -180,7 +188,7 @@ def _explain_colours(figure: Figure, path: Axes) -> None:
     figure.legend(handles=handles, loc="center", bbox_to_anchor=place, ncols=len(handles), columnspacing=1.6)
 
 
-def _draw_ghosts(axes: Axes, tool: Tool, motion: Motion, marks: Sequence[_Mark]) -> None:
+def _draw_ghosts(axes: Axes, tool: Tool, motion: SampledMotion, marks: Sequence[_Mark]) -> None:
     """Draw the wire at the first touch, the release and the strike, numbered at its root."""
     ghosts = [mark for mark in marks if mark.has_ghost]
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * np.ptp(axes.get_ylim()), 0.0)
@@ -200,7 +208,7 @@ def _badge(axes: Axes, place: ArrayLike, text: str, color: str, transform: Trans
     axes.text(x, y, text, color=color, transform=transform or axes.transData, **look)
 
 
-def _draw_table(axes: Axes, motion: Motion, marks: Sequence[_Mark]) -> None:
+def _draw_table(axes: Axes, motion: SampledMotion, marks: Sequence[_Mark]) -> None:
     """List the numbered instants with their figures."""
     axes.set_axis_off()
     axes.set_xlim(0.0, 1.0)

@@ -7,21 +7,15 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
 from bristle_sim.render.drawing import draw_scale_bar
 from bristle_sim.render.film_scene import HEADER, FilmScene, TimeWarp, slow_motion, write_film
-from bristle_sim.render.motion import Course, Motion
 from bristle_sim.render.story import phase_at, phases, story_end
-from bristle_sim.render.style import signed, styled
+from bristle_sim.render.style import BLACK, BLUE, SKY, VERMILION, signed, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts
 from bristle_sim.trajectory import Trajectory
-
-__all__ = ["PassScene", "pass_video"]
-
-Array = NDArray[np.float64]
+from bristle_sim.trajectory.sampled_motion import Course, SampledMotion
 
 CAPTION_SHOWN = 0.5
 """Film time for which the instant of the strike keeps its caption, s."""
@@ -80,7 +74,7 @@ class PassScene(FilmScene):
         slower: float = 4.0,
         until: float | None = None,
     ) -> None:
-        self.motion = Motion(trajectory)
+        self.motion = SampledMotion(trajectory)
         strike = trajectory.event_time("strike")
         course = self.motion.course(story_end(trajectory) if until is None else until)
         focus = () if strike is None else (strike,)

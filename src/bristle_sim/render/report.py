@@ -25,8 +25,6 @@ from bristle_sim.render.story import phases, story_end
 from bristle_sim.render.tool_drawing import MILLIMETRES
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["answer", "motion_data", "write_report"]
-
 Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""
 
@@ -109,7 +107,7 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     """Return a pass as plain numbers for the interactive view: times in ms, lengths in mm, up to the end of its story.
 
     Positions and velocities of the centre line at every sample let the page interpolate by the cubics of
-    ``render.motion``; samples that share an instant, before and after an impact, stay apart.
+    ``trajectory.sampled_motion``; samples that share an instant, before and after an impact, stay apart.
     """
     shown = run.time <= story_end(run)
     rows = {

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 
 from bristle_sim.trajectory import Event, Trajectory
 
-__all__ = ["Phase", "key_events", "phase_at", "phases", "story_end"]
-
 MOST_LABELS = 9
 """As many labels as fit above a panel of full width."""
 
@@ -88,10 +86,10 @@ def phase_at(run: tuple[Phase, ...], time: float) -> Phase:
 
 
 def _told(trajectory: Trajectory) -> tuple[Event, ...]:
-    """Return the events but for releases in the instant of a touch, which belong to a bounce."""
+    """Return the notable events but for releases in the instant of a touch, which belong to a bounce."""
     touches = {"bar": -math.inf, "workpart": -math.inf}
     told = []
-    for event in trajectory.events:
+    for event in trajectory.notable_events:
         obstacle = "workpart" if event.name == "strike" else event.name.split()[0]
         if event.name in ("strike", f"{obstacle} touch"):
             touches[obstacle] = event.time

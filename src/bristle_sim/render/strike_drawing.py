@@ -13,8 +13,18 @@ from matplotlib.patches import Arc, Circle, FancyArrowPatch
 from numpy.typing import NDArray
 
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
-from bristle_sim.render.style import axes_at, blank_figure, save_figure, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    LIGHT,
+    VERMILION,
+    axes_at,
+    blank_figure,
+    save_figure,
+    styled,
+)
 from bristle_sim.render.tool_drawing import MILLIMETRES, toward
 
 __all__ = ["strike_drawing"]

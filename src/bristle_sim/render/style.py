@@ -20,19 +20,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES
 
-__all__ = [
-    "FIGURE_SUFFIXES",
-    "Scale",
-    "axes_at",
-    "blank_figure",
-    "checked_target",
-    "save_figure",
-    "scale_for",
-    "signed",
-    "styled",
-]
+BLACK, GREY, LIGHT = "#1a1a1a", "#6b6b6b", "#e4e4e4"
+BLUE, ORANGE, GREEN, VERMILION = "#0072b2", "#e69f00", "#009e73", "#d55e00"
+PURPLE, SKY = "#b8578e", "#56b4e9"
+SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
+
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54

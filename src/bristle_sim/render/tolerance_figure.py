@@ -8,12 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import BLACK, BLUE, SKY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.sobol import Study
-
-__all__ = ["tolerance_figure"]
 
 SHOWN: dict[str, tuple[str, str, float]] = {
     "lag_deg_at_contact": ("lag at the strike", "°", 1.0),

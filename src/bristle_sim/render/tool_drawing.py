@@ -10,27 +10,13 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 from matplotlib.patheffects import withStroke
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.drawing import View
-from bristle_sim.render.motion import Course
-
-__all__ = [
-    "MILLIMETRES",
-    "WireDrawing",
-    "close_up",
-    "draw_bar",
-    "draw_hub",
-    "draw_tool",
-    "draw_workpart",
-    "name_parts",
-    "toward",
-    "wire_outline",
-]
-
-Array = NDArray[np.float64]
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, LIGHT
+from bristle_sim.trajectory.sampled_motion import Course
 
 MILLIMETRES = 1e3
 """Millimetres in a metre: drawings are in mm, everything else in m."""

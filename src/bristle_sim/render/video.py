@@ -18,10 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.readout import Readout
 from bristle_sim.render.style import checked_target, styled
-
-__all__ = ["VIDEO_SUFFIXES", "Stage", "check_film", "checked_video_target", "write_video"]
 
 VIDEO_SUFFIXES = (".mp4", ".gif")
 DOTS_PER_INCH = 100.0
@@ -33,8 +30,7 @@ GIF_SAMPLES = 30
 class Stage:
     """A figure of so many pixels whose background is drawn once, and what moves in front of it.
 
-    Add axes and still artists to ``figure``, hand over moving artists to ``add`` and numbers to ``write``, change them
-    and take a ``frame``. What is still may change now and then: say so with ``refresh``.
+    Add axes and still artists to ``figure``, hand over moving artists to ``add``, change them and take a ``frame``. What is still may change now and then: say so with ``refresh``.
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -43,7 +39,6 @@ class Stage:
         self.size = (width, height)
         self._canvas: Any = FigureCanvasAgg(self.figure)
         self._moving: list[Artist] = []
-        self._readouts: list[Readout] = []
         self._background: Any = None
 
     def add(self, *artists: Artist) -> None:
@@ -52,10 +47,6 @@ class Stage:
             artist.set_animated(True)
         self._moving.extend(artists)
         self.refresh()
-
-    def write(self, *readouts: Readout) -> None:
-        """Take readouts, written over everything else."""
-        self._readouts.extend(readouts)
 
     def refresh(self) -> None:
         """Draw what is still anew with the next frame."""
@@ -71,9 +62,6 @@ class Stage:
         renderer = self._canvas.get_renderer()
         for artist in self._moving:
             artist.draw(renderer)
-        pixels = np.asarray(self._canvas.buffer_rgba())
-        for readout in self._readouts:
-            readout.paint(pixels)
         return memoryview(self._canvas.buffer_rgba())
 
 

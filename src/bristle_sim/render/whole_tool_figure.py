@@ -8,13 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
-from bristle_sim.render.panels import panel_title
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.panels import note, panel_title
+from bristle_sim.render.style import BLACK, BLUE, GREY, SKY, VERMILION, axes_at, blank_figure, styled
 from bristle_sim.studies.turn_forces import SampledForce
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
-
-__all__ = ["whole_tool_figure"]
 
 WIDTH, HEIGHT = 16.0, 12.8
 """Printed size, cm."""
@@ -23,7 +20,7 @@ PASSES = 12
 """Bristles that pass in the second panel."""
 
 BANDWIDTHS = np.geomspace(100.0, 1e4, 21)
-"""Of the third panel, Hz."""
+"""Bandwidths of the third panel, Hz."""
 
 
 @styled()
@@ -37,7 +34,7 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
     figure = blank_figure(WIDTH, HEIGHT)
     one = axes_at(figure, 1.5, 8.4, 12.8, 3.4)
-    shown, over = axes_at(figure, 1.5, 1.2, 7.4, 4.7), axes_at(figure, 11.2, 1.2, 4.4, 4.7)
+    shown, over = axes_at(figure, 1.5, 1.2, 7.0, 4.7), axes_at(figure, 11.2, 1.2, 4.4, 4.7)
     _one_bristle(one, whole)
     _load_cell(shown, whole)
     _bandwidths(over, whole)
@@ -66,7 +63,7 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
     for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN s)", VERMILION)):
         scale.set_ylabel(label, color=color)
         scale.set_ylim(0.0, 1.15 * max(scale.get_ylim()[1], 1e-9))
-    axes.set(xlabel="turn of the hub (deg)", xlim=(0.0, 360.0 * whole.turn.turns))
+    axes.set(xlabel="turn of the hub (°)", xlim=(0.0, 360.0 * whole.turn.turns))
     axes.set_xticks(np.linspace(0.0, 360.0 * whole.turn.turns, 13))
 
 
@@ -81,9 +78,8 @@ def _load_cell(axes: Axes, whole: WholeTool) -> None:
     axes.axhspan(low, high, color=SKY, alpha=0.35, linewidth=0.0)
     axes.plot(1e3 * time, np.tile(force, PASSES), color=BLUE)
     axes.axhline(force.mean(), color=BLACK, linewidth=0.8)
-    for level, words, below in ((high, f"95 %: {high:.2f} N", False), (low, f"5 %: {low:.2f} N", True)):
-        axes.annotate(words, (0.99 * end, level), (0, -3 if below else 3), textcoords="offset points",
-                      ha="right", va="top" if below else "bottom", fontsize=7.0)  # fmt: skip
+    for level, words in ((high, f"95 %:\n{high:.2f} N"), (low, f"5 %:\n{low:.2f} N")):
+        note(axes, words, (end, level), (3.0, 0.0), ha="left", va="center")
     axes.set(xlabel="time (ms)", ylabel="normal force (N)", xlim=(0.0, end))
     axes.margins(y=0.15)
 

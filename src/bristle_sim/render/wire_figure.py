@@ -8,9 +8,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import axes_at, blank_figure, scale_for, styled
+from bristle_sim.render.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    VERMILION,
+    axes_at,
+    blank_figure,
+    scale_for,
+    styled,
+)
 from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
 
 __all__ = ["wire_figure"]

@@ -13,11 +13,10 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION
 from bristle_sim.render.drawing import View, moving_arrow, point_arrow
 from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
 from bristle_sim.render.panels import say
-from bristle_sim.render.style import signed, styled
+from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION, signed, styled
 from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.theory.cueing import centrifugal_stiffness
 from bristle_sim.theory.wire import hinge_stiffness

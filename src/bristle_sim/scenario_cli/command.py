@@ -18,8 +18,6 @@ from bristle_sim.scenario_cli.main import BAD_INPUT
 from bristle_sim.scenario_cli.main import main as run
 from bristle_sim.scenario_cli.scenario import Scenario
 
-__all__ = ["load", "main", "scripts"]
-
 PROGRAM = "bristle-sim"
 
 

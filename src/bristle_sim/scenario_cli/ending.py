@@ -10,8 +10,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-__all__ = ["ending_in_order"]
-
 TERMINATED = 143
 """Exit status of a shell whose command was ended by SIGTERM."""
 

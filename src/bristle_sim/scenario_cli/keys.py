@@ -13,8 +13,6 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Range
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
-__all__ = ["key_list", "settings_from", "takes_tool", "values_of", "warnings_of"]
-
 WIDTH = 100
 """Columns of the list of keys."""
 
@@ -65,11 +63,14 @@ def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
     """Settings that a parameter file makes, and a warning for each value that the scenario does not use.
 
     Raises:
-        ValueError: in one line, for a file that is no TOML, an unknown key, a value that is refused, or an absent part.
-        OSError: for a file that cannot be read.
+        ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
+            an absent part.
     """
     keys, settings, idle = scenario.keys(), [], []
-    typed = parameter_file.read_keys(path, keys)
+    try:
+        typed = parameter_file.read_keys(path, keys)
+    except OSError as error:
+        raise ValueError(f"--parameters = {path!r}: must be a readable file ({error.strerror})") from error
     declared = {key: each for part in parameter_file.tool_keys().values() for key, (_, each) in part.items()}
     defaults = Scenario("", "", (*(kinds[0] for kinds in PARTS.values()), Tool), run=scenario.run).keys()
     for key, text in typed.items():

@@ -17,8 +17,6 @@ from bristle_sim.scenario_cli.ending import ending_in_order
 from bristle_sim.scenario_cli.keys import key_list, settings_from, takes_tool, values_of, warnings_of
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
-__all__ = ["BAD_INPUT", "main"]
-
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
 

@@ -17,8 +17,6 @@ from bristle_sim.comparison import WIDTH, Report, finite, table
 from bristle_sim.files import complete_or_absent, is_special
 from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values
 
-__all__ = ["document", "in_words", "require_different", "say", "target", "tell", "write_csv", "write_json"]
-
 
 def target(option: str, name: str | None, suffixes: tuple[str, ...] = (), *, folder: bool = False) -> Path | None:
     """Return the file (or folder) that an option names, checked before anything is computed; no suffixes admit any.

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from bristle_sim.comparison import Report
+from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Choice, Range
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
-
-__all__ = ["Columns", "Scenario", "Values", "build"]
 
 Values = Mapping[str, Any]
 Columns = Mapping[str, Sequence[Any]]
@@ -67,6 +67,13 @@ class Scenario:
         return found
 
 
+def build_tool(values: Values) -> Tool:
+    """Build a tool from key values; parts without keys are as by default."""
+    gravity = {"gravity": values["gravity"]} if "gravity" in values else {}
+    parts: dict[str, Any] = {name: build(kinds[0], values) for name, kinds in PARTS.items()}
+    return Tool(**parts, **gravity)
+
+
 def build(part: type[T], values: Values) -> T:
     """Build a parameter object of the given class from key values."""
     arguments = {}
@@ -75,3 +82,40 @@ def build(part: type[T], values: Values) -> T:
         if declared is not None and declared.key in values:
             arguments[each.name] = values[declared.key]
     return part(**arguments)
+
+
+def figure(name: str) -> Callable[[Report, Path], None]:
+    """Return a plot of a report's subject by a function of ``bristle_sim.render`` that has its module's name."""
+
+    def plot(report: Report, path: Path) -> None:
+        from bristle_sim.render.style import save_figure
+
+        draw = getattr(importlib.import_module(f"bristle_sim.render.{name}"), name)
+        save_figure(draw(report.subject), path)
+
+    return plot
+
+
+def film_of_impact(report: Report, path: Path) -> None:
+    """Film an impact in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
+    from bristle_sim.render.impact_video import impact_video
+    from bristle_sim.studies.timed_contact import with_visible_contact
+
+    impact_video(with_visible_contact(report.subject), path)
+
+
+def series_of_impact(report: Report) -> dict[str, Any]:
+    """Return an impact in time, where its law resolves it."""
+    return dict(report.subject.strikes[report.subject.law].contact.columns())
+
+
+def series_of_contact(report: Report) -> dict[str, Any]:
+    """Return a contact resolved in time, or raise ValueError where there is none."""
+    if report.subject.contact is None:
+        raise ValueError(report.subject.no_contact)
+    return dict(report.subject.contact.record.columns())
+
+
+def series_of_pass(report: Report) -> dict[str, Any]:
+    """Return the simulated motion."""
+    return dict(report.subject.trajectory.columns())

@@ -1,4 +1,4 @@
-"""The acceleration of the first link as a function of the state: the limit of the engine's steps from there.
+"""The acceleration of a link as a function of the state: the limit of the engine's steps from there.
 
 A difference of rates over an interval has the interval's error, divided by the length of a step. The difference over the
 second of two steps from a given state has no such part: it is the acceleration there but for powers of the step, which
@@ -28,15 +28,12 @@ COUNTS = (1, 2, 3, 4, 5, 6, 8, 10, 12)
 WEIGHTS = lagrange_weights(COUNTS)
 
 
-def acceleration(scene: Scene, state: State) -> float:
-    """Return the acceleration of the first link where nothing touches, in engine units."""
+def acceleration(scene: Scene, state: State, link: int = 0) -> float:
+    """Return the acceleration of a link where nothing touches, in engine units."""
     reach = REACH / (1.0 + damping_rate(scene))
-    return math.fsum(map(mul, WEIGHTS, (_second_difference(scene, state, reach / count) for count in COUNTS)))
+    return math.fsum(map(mul, WEIGHTS, (_in_second_step(scene, state, reach / count, link) for count in COUNTS)))
 
 
-def _second_difference(scene: Scene, state: State, step: float) -> float:
+def _in_second_step(scene: Scene, state: State, step: float, link: int) -> float:
     scene.place(state)
-    scene.step(step, 1)
-    before = scene.rates()[0]
-    scene.step(step, 1)
-    return (scene.rates()[0] - before) / step
+    return scene.step(step, 2)[2 * len(scene.links) + link]

@@ -8,33 +8,28 @@ either (``collision_bias`` 1, slop above the shapes' margin), for the same reaso
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 from numpy.linalg import eigvalsh
 
-from bristle_sim.scene.engine import EngineSteps, placer
-from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
+from bristle_sim.scene.contact_shapes import ContactShapes
+from bristle_sim.scene.engine import EngineSteps, Placer
+from bristle_sim.scene.joints import Connected, joined
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
 
 __all__ = ["Effects", "Scene"]
 
 HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
 quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""
-
-SOLVED = math.log(1e-17)
-"""Iterations in flight leave this fraction of the joints' error: rounding."""
-
-MOST_ITERATIONS = 40_000
-"""Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
-
-_NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
-_EVERYWHERE = pymunk.ShapeFilter()
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,8 +41,8 @@ class Effects:
     Attributes:
         stiffness, damping: of the torsion spring between hub and first link.
         gravity: along -y.
-        obstacles: of the last link.
-        hinges: (stiffness, damping) of a torsion spring at each joint between two links, straight at rest.
+        obstacles: pairs of a link and what it can touch.
+        hinges: (stiffness, damping) of a torsion spring at each joint between two links of a wire, straight at rest.
 
     Raises:
         ValueError: by the scene, for hinges that are not one for each joint between two links.
@@ -69,23 +64,27 @@ class Scene:
         hub: the kinematic body that carries the root, or None.
         links: the dynamic bodies, in order from the root.
         joints: the pivots they hang on.
-        motions: how often bodies have been moved so far, for who must know whether they are where they were left.
+        place: puts every body exactly where a state says, joints closed, velocities consistent.
+        step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
+        warm_up: takes an engine step and puts the bodies back.
+        angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
+        contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
         """Build the space; the links hang at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
-        self.motions = 0
         self.space = _space(mechanism, effects)
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
-        _add_springs(self.space, effects, self.hub, self.links)
-        self._shapes = {
-            each.name: _add_obstacle(self.space, mechanism, self.links[-1], each) for each in effects.obstacles
-        }
-        self._engine = EngineSteps(self.space, self.links if self.hub is None else [self.hub, *self.links], self.joints)
-        self._placement = Placement(mechanism, self.hub, self.links)
+        _add_springs(self.space, mechanism, effects, self.hub, self.links)
+        self.contacts = ContactShapes(self.space, mechanism, self.links, effects.obstacles, self._set_iterations)
+        self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
+        self._engine.set_iterations(self.contacts.in_flight)
+        self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
+        self.place, self.step, self.warm_up = self._placement.place, self._engine.take, self._engine.warm_up
+        self.angles, self.rates = self._engine.angles, self._engine.rates
 
     @property
     def steps(self) -> int:
@@ -97,6 +96,16 @@ class Scene:
         """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
         return self._engine.work
 
+    @functools.cached_property
+    def connected(self) -> Connected:
+        """The links, and the joints that pass on to them what acts on the last one."""
+        return joined([self.links[-1]])
+
+    @property
+    def motions(self) -> int:
+        """Number of times that bodies were placed or stepped, for who must know whether they are where they were left."""
+        return self._engine.steps + self._placement.placements
+
     @property
     def turned(self) -> float:
         """Whole turns that the engine's angles leave out, rad."""
@@ -105,45 +114,11 @@ class Scene:
     @property
     def solves_joints(self) -> bool:
         """Whether the engine's iterations suffice to solve the joints in flight."""
-        return _flight_iterations(self.mechanism.links) < MOST_ITERATIONS
+        return self.contacts.in_flight < MOST_ITERATIONS
 
-    def engage(
-        self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
-    ) -> None:
-        """Let the engine's own contact act between a straight piece of the last link and an obstacle from now on."""
-        shapes = self._shapes[obstacle.name]
-        for index, shape in enumerate(shapes):
-            # The obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
-            shape.filter = _EVERYWHERE if index in (0, 1 + piece) else _NOWHERE
-        shapes[0].friction, shapes[0].elasticity = friction, elasticity
-        self.space.iterations = iterations
-
-    def release(self, obstacle: Obstacle) -> None:
-        """Let the engine ignore the obstacle again."""
-        for shape in self._shapes[obstacle.name]:
-            shape.filter = _NOWHERE
-        self.space.iterations = _flight_iterations(self.mechanism.links)
-
-    def place(self, state: State, drift: float = 0.0) -> None:
-        """Put every body exactly where the state says, joints closed, velocities consistent.
-
-        With a ``drift`` the bodies stand where their velocities, without forces, take them in that time.
-        """
-        self.motions += 1
-        self._placement.place(state, drift)
-
-    def angles(self) -> list[float]:
-        """Return the angles of the links as they are in the engine, less ``turned``, rad."""
-        return [body.angle for body in self.links]
-
-    def rates(self) -> list[float]:
-        """Return the absolute rates of the links as they are in the engine."""
-        return [body.angular_velocity for body in self.links]
-
-    def step(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
-        """Take ``count`` engine steps of one length; ``act`` is called before each of them with the length."""
-        self.motions += 1
-        self._engine.take(length, count, act)
+    def _set_iterations(self, count: int) -> None:
+        """Have the engine's solver take so many iterations."""
+        self._engine.set_iterations(count)
 
     def drift(self, duration: float) -> None:
         """Move all bodies on (or back) at their velocities, without forces."""
@@ -156,54 +131,50 @@ class Scene:
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 
-    def contact_impulse(self) -> tuple[float, float]:
-        """Return (normal, tangential) impulse of the last step on the last link, whatever it touches."""
-        total = [0.0, 0.0]
-
-        def add(arbiter: pymunk.Arbiter) -> None:
-            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
-            # the engine; a contact only pushes, which settles both.
-            normal, impulse = arbiter.normal, arbiter.total_impulse
-            push = impulse.dot(normal)
-            total[0] += abs(push)
-            total[1] += math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
-
-        self.links[-1].each_arbiter(add)
-        return total[0], total[1]
-
 
 class Placement:
     """Puts the bodies of a scene where a state says.
 
     Attributes:
         turned: whole turns that the engine's angles leave out, rad.
+        placements: number of them so far.
     """
 
-    def __init__(self, mechanism: Mechanism, hub: pymunk.Body | None, links: Sequence[pymunk.Body]) -> None:
-        """Prepare to place the bodies."""
-        self.mechanism, self.hub = mechanism, hub
+    def __init__(self, mechanism: Mechanism, put: Placer, *, has_hub: bool) -> None:
+        """Prepare to place the bodies: the hub if there is one, then the links."""
+        self.mechanism, self.has_hub = mechanism, has_hub
         self.turned = 0.0
-        self._placers = [placer(body) for body in links]
+        self.placements = 0
+        self._put = put
         # Runs over one interval all start from one state.
-        self._last: tuple[State | None, list[Pose]] = (None, [])
+        self._last: tuple[State | None, float] = (None, 0.0)
 
-    def place(self, state: State, drift: float) -> None:
+    def place(self, state: State, drift: float = 0.0) -> None:
         """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
-        if self.hub is not None:
+        self.placements += 1
+        if self._last[0] is state and self._last[1] == drift:
+            self._put(None)
+            return
+        self._last = (state, drift)
+        self._put(self._values(state, drift))
+
+    def _values(self, state: State, drift: float) -> list[float]:
+        """Return what the engine is told of every body."""
+        values: list[float] = []
+        if self.has_hub:
             hub_angle = self.mechanism.hub_angle(state.time + drift)
             # Rounding of an angle grows with its size, and extrapolation magnifies it.
             self.turned = math.tau * round(hub_angle / math.tau)
-            self.hub.angle = hub_angle - self.turned
-        if state is not self._last[0]:
-            self._last = (state, self.mechanism.poses(state))
-        for put, pose, angle, rate in zip(self._placers, self._last[1], state.angles, state.rates, strict=True):
+            values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
+        for pose, angle, rate in zip(self.mechanism.poses(state), state.angles, state.rates, strict=True):
             (x, y), (u, v) = pose.centre, pose.centre_velocity
-            put(angle - self.turned + drift * rate, (x + drift * u, y + drift * v), (u, v), rate)
+            values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
+        return values
 
 
 def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:
     space = pymunk.Space()
-    space.iterations = _flight_iterations(mechanism.links)
+    space.iterations = _flight_iterations(mechanism.links[: mechanism.wire_links])
     space.collision_slop = 10.0 * MARGIN
     space.collision_bias = 1.0
     if effects.gravity:
@@ -222,9 +193,10 @@ def _add_links(
     space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint]]:
     """Add every link and the pivot that it hangs on, in order from the root."""
-    carrier, anchor = (space.static_body, (0.0, 0.0)) if hub is None else (hub, (0.0, -mechanism.hub_radius))
     bodies, joints = [], []
-    for link in mechanism.links:
+    for number, link in enumerate(mechanism.links):
+        if number % mechanism.wire_links == 0:
+            carrier, anchor = _root(space, mechanism, hub, number)
         body = pymunk.Body(link.mass, link.inertia)
         joint = pymunk.PivotJoint(carrier, body, anchor, (-link.centre[0], -link.centre[1]))
         joint.error_bias = 1.0
@@ -235,36 +207,42 @@ def _add_links(
     return bodies, joints
 
 
-def _add_springs(space: pymunk.Space, effects: Effects, hub: pymunk.Body | None, links: Sequence[pymunk.Body]) -> None:
-    """Add the belt, and a torsion spring at each hinge.
+def _root(
+    space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None, link: int
+) -> tuple[pymunk.Body, tuple[float, float]]:
+    """Return the body that carries the root of a link's wire, and where."""
+    if hub is None:
+        return space.static_body, (0.0, 0.0)
+    if link == 0:
+        return hub, (0.0, -mechanism.hub_radius)
+    lag = mechanism.root_angle(0, 0.0) - mechanism.root_angle(link, 0.0)
+    return hub, (-mechanism.hub_radius * math.sin(lag), -mechanism.hub_radius * math.cos(lag))
+
+
+def _add_springs(
+    space: pymunk.Space,
+    mechanism: Mechanism,
+    effects: Effects,
+    hub: pymunk.Body | None,
+    links: Sequence[pymunk.Body],
+) -> None:
+    """Add the belt of every wire, and a torsion spring at each hinge.
 
     They come after the joints: damping then sees velocities that the joints have settled, not what their warm start left of
     an earlier step, and stays smooth in the step.
     """
+    size = mechanism.wire_links
     if hub is not None and effects.stiffness is not None:
-        space.add(pymunk.DampedRotarySpring(hub, links[0], 0.0, effects.stiffness, effects.damping))
-    if effects.hinges and len(effects.hinges) != len(links) - 1:
+        for wire, link in enumerate(links[::size]):
+            space.add(pymunk.DampedRotarySpring(hub, link, wire * mechanism.pitch, effects.stiffness, effects.damping))
+    joints = [pair for number, pair in enumerate(itertools.pairwise(links), 1) if number % size]
+    if effects.hinges and len(effects.hinges) != len(joints):
         raise ValueError(
-            f"hinges: must be one (stiffness, damping) for each of the {len(links) - 1} joints between two links, not"
+            f"hinges: must be one (stiffness, damping) for each of the {len(joints)} joints between two links, not"
             f" {len(effects.hinges)}"
         )
-    for (stiffness, damping), (first, second) in zip(effects.hinges, itertools.pairwise(links), strict=False):
+    for (stiffness, damping), (first, second) in zip(effects.hinges, joints, strict=False):
         space.add(pymunk.DampedRotarySpring(first, second, 0.0, stiffness, damping))
-
-
-def _add_obstacle(
-    space: pymunk.Space, mechanism: Mechanism, body: pymunk.Body, obstacle: Obstacle
-) -> list[pymunk.Shape]:
-    """Add the shapes of an obstacle and of the last link, which the engine ignores until they are engaged."""
-    last = mechanism.links[-1]
-    corners = [(x - last.centre[0], y - last.centre[1]) for x, y in ((0.0, 0.0), *last.knees, last.tip)]
-    shapes = obstacle.shapes(space, body, corners)
-    for shape in shapes:
-        shape.filter = _NOWHERE
-        shape.friction = 1.0
-        shape.elasticity = 1.0
-    space.add(*shapes)
-    return shapes
 
 
 def _flight_iterations(links: Sequence[Link]) -> int:

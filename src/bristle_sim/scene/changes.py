@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.event_functions import EventFunction
-from bristle_sim.scene.events import locate
+from bristle_sim.scene.events import guess, locate
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.stepping import Advance, Stepper
 from bristle_sim.scene.touch_search import Interval
@@ -80,6 +81,7 @@ class Changes:
                 # It does not change within this interval, looked at exactly: the differences have misled.
                 self.signs[function.name] = math.copysign(1.0, right)
                 return None
+        interval = interval._replace(again=functools.cache(interval.again))
         duration = self._locate(function, interval, sign * max(sign * left, NOISE), right)
         return interval.again(max(duration, instant))
 
@@ -91,8 +93,11 @@ class Changes:
             return function.value(at) if function.exact is None else function.exact(at.state)
 
         tolerance = max(1e-3 * self.accuracy * max(abs(left), abs(right)), 0.01 * NOISE)
+        near = None
+        if function.exact is None:
+            near = guess(lambda state: function.value(_no_interval(state)), interval.start, interval.end.state)
         self.stepper.begin_afresh()
-        return locate(value, 0.0, interval.length, left, right, tolerance)
+        return locate(value, 0.0, interval.length, left, right, tolerance, near)
 
 
 def _no_interval(state: State) -> Advance:

@@ -19,7 +19,7 @@ from bristle_sim.scene.contact_motion import SAMPLES, ContactMotion, Expectation
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.repetitions import WIDE
+from bristle_sim.scene.repetitions import CLOSE, WIDE
 from bristle_sim.scene.spring import SpringLoad, time_at_unit_stiffness
 from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.time_scales import damped_interval
@@ -35,6 +35,10 @@ a rate r > 1 takes the fraction r T of a velocity meanwhile: the shortest contac
 
 ROUNDING = 1e-15
 """Rounding of the contact's force in an interval, as a velocity, times duration and e*; no interval is more accurate."""
+
+CLEAR = 1e4
+"""Tolerance over rounding from which closely spaced repetitions, with weights a hundred times as large, reach it in fewer
+steps. Measured for accuracies from 0.1 to 1e-4: two thirds to nine tenths of the steps, and the same error."""
 
 LEAST_DEPTH = 1e-13
 """Penetration times e* below which rounding decides when a contact ends; the rigid-body limit is then closer."""
@@ -110,8 +114,10 @@ class CompliantLaw:
         longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_interval(scene))
         # Rounding of the normal velocity turns the lightest link, of inertia 1/3, by as much over the root of K_nn/3.
         turning = max(1.0, math.sqrt(3.0 / space.inverse_mass[0, 0]))
-        tolerance = max(0.1 * self.accuracy, turning * ROUNDING / (duration * way_out))
-        stepper: Stepper = Extrapolation(tolerance, fastest, WIDE, longest)
+        least = turning * ROUNDING / (duration * way_out)
+        tolerance = max(0.1 * self.accuracy, least)
+        repetitions = CLOSE if tolerance > CLEAR * least else WIDE
+        stepper: Stepper = Extrapolation(tolerance, fastest, repetitions, longest)
         if self.plain_steps is not None:
             stepper = PlainSteps(duration / self.plain_steps)
         expected = Expectation.of(duration, longest, rigid.outcome_name, len(scene.links))

@@ -108,7 +108,7 @@ class ContactIntegration:
             if length < SHORTEST * self.expected.duration:
                 raise ValueError(TOO_ACCURATE)
             return
-        result, act = self.motion.up_to_first(result, self._turns())
+        result, act = self.motion.up_to_first(result, length, self._turns())
         self.motion.state = result.state
         self.course.add(result.totals[:4])
         self.motion.stick_force = result.totals[5]

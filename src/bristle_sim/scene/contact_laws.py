@@ -46,10 +46,18 @@ class ContactLaw(Protocol):
 def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[Touch, ContactSpace]:
     """Place the scene and describe its contact with an obstacle, from the bodies as they are in the engine."""
     scene.place(state)
-    pose = scene.mechanism.poses(state)[-1]
-    touch = obstacle.touch(pose, state.rates[-1])
-    point = (pose.joint[0] + touch.arm[0], pose.joint[1] + touch.arm[1])
-    return touch, contact_space(scene.links[-1], point, touch.normal)
+    poses = scene.mechanism.poses(state)
+    touch = obstacle.touch_between(poses, state.rates)
+    joint = poses[obstacle.link].joint
+    point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
+    partner = None if obstacle.partner is None else scene.links[obstacle.partner]
+    return touch, contact_space(
+        scene.links[obstacle.link],
+        point,
+        touch.normal,
+        partner,
+        connected=scene.connected if scene.mechanism.wires == 1 else None,
+    )
 
 
 class EnergeticLaw:
@@ -111,19 +119,18 @@ class EngineLaw:
     ) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that nothing but the impact happens in it."""
         touch, space = contact_at(scene, state, obstacle)
-        scene.engage(
+        scene.contacts.engage(
             obstacle,
             friction=coefficients.friction,
             elasticity=coefficients.restitution,
             iterations=self.iterations,
         )
         scene.step(INSTANT, 1)
-        impulse = scene.contact_impulse()
-        scene.release(obstacle)
+        impulse = scene.contacts.totals(obstacle, alone=True)[:2]
+        scene.contacts.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
-        pose = scene.mechanism.poses(after)[-1]
-        velocity = obstacle.touch(pose, after.rates[-1]).velocity
+        velocity = obstacle.touch_between(scene.mechanism.poses(after), after.rates).velocity
         record = ContactRecord(
             obstacle=obstacle.name,
             law=self.name,

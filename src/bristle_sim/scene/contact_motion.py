@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.events import locate
+from bristle_sim.scene.events import guess, locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -33,6 +34,9 @@ between the states of an interval of 1.4 radians of the fastest motion is off by
 
 WITHIN = 0.05
 """Fraction of an interval from its ends within which no extreme is looked for: the function hardly moves there."""
+
+UNKNOWN = (math.nan,) * 6
+"""What a load adds up, where only the state is known."""
 
 TINY = math.ulp(1.0)
 """Velocities and penetrations of scene units to which a turn is located."""
@@ -127,25 +131,29 @@ class ContactMotion:
         """Return the (normal, tangential) velocity of the tip."""
         return self.spring.plane.components(self.scene.mechanism.poses(state)[-1].tip_velocity)
 
-    def up_to_first(self, result: Advance, turns: Sequence[Turn]) -> tuple[Advance, Callable[[], None] | None]:
-        """Return the interval up to what first ends its smooth motion, and what the spring does then, if anything."""
+    def up_to_first(
+        self, result: Advance, length: float, turns: Sequence[Turn]
+    ) -> tuple[Advance, Callable[[], None] | None]:
+        """Return the interval of a length up to what first ends its smooth motion, and what the spring does then, if anything."""
         act: Callable[[], None] | None = None
+        again = functools.cache(self.advance)
         beginning = result.totals[4]
         start = Advance(self.state, (), (0.0, 0.0, 0.0, 0.0, beginning, beginning), 0.0)
         for turn in turns:
             margin = turn.margin(result)
             if self.expected.vibrates and margin >= 0.0:
-                result = self._inside(turn, start, result, margin)
+                result, length = self._inside(turn, start, result, length, margin)
                 margin = turn.margin(result)
             if margin < 0.0:
                 left = turn.value(start)
                 before = min(left, -TINY) if turn.rising else max(left, TINY)
                 right = -margin if turn.rising else margin
-                result, act = self._locate(turn, result.state.time - self.state.time, before, right), turn.act
+                length = self._located(again, turn, result.state, length, (before, right))
+                result, act = again(length), turn.act
         return result, act
 
-    def _inside(self, turn: Turn, start: Advance, result: Advance, last: float) -> Advance:
-        """Return the part of an interval up to where a function has changed its sign, if it changes it twice; else all of it.
+    def _inside(self, turn: Turn, start: Advance, result: Advance, length: float, last: float) -> tuple[Advance, float]:
+        """Return an interval with its length: up to where a function has changed its sign, if it changes it twice; else all.
 
         Its least margin is that of the parabola through those at the ends and in the middle.
         """
@@ -154,21 +162,17 @@ class ContactMotion:
         slope = last - first - bend
         at = -0.5 * slope / bend if bend > 0.0 else 0.0
         if not WITHIN < at < 1.0 - WITHIN or first - 0.25 * slope**2 / bend > NEAR * (max(first, last) - middle):
-            return result
-        part = self.advance(at * (result.state.time - start.state.time))
-        return part if turn.margin(part) < 0.0 else result
+            return result, length
+        part = self.advance(at * length)
+        return (part, at * length) if turn.margin(part) < 0.0 else (result, length)
 
-    def _locate(self, turn: Turn, span: float, left: float, right: float) -> Advance:
-        """Return the result at a turn within an interval."""
-        tried: dict[float, Advance] = {}
-
-        def value(length: float) -> float:
-            tried[length] = self.advance(length)
-            return turn.value(tried[length])
-
-        tolerance = LOCATED * self.stepper.noise * turn.scale
-        found = locate(value, 0.0, span, left, right, max(TINY, tolerance))
-        return tried[found] if found in tried else self.advance(found)
+    def _located(
+        self, again: Callable[[float], Advance], turn: Turn, end: State, length: float, values: tuple[float, float]
+    ) -> float:
+        """Return when within the interval of a length to a state a function turns that has these values at its ends."""
+        near = guess(lambda state: turn.value(Advance(state, (), UNKNOWN, 0.0)), self.state, end)
+        tolerance = max(TINY, LOCATED * self.stepper.noise * turn.scale)
+        return locate(lambda span: turn.value(again(span)), 0.0, length, *values, tolerance, near)
 
     def advance(self, length: float) -> Advance:
         """Return the result of an interval from the state that was reached."""
@@ -178,8 +182,9 @@ class ContactMotion:
         """Let stick use the K of the bodies as they stand; in a contact short enough for the rigid limit it is constant."""
         if self.expected.moves and not self.spring.slip:
             self.scene.place(self.state)
-            tip = self.tip
-            self.spring.follow(contact_space(self.scene.links[-1], tip, self.spring.plane.normal).inverse_mass)
+            normal, connected = self.spring.plane.normal, self.scene.connected
+            space = contact_space(self.scene.links[-1], self.tip, normal, connected=connected)
+            self.spring.follow(space.inverse_mass)
 
     def stop_slip(self) -> None:
         """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""

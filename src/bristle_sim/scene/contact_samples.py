@@ -10,7 +10,6 @@ The penetration follows the quintic through its values, velocities and accelerat
 from __future__ import annotations
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 __all__ = ["COLUMNS", "with_samples_between"]
@@ -27,21 +26,18 @@ ONE_INSTANT = 1e-6
 """Samples nearer to each other than this fraction of the contact's duration are two sides of one instant: over a shorter
 time the rounding of positions, some 1e-16 m of nanometres of penetration, would be a speed of its own."""
 
-_BASIS = [
-    Polynomial(coefficients)
-    for coefficients in (
-        (1.0, 0.0, 0.0, -10.0, 15.0, -6.0),
-        (0.0, 1.0, 0.0, -6.0, 8.0, -3.0),
-        (0.0, 0.0, 0.5, -1.5, 1.5, -0.5),
-        (0.0, 0.0, 0.0, 10.0, -15.0, 6.0),
-        (0.0, 0.0, 0.0, -4.0, 7.0, -3.0),
-        (0.0, 0.0, 0.0, 0.5, -1.0, 0.5),
-    )
-]
-"""The quintic's parts of value, slope and curvature at its beginning, and of the same at its end."""
+_BASIS = (
+    (-6.0, 15.0, -10.0, 0.0, 0.0, 1.0),
+    (-3.0, 8.0, -6.0, 0.0, 1.0, 0.0),
+    (-0.5, 1.5, -1.5, 0.5, 0.0, 0.0),
+    (6.0, -15.0, 10.0, 0.0, 0.0, 0.0),
+    (-3.0, 7.0, -4.0, 0.0, 0.0, 0.0),
+    (0.5, -1.0, 0.5, 0.0, 0.0, 0.0),
+)
+"""The quintic's parts of value, slope and curvature at its beginning, and of the same at its end; highest power first."""
 
-_VALUES = np.array([each(FRACTIONS) for each in _BASIS])
-_SLOPES = np.array([each.deriv()(FRACTIONS) for each in _BASIS])
+_VALUES = np.array([np.polyval(each, FRACTIONS) for each in _BASIS])
+_SLOPES = np.array([np.polyval(np.polyder(each), FRACTIONS) for each in _BASIS])
 
 
 def with_samples_between(samples: Array, inverse_mass: Array) -> Array:

@@ -24,13 +24,23 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from bristle_sim.scene.joints import Entry, JointRow, Vector, joined, joint_rows, point_entry, scaled_jacobian
+from bristle_sim.scene.joints import (
+    Connected,
+    Entry,
+    JointRow,
+    MassCentres,
+    Vector,
+    joined,
+    joint_rows,
+    point_entry,
+    scaled_jacobian,
+)
 
 __all__ = ["ContactSpace", "contact_space"]
 
@@ -83,20 +93,24 @@ class ContactSpace:
 
     def limits_push(self, impulse: Sequence[float]) -> bool:
         """Whether all limits push, or carry nothing but rounding, in an impact with this contact impulse."""
+        if not self.limits:
+            return True
         given = np.asarray(impulse, dtype=float)
         return bool((self.limit_response @ given >= -OPENS * (self.sizes @ np.abs(given))).all())
 
     def passes(self, limit: JointRow, impulse: Sequence[float]) -> bool:
         """Whether a limit that takes no part is passed after an impact with this contact impulse."""
         value, size = limit.excess()
-        change = (self.response @ np.asarray(impulse, dtype=float)).tolist()
+        given = np.asarray(impulse, dtype=float)
+        change = (self.response @ given).tolist()
         for body, *factors in limit.entries:
             if body in self.bodies:
                 at = 3 * self.bodies.index(body)
                 for factor, gain in zip(factors, change[at : at + 3], strict=True):
                     value += factor * gain
                     size += abs(factor * gain)
-        return value < -OPENS * size
+        # Where other joints stop these bodies, all terms are rounding of what the impulse would do without joints.
+        return value < -OPENS * max(size, _row_length(limit, self.bodies) * float(self.sizes @ np.abs(given)))
 
     def apply(self, impulse: Sequence[float], velocity_after: Sequence[float] | None = None) -> None:
         """Change the velocities of all bodies by the contact impulse (normal, tangential) on the first body.
@@ -131,6 +145,7 @@ def contact_space(
     *,
     surface_velocity: Vector = (0.0, 0.0),
     released: Collection[pymunk.Constraint] = (),
+    connected: Connected | None = None,
 ) -> ContactSpace:
     """Describe the contact of ``body`` at a world point with ``other``, or with something fixed.
 
@@ -142,6 +157,7 @@ def contact_space(
         other: the body that is touched; it takes the opposite impulse.
         surface_velocity: of the other body's surface (a conveyor's) less that of ``body``, added to their motion.
         released: joints whose limits take no part.
+        connected: what ``joined`` returns for the two bodies, where it is known already.
 
     Returns:
         The contact space.
@@ -151,16 +167,19 @@ def contact_space(
     """
     if not abs(normal[0] ** 2 + normal[1] ** 2 - 1.0) < 1e-9:
         raise ValueError(f"normal = {tuple(normal)}: must be a vector of length 1")
-    ends = [each for each in (body, other) if each is not None]
-    bodies, joints = joined(ends)
-    rows = [row for joint in joints for row in joint_rows(joint) if not (row.limit and joint in released)]
-    rows = [row for row in rows if not (row.limit and _opens(row, bodies))]
-    contact, velocity = _relative_motion(ends, point, normal, surface_velocity)
-    columns, scale = scaled_jacobian([*(row.entries for row in rows), *contact], bodies)
+    ends = [body] if other is None else [body, other]
+    bodies, joints = connected or joined(ends)
+    centres = MassCentres()
+    rows = [row for joint in joints for row in joint_rows(joint, centres)]
+    limited = any(row.limit for row in rows)
+    if limited:
+        rows = [row for row in rows if not (row.limit and (row.joint in released or _opens(row, bodies)))]
+    contact, velocity = _relative_motion(ends, centres, point, normal, surface_velocity)
+    columns, scale = scaled_jacobian([*[row.entries for row in rows], *contact], bodies)
     free, basis, factor = _free_part(columns, len(rows))
     stick = abs(float(factor[1, 1])) if len(factor) > 1 else 0.0
     response = free[:, ::-1]
-    return ContactSpace(
+    found = ContactSpace(
         inverse_mass=response.T @ response,
         velocity=velocity,
         bodies=tuple(bodies),
@@ -168,6 +187,14 @@ def contact_space(
         stick_compliance=stick**2 if stick > SINGULAR * math.hypot(*columns[:, -1].tolist()) else 0.0,
         basis=scale[:, None] * basis,
         factor=factor,
+    )
+    return _with_limits(found, rows, columns) if limited else found
+
+
+def _with_limits(space: ContactSpace, rows: Sequence[JointRow], columns: Array) -> ContactSpace:
+    """Return a contact space with what tells whether limits push and are kept."""
+    return replace(
+        space,
         limits=tuple(row for row in rows if row.limit),
         limit_response=_limit_response(columns, [row.limit for row in rows]),
         sizes=_lengths(columns[:, :-3:-1]),
@@ -175,17 +202,18 @@ def contact_space(
 
 
 def _relative_motion(
-    ends: Sequence[pymunk.Body], point: Vector, normal: Vector, surface_velocity: Vector
+    ends: Sequence[pymunk.Body], centres: MassCentres, point: Vector, normal: Vector, surface_velocity: Vector
 ) -> tuple[list[list[Entry]], Vector]:
     """Return the rows of C in the order (tangential, normal), and the relative velocity (normal, tangential)."""
+    signed = list(zip(ends, (1.0, -1.0), strict=False))
+    moving = [each.velocity_at_world_point(point) for each in ends]
     rows, velocity = [], []
-    for direction in ((normal[1], -normal[0]), normal):
+    for x, y in ((normal[1], -normal[0]), (normal[0], normal[1])):
         speed = 0.0
-        for each, sign in zip(ends, (1.0, -1.0), strict=False):
-            moving = each.velocity_at_world_point(point)
-            speed += sign * (moving.x * direction[0] + moving.y * direction[1])
-        rows.append([point_entry(each, point, direction, sign) for each, sign in zip(ends, (1.0, -1.0), strict=False)])
-        velocity.append(speed - (surface_velocity[0] * direction[0] + surface_velocity[1] * direction[1]))
+        for (_, sign), (u, v) in zip(signed, moving, strict=True):
+            speed += sign * (u * x + v * y)
+        rows.append([point_entry(each, centres[each], point, (x, y), sign) for each, sign in signed])
+        velocity.append(speed - (surface_velocity[0] * x + surface_velocity[1] * y))
     return rows, (velocity[1], velocity[0])
 
 
@@ -194,10 +222,11 @@ def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
     basis, triangle = np.linalg.qr(columns)
     if not constraints:
         return columns, basis, triangle
-    pivots = np.abs(np.diagonal(triangle))[:constraints]
-    if len(pivots) == constraints and (pivots > DEPENDENT * _lengths(columns[:, :constraints])).all():
-        moves = abs(triangle[-2, -2]) > SINGULAR * _lengths(columns[:, -2:-1])[0]
-        if len(triangle) == constraints + 2 and moves and abs(triangle[-1, -1]) < WEAK * abs(triangle[-2:, -1]).max():
+    lengths, pivots = _lengths(columns).tolist(), list(map(abs, triangle.diagonal().tolist()))
+    independent = [pivot > DEPENDENT * length for pivot, length in zip(pivots, lengths[:constraints], strict=False)]
+    if len(independent) == constraints and all(independent):
+        moves = len(pivots) == constraints + 2 and pivots[-2] > SINGULAR * lengths[-2]
+        if moves and pivots[-1] < WEAK * max(abs(float(triangle[-2, -1])), pivots[-1]):
             _refine(basis, triangle, columns)
         basis, triangle = basis[:, constraints:], triangle[constraints:, constraints:]
         return basis @ triangle, basis, triangle
@@ -242,12 +271,15 @@ def _opens(limit: JointRow, bodies: Sequence[pymunk.Body]) -> bool:
     It is compared in the norm of the kinetic energy, where rates of turning and shifting have the same units.
     """
     excess, size = limit.excess()
-    parts = (
-        (x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in limit.entries if body in bodies
-    )
     energies = (each.mass * each.velocity.dot(each.velocity) for each in bodies)
     turning = (each.moment * each.angular_velocity**2 for each in bodies if each.moment < math.inf)
-    return excess > OPENS * max(size, math.sqrt(sum(parts) * (sum(energies) + sum(turning))))
+    return excess > OPENS * max(size, _row_length(limit, bodies) * math.sqrt(sum(energies) + sum(turning)))
+
+
+def _row_length(row: JointRow, bodies: Sequence[pymunk.Body]) -> float:
+    """Return the length of a joint's row in the norm of the kinetic energy."""
+    parts = ((x * x + y * y) / body.mass + turn**2 / body.moment for body, x, y, turn in row.entries if body in bodies)
+    return math.sqrt(sum(parts))
 
 
 def _lengths(columns: Array) -> Array:

@@ -7,10 +7,13 @@ where a version does not have them, the documented ones do the same.
 
 from __future__ import annotations
 
+import functools
 import math
+from array import array
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from operator import attrgetter, sub
+from typing import Any, Protocol
 
 import pymunk
 
@@ -22,19 +25,18 @@ except ImportError:  # pragma: no cover - a pymunk built otherwise
 from bristle_sim.scene.mechanism import Vector
 
 __all__ = [
-    "Approach",
     "EngineSteps",
     "Placer",
     "Pusher",
     "Reader",
-    "Tuner",
-    "approach_reader",
-    "contact_tuner",
+    "bare_object",
+    "ffi",
+    "lib",
     "placer",
     "point_reader",
     "pusher",
+    "readers",
     "stepper",
-    "take_back",
 ]
 
 ITERATIONS_OF_A_STEP = 100
@@ -47,8 +49,16 @@ further would show. A step on its own bears less: the engine scales the impulse 
 it remembers, which becomes 1 - s times what it was. Further steps of the same length put that right; one short and one long
 step in turn would make it grow without bound."""
 
-Placer = Callable[[float, Vector, Vector, float], None]
-"""Sets angle, centre, velocity and rate of a body."""
+
+class Placer(Protocol):
+    """Sets centre (x, y), angle, velocity (u, v) and rate of every body, one body after the other."""
+
+    def __call__(self, values: Sequence[float] | None) -> None:
+        """Set these numbers; None sets the last ones again."""
+
+    def keep(self) -> None:
+        """Take the bodies' own numbers for the last ones that were set."""
+
 
 Reader = Callable[[], tuple[float, float, float, float]]
 """Place (x, y) and velocity (u, v) of a point fixed on a body."""
@@ -56,44 +66,45 @@ Reader = Callable[[], tuple[float, float, float, float]]
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a place until the next step is done."""
 
-Approach = Callable[[pymunk.Arbiter], tuple[float, float]]
-"""Speed at which the fastest point of a contact approaches, and the sum of the bodies' speeds there, to which it is rounded."""
-
-Tuner = Callable[[pymunk.Arbiter, float], None]
-"""Gives a contact a friction, and no restitution, until the next step."""
-
 _CALLS = (
     "cpSpaceStep",
-    "cpBodySetAngle",
-    "cpBodySetPosition",
-    "cpBodySetVelocity",
-    "cpBodySetAngularVelocity",
+    "cpBodyGetAngle",
+    "cpBodyGetAngularVelocity",
+    "pmSpaceBodyGetIteratorFuncBatched",
+    "pmSpaceBodySetIteratorFuncBatched",
     "cpBodyLocalToWorld",
     "cpBodyGetVelocityAtLocalPoint",
     "cpBodyApplyForceAtWorldPoint",
     "cpSpaceGetStaticBody",
     "cpArbiterGetBodies",
     "cpArbiterGetContactPointSet",
+    "cpSpaceEachCachedArbiter",
+    "pmSpaceArbiterIteratorFuncBatched",
     "cpArbiterSetFriction",
     "cpArbiterSetRestitution",
     "cpBodyGetVelocityAtWorldPoint",
 )
 
 
-def _bare(owner: object, attribute: str) -> Any:
+def bare_object(owner: object, attribute: str) -> Any:
     """Return the engine's own object behind pymunk's, or None where it cannot be had."""
-    return getattr(owner, attribute, None) if all(hasattr(lib, call) for call in _CALLS) else None
+    return getattr(owner, attribute, None) if _offers_calls(lib) else None
+
+
+@functools.cache
+def _offers_calls(library: Any) -> bool:
+    return all(hasattr(library, call) for call in _CALLS)
 
 
 def stepper(space: pymunk.Space) -> Callable[[float], None]:
     """Return a step of a space whose bodies, joints and shapes are all in it by now."""
     space.step(0.0)
-    bare = _bare(space, "_space")
+    bare = bare_object(space, "_space")
     return space.step if bare is None else partial(lib.cpSpaceStep, bare)
 
 
 class EngineSteps:
-    """Takes the steps of a space, and counts them.
+    """Places the bodies of a space, takes its steps, and counts them.
 
     Attributes:
         space: the space, with all its bodies, joints and shapes.
@@ -101,27 +112,92 @@ class EngineSteps:
         joints: pivots between them.
         steps: engine steps taken so far.
         work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
+        place: puts the bodies somewhere.
     """
 
-    def __init__(self, space: pymunk.Space, bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint]) -> None:
+    def __init__(
+        self,
+        space: pymunk.Space,
+        hub: pymunk.Body | None,
+        links: Sequence[pymunk.Body],
+        joints: Sequence[pymunk.Constraint],
+    ) -> None:
         """Nothing is to be remembered yet."""
-        self.space, self.bodies, self.joints = space, bodies, joints
+        self.space, self.joints = space, joints
+        self.bodies = list(links) if hub is None else [hub, *links]
         self.steps = self.work = 0
+        self.place, self._kept = placer(self.bodies), placer(self.bodies)
+        self._angle, self._rate, self._links = readers(links)
         self._last_length = math.inf
         self._step = stepper(space)
+        self._price = 1
 
-    def take(self, length: float, count: int, act: Callable[[float], None] | None = None) -> None:
-        """Take ``count`` engine steps of one length; ``act`` is called before each of them with the length."""
-        if length > (WARM if count > 1 else ALONE) * self._last_length:
+    def set_iterations(self, count: int) -> None:
+        """Have the solver take this many iterations in every step."""
+        self.space.iterations = count
+        self._price = 1 + count // ITERATIONS_OF_A_STEP
+
+    def angles(self) -> list[float]:
+        """Return the angles of the links."""
+        return list(map(self._angle, self._links))
+
+    def rates(self) -> list[float]:
+        """Return the rates of the links."""
+        return list(map(self._rate, self._links))
+
+    def take(self, length: float, count: int, act: Callable[[float], None] | None = None) -> list[float]:
+        """Take ``count`` engine steps of one length, and return the links' angles, rates, and accelerations in the last step.
+
+        ``act`` is called before each of them with the length.
+        """
+        if length > (WARM if count > 2 else ALONE) * self._last_length:
             self._start_cold(length)
         self._last_length = length
-        advance = self._step
-        for _ in range(count):
-            if act is not None:
-                act(length)
-            advance(length)
         self.steps += count
-        self.work += count * (1 + self.space.iterations // ITERATIONS_OF_A_STEP)
+        self.work += count * self._price
+        advance = self._step
+        if act is None:
+            for _ in range(count - 1):
+                advance(length)
+        else:
+            for _ in range(count - 1):
+                act(length)
+                advance(length)
+            act(length)
+        return self._last_step(length)
+
+    def _last_step(self, length: float) -> list[float]:
+        """Take one step, and return what :meth:`take` does."""
+        angle, rate, links = self._angle, self._rate, self._links
+        if len(links) == 1:
+            (link,) = links
+            first = rate(link)
+            self._step(length)
+            last = rate(link)
+            return [angle(link), last, (last - first) / length]
+        before = list(map(rate, links))
+        self._step(length)
+        after = list(map(rate, links))
+        return [*map(angle, links), *after, *[change / length for change in map(sub, after, before)]]
+
+    def warm_up(self, length: float) -> None:
+        """Take one step of a length and put the bodies back where they were, with their velocities.
+
+        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
+        but not what it reports, nor what limits friction and push, until a step has been taken.
+        """
+        if length > ALONE * self._last_length:
+            self._start_cold(length)
+        self._last_length = length
+        self.steps += 1
+        self.work += self._price
+        self._take_back(length)
+
+    def _take_back(self, length: float) -> None:
+        """Take a step and put the bodies back: the engine keeps its impulses."""
+        self._kept.keep()
+        self._step(length)
+        self._kept(None)
 
     def _start_cold(self, length: float) -> None:
         """Have the engine forget the impulses of its last step, which it would scale to the length of the next one."""
@@ -129,40 +205,74 @@ class EngineSteps:
             joint.max_force = 0.0
         # The first step still applies them, to bodies that are put back; the second leaves those of contacts right.
         for _ in range(2):
-            take_back(self.bodies, lambda: self._step(length))
+            self._take_back(length)
         for joint in self.joints:
             joint.max_force = math.inf
 
 
-def take_back(bodies: Sequence[pymunk.Body], step: Callable[[], None]) -> None:
-    """Take a step and put the bodies back where they were, with their velocities: the engine keeps its impulses."""
-    kept = [(body.position, body.angle, body.velocity, body.angular_velocity) for body in bodies]
-    step()
-    for body, (position, angle, velocity, rate) in zip(bodies, kept, strict=True):
-        body.position, body.angle, body.velocity, body.angular_velocity = position, angle, velocity, rate
+def placer(bodies: Sequence[pymunk.Body]) -> Placer:
+    """Return what puts bodies somewhere, with their velocities."""
+    bare = [bare_object(body, "_body") for body in bodies]
+    return _Placer(bodies) if None in bare else _BarePlacer(bare)
 
 
-def placer(body: pymunk.Body) -> Placer:
-    """Return what puts a body somewhere, with its velocity."""
-    bare = _bare(body, "_body")
-    return partial(_place, body) if bare is None else partial(_place_bare, bare)
+class _Placer:
+    """Places bodies by pymunk's documented calls."""
+
+    def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
+        self._bodies = bodies
+        self._values: Sequence[float] = ()
+
+    def __call__(self, values: Sequence[float] | None) -> None:
+        self._values = self._values if values is None else values
+        numbers = iter(self._values)
+        for body, x, y, angle, u, v, rate in zip(self._bodies, *[numbers] * 6, strict=False):
+            body.angle, body.position, body.velocity, body.angular_velocity = angle, (x, y), (u, v), rate
+
+    def keep(self) -> None:
+        self._values = [
+            number
+            for body in self._bodies
+            for number in (*body.position, body.angle, *body.velocity, body.angular_velocity)
+        ]
 
 
-def _place(body: pymunk.Body, angle: float, centre: Vector, velocity: Vector, rate: float) -> None:
-    body.angle, body.position = angle, centre
-    body.velocity, body.angular_velocity = velocity, rate
+class _BarePlacer:
+    """Places each body by one call, from numbers that the engine reads where they lie."""
+
+    def __init__(self, bodies: Sequence[Any]) -> None:
+        self._bodies = bodies
+        # Room for another body, or the engine would move the numbers to a place of its own.
+        self._values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
+        self._numbers = ffi.new("pmFloatArray *", (0, len(self._values), ffi.from_buffer("double[]", self._values)))
+        fields = lib.POSITION | lib.ANGLE | lib.VELOCITY | lib.ANGULAR_VELOCITY
+        self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
+
+    def __call__(self, values: Sequence[float] | None) -> None:
+        if values is not None:
+            self._values[: len(values)] = array("d", values)
+        self._numbers.num = 0
+        put, data = lib.pmSpaceBodySetIteratorFuncBatched, self._data
+        for body in self._bodies:
+            put(body, data)
+
+    def keep(self) -> None:
+        self._numbers.num = 0
+        for body in self._bodies:
+            lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)
 
 
-def _place_bare(body: Any, angle: float, centre: Vector, velocity: Vector, rate: float) -> None:
-    lib.cpBodySetAngle(body, angle)
-    lib.cpBodySetPosition(body, centre)
-    lib.cpBodySetVelocity(body, velocity)
-    lib.cpBodySetAngularVelocity(body, rate)
+def readers(bodies: Sequence[pymunk.Body]) -> tuple[Callable[[Any], float], Callable[[Any], float], Sequence[Any]]:
+    """Return what reads an angle, what reads a rate, and what they take for each of these bodies."""
+    bare = [bare_object(body, "_body") for body in bodies]
+    if None in bare:
+        return attrgetter("angle"), attrgetter("angular_velocity"), bodies
+    return lib.cpBodyGetAngle, lib.cpBodyGetAngularVelocity, bare
 
 
 def point_reader(body: pymunk.Body, point: Vector) -> Reader:
     """Return what tells where a body's point is and how it moves."""
-    bare = _bare(body, "_body")
+    bare = bare_object(body, "_body")
     return partial(_read, body, point) if bare is None else partial(_read_bare, bare, point)
 
 
@@ -177,60 +287,5 @@ def _read_bare(body: Any, point: Vector) -> tuple[float, float, float, float]:
 
 def pusher(body: pymunk.Body) -> Pusher:
     """Return what pushes on a body."""
-    bare = _bare(body, "_body")
+    bare = bare_object(body, "_body")
     return body.apply_force_at_world_point if bare is None else partial(lib.cpBodyApplyForceAtWorldPoint, bare)
-
-
-def approach_reader(space: pymunk.Space) -> Approach:
-    """Return what tells within a step how fast a contact of the space approaches."""
-    bare = _bare(space, "_space")
-    if bare is None or ffi is None:
-        return partial(_approach, space.static_body)
-    return partial(_approach_bare, lib.cpSpaceGetStaticBody(bare), ffi.new("cpBody *[1]"), ffi.new("cpBody *[1]"))
-
-
-def _approach(still: pymunk.Body, arbiter: pymunk.Arbiter) -> tuple[float, float]:
-    first, second = arbiter.bodies
-    found = arbiter.contact_point_set
-    fastest = (0.0, 0.0)
-    for each in found.points:
-        u, v = (0.0, 0.0) if first is still else first.velocity_at_world_point(each.point_a)
-        p, q = (0.0, 0.0) if second is still else second.velocity_at_world_point(each.point_a)
-        approach = (u - p) * found.normal.x + (v - q) * found.normal.y
-        fastest = max(fastest, (approach, abs(u) + abs(v) + abs(p) + abs(q)))
-    return fastest
-
-
-def _approach_bare(still: Any, first: Any, second: Any, arbiter: pymunk.Arbiter) -> tuple[float, float]:
-    lib.cpArbiterGetBodies(arbiter._arbiter, first, second)
-    found = lib.cpArbiterGetContactPointSet(arbiter._arbiter)
-    a, b, normal = first[0], second[0], found.normal
-    x, y = normal.x, normal.y
-    fastest = (0.0, 0.0)
-    for index in range(found.count):
-        point = found.points[index].pointA
-        u = v = p = q = 0.0
-        if a != still:
-            moving = lib.cpBodyGetVelocityAtWorldPoint(a, point)
-            u, v = moving.x, moving.y
-        if b != still:
-            moving = lib.cpBodyGetVelocityAtWorldPoint(b, point)
-            p, q = moving.x, moving.y
-        approach = (u - p) * x + (v - q) * y
-        if approach > fastest[0]:
-            fastest = (approach, abs(u) + abs(v) + abs(p) + abs(q))
-    return fastest
-
-
-def contact_tuner(space: pymunk.Space) -> Tuner:
-    """Return what gives a contact of the space its friction."""
-    return _tune if _bare(space, "_space") is None else _tune_bare
-
-
-def _tune(arbiter: pymunk.Arbiter, friction: float) -> None:
-    arbiter.friction, arbiter.restitution = friction, 0.0
-
-
-def _tune_bare(arbiter: pymunk.Arbiter, friction: float) -> None:
-    lib.cpArbiterSetFriction(arbiter._arbiter, friction)
-    lib.cpArbiterSetRestitution(arbiter._arbiter, 0.0)

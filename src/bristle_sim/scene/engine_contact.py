@@ -1,33 +1,23 @@
-"""The engine's own contact keeps a link on an obstacle: as a load, with the corrections and the record that takes."""
+"""The engine's own contacts keep links on what they touch: what lets them act, and the corrections that takes."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
-import pymunk
+import numpy as np
+from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_laws import contact_at
-from bristle_sim.scene.engine import take_back
-from bristle_sim.scene.event_functions import EventFunction
-from bristle_sim.scene.mechanism import Mechanism, State, Vector
+from bristle_sim.scene.gaps import Gaps
+from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector, cross
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.scene.stepping import Advance
-from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactRecord
+from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED, contact_rounds
+from bristle_sim.scene.sustained_contact import STILL
 
-__all__ = [
-    "ELBOW",
-    "LEAST_GRIP",
-    "MOST_GRIP",
-    "STILL",
-    "EngineContact",
-    "elbow",
-    "locking",
-    "opening_rate",
-    "set_back",
-    "sustained_contact_record",
-]
+__all__ = ["LEAST_LEVER", "MOST_GRIP", "EngineContacts", "opening_rate", "set_back"]
+
+Array = NDArray[np.float64]
 
 MOMENT = 1e-6
 """Time after which the piece that touches is looked up again, in the scene's unit."""
@@ -35,170 +25,162 @@ MOMENT = 1e-6
 LEAST_LEVER = 1e-6
 """With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
 
+MOST_GRIP = 1.99
+"""With more, each iteration of the engine's solver overshoots twofold."""
 
-class EngineContact:
-    """The engine's own contact as a load: it acts by itself, and is lost once its force is gone."""
+NEWTON = 3
+"""Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
 
-    def __init__(self, scene: Scene, obstacle: Obstacle) -> None:
-        """Prepare the contact for the obstacle that the scene's last link is to stay on."""
+
+class EngineContacts:
+    """The engine's own contacts of some pairs, which act by themselves.
+
+    Attributes:
+        scene: of the contacts.
+        obstacles: the pairs in contact.
+        pieces: which straight piece of its link touches, for each of them.
+        slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks. A single
+            link's follows from its geometry, and is left to the engine.
+        solvable: whether the engine's iterations tend to a solution.
+    """
+
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None] = (None,)) -> None:
+        """Prepare the contacts."""
         self.scene = scene
-        self.obstacle = obstacle
-        self.piece = 0
-        self._in_flight = scene.space.iterations
-        self._sums = [0.0, 0.0, 0.0]
-        self._last = self._step = 0.0
-        self._due = False
+        self.obstacles = tuple(obstacles)
+        self.pieces: list[int | None] = [None] * len(obstacles)
+        self.slips = list(slips)
+        self.solvable = True
 
-    def grip(self, state: State) -> float:
+    def grip(self, gaps: Gaps, state: State, index: int = 0) -> float:
         """Return the fraction of a free link's response that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
 
         Where it is not positive, friction or geometry locks the link: no force keeps it there.
         """
-        touch, response = self._response(state)
-        slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
-        normal, coupling, free = response
-        return (normal - self.obstacle.friction * slip * coupling) / free
-
-    def _response(self, state: State) -> tuple[Touch, tuple[float, float, float]]:
-        """Return the touch, and what a push gives: K_nn, K_nt, and K_nn of the last link if it were free."""
-        mechanism, link = self.scene.mechanism, self.scene.mechanism.links[-1]
-        pose = mechanism.poses(state)[-1]
-        joint, centre = pose.joint, pose.centre
+        obstacle, mechanism = self.obstacles[index], self.scene.mechanism
+        touch, poses = gaps.touch(obstacle, state), gaps.poses(state)
+        slip: float | None = self.slips[index]
+        if slip is None:
+            slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > STILL else 0.0
         if len(mechanism.links) == 1:
-            touch = self.obstacle.touch(pose, state.rates[-1])
-            lever, along = _cross(touch.arm, touch.normal), _cross(touch.arm, touch.tangent)
-            normal, coupling = (lever * each / link.inertia_about_joint for each in (lever, along))
+            lever, along = cross(touch.arm, touch.normal), cross(touch.arm, touch.tangent)
+            normal, coupling = (lever * each / mechanism.links[0].inertia_about_joint for each in (lever, along))
         else:
-            touch, space = contact_at(self.scene, state, self.obstacle)
-            normal, coupling = space.inverse_mass[0].tolist()
-        arm = (joint[0] + touch.arm[0] - centre[0], joint[1] + touch.arm[1] - centre[1])
-        return touch, (normal, coupling, 1.0 / link.mass + _cross(arm, touch.normal) ** 2 / link.inertia)
+            directions = (touch.normal, touch.tangent)
+            rows = np.array([contact_row(mechanism, poses, obstacle, touch, each) for each in directions])
+            normal, coupling = (rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])).tolist()
+        free = _free_response(mechanism.links[obstacle.link], poses[obstacle.link], touch.arm, touch.normal)
+        if obstacle.partner is not None and touch.partner_arm is not None:
+            partner = mechanism.links[obstacle.partner], poses[obstacle.partner]
+            free += _free_response(*partner, touch.partner_arm, touch.normal)
+        return (normal - obstacle.friction * slip * coupling) / free
 
-    def engage(self, state: State) -> float:
-        """Let the engine's contact act, with as many iterations as the state needs; returns the grip.
+    def engage(self, gaps: Gaps, state: State) -> float:
+        """Let the engine's contacts act, with as many iterations as the state needs; returns the least grip.
 
-        Each iteration corrects the contact as if the link were free, then the joints: it leaves 1 - grip of the error.
+        On a single link each iteration corrects the contact as if the link were free, then the joint: it leaves 1 - grip of
+        the error.
         """
-        grip = self.grip(state)
-        left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
-        rounds = max(self._in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
-        self.piece = self._next_piece(state)
-        self.scene.engage(
-            self.obstacle, friction=self.obstacle.friction, elasticity=0.0, iterations=rounds, piece=self.piece
-        )
-        return grip
+        grips = [self.grip(gaps, state, index) for index in range(len(self.obstacles))]
+        self.pieces = [self._next_piece(each, state) for each in self.obstacles]
+        if len(self.scene.links) == 1:
+            left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)
+            rounds = max(self.scene.contacts.in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
+            self.solvable = grips[0] <= MOST_GRIP
+        else:
+            touches = [gaps.touch(each, state, piece) for each, piece in zip(self.obstacles, self.pieces, strict=True)]
+            rounds, self.solvable = contact_rounds(
+                self.scene.mechanism, gaps.poses(state), self.obstacles, touches, self.slips
+            )
+        for index, (obstacle, piece) in enumerate(zip(self.obstacles, self.pieces, strict=True)):
+            self.scene.contacts.engage(
+                obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0
+            )
+            if (slip := self.slips[index]) is not None:
+                self.scene.contacts.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
+        return min(grips)
 
-    def _next_piece(self, state: State) -> int:
+    def _next_piece(self, obstacle: Obstacle, state: State) -> int:
         """Return the piece that touches from now on: at a corner two do, a moment later one."""
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
         later = State(state.time + MOMENT, angles, state.rates)
-        return self.obstacle.touch(self.scene.mechanism.poses(later)[-1], later.rates[-1]).piece
+        return obstacle.touch_between(self.scene.mechanism.poses(later), later.rates).piece
 
-    def begin(self) -> None:
-        """Forget what was added up."""
-        self._sums, self._due = [0.0, 0.0, 0.0], False
-
-    def apply(self, step: float) -> None:
-        """Add up what the engine, which acts by itself, did in the step before."""
-        if self._due:
-            self._add()
-        elif step != self._step:
-            self._warm_up(step)
-        self._due, self._step = True, step
-
-    def totals(self, step: float) -> list[float]:
-        """Return the normal force of the last step, normal and tangential impulse, and friction's work."""
-        if self._due:
-            self._add()
-        return [self._last / step, *self._sums]
-
-    def fails(self, totals: list[float]) -> bool:
-        """Return whether the contact would have to pull."""
-        return totals[0] <= 0.0
-
-    def _add(self) -> None:
-        self._last, rub = self.scene.contact_impulse()
-        self._sums[0] += self._last
-        if self.obstacle.friction:
-            self._sums[1] += rub
-            self._sums[2] += rub * self._slip()
-        self._due = False
-
-    def _warm_up(self, step: float) -> None:
-        """Take one step and take it back.
-
-        From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
-        but not what it reports, nor what limits friction and push, until a step has been taken.
-        """
-        bodies = self.scene.links if self.scene.hub is None else [self.scene.hub, *self.scene.links]
-        take_back(bodies, lambda: self.scene.step(step, 1))
-
-    def _slip(self) -> float:
-        """Return the tangential velocity of the link where it touches, as the bodies are."""
-        body = self.scene.links[-1]
-        found = [0.0]
-
-        def look(arbiter: pymunk.Arbiter) -> None:
-            points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
-            for each in points.points:
-                velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
-                outwards = -1.0 if first else 1.0
-                found[0] = outwards * velocity.dot((points.normal.y, -points.normal.x))
-
-        body.each_arbiter(look)
-        return found[0]
+    def set_back(self, gaps: Gaps, state: State) -> State:
+        """Return the nearest state in which all contacts are closed and stay so."""
+        return set_back(gaps, self.obstacles, state, self.pieces, self.slips)
 
 
-def _cross(arm: Vector, direction: Vector) -> float:
-    return arm[0] * direction[1] - arm[1] * direction[0]
+def contact_row(
+    mechanism: Mechanism, poses: Sequence[Pose], obstacle: Obstacle, touch: Touch, direction: Vector
+) -> Array:
+    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
+    row = mechanism.row(poses, obstacle.link, touch.arm, direction)
+    if obstacle.partner is not None and touch.partner_arm is not None:
+        row -= mechanism.row(poses, obstacle.partner, touch.partner_arm, direction)
+    return row
 
 
-STILL = 1e-9
-"""Slip below this fraction of the scene's unit is rest: friction then has no direction."""
-
-SOLVED = math.log(1e-17)
-"""Iterations leave this fraction of the error: rounding."""
-
-MOST_ITERATIONS = 40_000
-"""Iterations of the engine's solver in a step: enough for the least grip."""
-
-LEAST_GRIP, MOST_GRIP = 1e-3, 1.99
-"""With less, the force that keeps the link there grows beyond bounds: a jam. With more, each iteration overshoots twofold."""
+def _free_response(link: Link, pose: Pose, arm: Vector, normal: Vector) -> float:
+    """Return the velocity that a unit impulse at an arm from the joint gives a link that is free."""
+    to_centre = (pose.joint[0] + arm[0] - pose.centre[0], pose.joint[1] + arm[1] - pose.centre[1])
+    return 1.0 / link.mass + cross(to_centre, normal) ** 2 / link.inertia
 
 
-ELBOW = "other piece of the wire"
+def set_back(
+    gaps: Gaps,
+    obstacles: Sequence[Obstacle],
+    state: State,
+    pieces: Sequence[int | None] | None = None,
+    slips: Sequence[int | None] = (),
+) -> State:
+    """Return the nearest state at which links touch what they are in contact with, and keep touching it.
+
+    By Newton's method; nearest in the norm of the kinetic energy, a change of M^-1 J^T (J M^-1 J^T)^-1 times what the gaps
+    and their rates are off. Contacts that stick do not slip either.
+    """
+    pieces = pieces or [None] * len(obstacles)
+    if len(state.angles) == 1:
+        return _turned_back(gaps, obstacles[0], state, pieces[0])
+    mechanism = gaps.mechanism
+    for _ in range(NEWTON):
+        poses = mechanism.poses(state)
+        touches = [each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
+        stuck = [index for index, each in enumerate(slips) if each == 0]
+        across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
+        along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]
+        mass = mechanism.mass_matrix(poses)
+        angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
+        speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
+        rates = _nearest(mass, np.array([*across, *along]), speeds)
+        state = State(
+            state.time,
+            tuple(a - b for a, b in zip(state.angles, angles, strict=True)),
+            tuple(a - b for a, b in zip(state.rates, rates, strict=True)),
+        )
+    return state
 
 
-def elbow(contact: EngineContact) -> EventFunction:
-    """Watch another piece of a bent wire meet the obstacle that this one is on."""
-
-    def beside(at: Advance) -> float:
-        return contact.obstacle.gap_beside(contact.scene.mechanism.poses(at.state)[-1], contact.piece)
-
-    return EventFunction(ELBOW, beside, falling=True)
-
-
-def locking(contact: EngineContact) -> EventFunction:
-    """Watch the grip get too small: friction locks the link, or without it the link meets the obstacle end-on."""
-    jams = contact.obstacle.friction > 0.0
-    final = StopReason.JAM if jams else StopReason.NO_GRIP
-    return EventFunction(
-        "locking", lambda at: contact.grip(at.state) - LEAST_GRIP, True, "jam" if jams else None, final=final
-    )
+def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
+    """Return the smallest change, in the norm of the mass, that the rows turn into the amounts."""
+    response = np.linalg.solve(mass, rows.T)
+    found = np.linalg.lstsq(rows @ response, np.array(amounts), rcond=1e-12)[0]
+    changes: list[float] = (response @ found).tolist()
+    return changes
 
 
-def set_back(mechanism: Mechanism, obstacle: Obstacle, state: State, piece: int | None = None) -> State:
-    """Turn the last link by Newton's method so that it touches the obstacle and keeps touching it."""
-    angles, rates = list(state.angles), list(state.rates)
-    for _ in range(3):
-        placed = State(state.time, tuple(angles), tuple(rates))
-        touch = obstacle.touch(mechanism.poses(placed)[-1], rates[-1], piece)
-        lever = _cross(touch.arm, touch.normal)
+def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None) -> State:
+    """Turn a single link back onto an obstacle."""
+    (angle,), (rate,) = state.angles, state.rates
+    for _ in range(NEWTON):
+        placed = State(state.time, (angle,), (rate,))
+        touch = obstacle.touch_between(gaps.mechanism.poses(placed), placed.rates, piece)
+        lever = cross(touch.arm, touch.normal)
         if abs(lever) < LEAST_LEVER:
             return state
-        angles[-1] -= touch.gap / lever
-        rates[-1] -= touch.velocity[0] / lever
-    return State(state.time, tuple(angles), tuple(rates))
+        angle -= touch.gap / lever
+        rate -= touch.velocity[0] / lever
+    return State(state.time, (angle,), (rate,))
 
 
 def opening_rate(first: Touch, second: Touch, rate: float) -> float:
@@ -207,35 +189,8 @@ def opening_rate(first: Touch, second: Touch, rate: float) -> float:
     Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if
     this sum of drift / abs(lever) is; below 0 they close on the link as a wedge does. Infinite for levers of one sign.
     """
-    levers = [_cross(touch.arm, touch.normal) for touch in (first, second)]
+    levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
     if levers[0] * levers[1] >= 0.0:
         return math.inf
     drifts = (touch.velocity[0] - lever * rate for touch, lever in zip((first, second), levers, strict=True))
     return sum(drift / abs(lever) for drift, lever in zip(drifts, levers, strict=True))
-
-
-def sustained_contact_record(
-    mechanism: Mechanism, obstacle: Obstacle, first: State, last: State, sums: tuple[float, ...], outcome: str
-) -> ContactRecord:
-    """Return the contact record of a sustained touch; ``sums`` are normal and tangential impulse and friction's work."""
-
-    def slip(state: State) -> float:
-        return obstacle.touch(mechanism.poses(state)[-1], state.rates[-1]).velocity[1]
-
-    normal, tangential, work = sums
-    return ContactRecord(
-        obstacle=obstacle.name,
-        law="sustained",
-        outcome=outcome,
-        time=first.time,
-        duration=last.time - first.time,
-        impulse=(normal, tangential),
-        compressive_impulse=None,
-        compressive_work=(0.0, work),
-        restitutive_work=None,
-        velocity_before=(0.0, slip(first)),
-        velocity_after=(0.0, slip(last)),
-        angles=first.angles,
-        rates_before=first.rates,
-        rates_after=last.rates,
-    )

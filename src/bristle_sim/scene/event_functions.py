@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import NamedTuple
 
 from bristle_sim.scene.acceleration import acceleration
 from bristle_sim.scene.build import Scene
@@ -14,7 +15,38 @@ from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["EventFunction", "freedom", "in_flight", "in_touch"]
+__all__ = ["Change", "EventFunction", "HandOver", "Release", "Slip", "Touch", "freedom", "in_flight", "retraction"]
+
+
+class Touch(NamedTuple):
+    """A link meets what it can touch; ``rests`` takes what is left of the approach."""
+
+    obstacle: Obstacle
+    rests: bool = False
+
+
+class Release(NamedTuple):
+    """Links leave what they were on; the gaps are still closed."""
+
+    obstacles: tuple[Obstacle, ...]
+
+
+class HandOver(NamedTuple):
+    """A contact slides over a joint, from one link to its neighbour."""
+
+    obstacle: Obstacle
+    following: Obstacle
+
+
+class Slip(NamedTuple):
+    """A sustained contact slips in another sense from now on; 0 sticks."""
+
+    obstacle: Obstacle
+    sense: int
+
+
+Change = Touch | Release | HandOver | Slip
+"""What an event changes about the contacts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +60,8 @@ class EventFunction:
         event: name under which it is recorded; None for a mere kink in the motion, where an interval has to end.
         final: why the run stops there; None if the run continues.
         exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
+        act: returns what the event changes about the contacts; None if it changes nothing.
+        wire: number of the wire whose event it is.
     """
 
     name: str
@@ -36,53 +70,51 @@ class EventFunction:
     event: str | None = None
     final: StopReason | None = None
     exact: Callable[[State], float] | None = None
+    act: Callable[[], Change | None] | None = None
+    wire: int = 0
 
 
 def in_flight(scene: Scene) -> list[EventFunction]:
-    """Return extremes of the first link's motion relative to the hub."""
-    name = "highest relative speed"
+    """Return extremes of each wire's motion relative to the hub: of a wire of several links, which vibrates, its retraction."""
+    found = retraction(scene.mechanism)
+    if scene.mechanism.wire_links > 1:
+        return found
+    event = "highest relative speed"
+    for wire in range(scene.mechanism.wires):
+        exact = partial(acceleration, scene, link=wire)
+        value = partial(_acceleration, wire)
+        found.append(EventFunction(f"{event} of wire {wire}", value, True, event, exact=exact, wire=wire))
+    return found
+
+
+def retraction(mechanism: Mechanism) -> list[EventFunction]:
+    """Return the largest retraction of each wire."""
+
+    def relative_rate(link: int, at: Advance) -> float:
+        return at.state.rates[link] - mechanism.hub_speed
+
+    event, size = "largest retraction", mechanism.wire_links
     return [
-        _retraction(scene.mechanism),
-        EventFunction(name, _acceleration, falling=True, event=name, exact=partial(acceleration, scene)),
+        EventFunction(f"{event} of wire {wire}", partial(relative_rate, wire * size), False, event, wire=wire)
+        for wire in range(mechanism.wires)
     ]
 
 
-def in_touch(mechanism: Mechanism, obstacle: Obstacle, state: State) -> list[EventFunction]:
-    """Return largest retraction, and kinks of sustained contact: contact passing the wire's end, slip that turns."""
+def freedom(mechanism: Mechanism, limit: float, start: State) -> list[EventFunction]:
+    """Watch each wire's angle relative to the hub reach what the geometry leaves it, be it only within an interval."""
 
-    def kink(index: int, at: Advance) -> float:
-        return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).kinks[index]
+    def left(link: int, at: Advance) -> float:
+        states = (at.state, *turns(mechanism, start, at.state, link))
+        return limit - max(abs(each.angles[link] - mechanism.root_angle(link, each.time)) for each in states)
 
-    def slip(at: Advance) -> float:
-        return obstacle.touch(mechanism.poses(at.state)[-1], at.state.rates[-1]).velocity[1]
-
-    corners = len(obstacle.touch(mechanism.poses(state)[-1], state.rates[-1]).kinks)
-    functions = [_retraction(mechanism)]
-    functions += [EventFunction(f"corner {index} of the wire", partial(kink, index)) for index in range(corners)]
-    return [*functions, EventFunction("slip", slip)] if obstacle.friction else functions
-
-
-def freedom(mechanism: Mechanism, limit: float, start: State) -> EventFunction:
-    """Watch the first link's angle relative to the hub reach what the geometry leaves it, be it only within an interval."""
-
-    def left(at: Advance) -> float:
-        return limit - max(_leaning(mechanism, state) for state in (at.state, *turns(mechanism, start, at.state)))
-
-    return EventFunction(
-        "retraction limit", left, falling=True, event="retraction limit", final=StopReason.RETRACTION_LIMIT
-    )
+    name, size = "retraction limit", mechanism.wire_links
+    return [
+        EventFunction(
+            f"{name} of wire {wire}", partial(left, wire * size), True, name, StopReason.RETRACTION_LIMIT, wire=wire
+        )
+        for wire in range(mechanism.wires)
+    ]
 
 
-def _leaning(mechanism: Mechanism, state: State) -> float:
-    return abs(state.angles[0] - mechanism.hub_angle(state.time))
-
-
-def _retraction(mechanism: Mechanism) -> EventFunction:
-    def relative_rate(at: Advance) -> float:
-        return at.state.rates[0] - mechanism.hub_speed
-
-    return EventFunction("largest retraction", relative_rate, falling=False, event="largest retraction")
-
-
-def _acceleration(at: Advance) -> float:
-    return at.accelerations[0]
+def _acceleration(link: int, at: Advance) -> float:
+    return at.accelerations[link]

@@ -10,6 +10,7 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
+from collections import deque
 from operator import mul
 
 from bristle_sim.scene.build import Scene
@@ -53,24 +54,29 @@ class Extrapolation:
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
-        runs: list[list[float]] = []
         known: dict[int, float] = {}
-        size, table = len(scene.links), self.repetitions
+        size, table, rows = len(scene.links), self.repetitions, self.rows
+        columns: list[list[float]] = []
         error = math.inf
         for row, count in enumerate(table.counts[: self.most_rows]):
-            runs.append(_run(scene, state, duration, count, load))
-            if load is not None and load.fails(runs[-1][3 * size :]):
-                return unpack(scene, state, duration, runs[-1], math.inf, failed=True)._replace(errors=known)
-            if row + 2 >= self.rows and row:
-                columns = list(zip(*runs, strict=True))[: 2 * size]
+            scene.place(state)
+            values = take_steps(scene, duration / count, count, load)
+            if load is not None and load.fails(values[3 * size :]):
+                return unpack(scene, state, duration, values, math.inf, failed=True, errors=known)
+            if row == 0:
+                columns = [[] for _ in values]
+                motion = columns[: 2 * size]
+            deque(map(list.append, columns, values), 0)
+            if row + 2 >= rows and row:
                 differences = table.differences[row]
-                errors = [abs(sum(map(mul, differences, column))) for column in columns]
+                errors = [abs(sum(map(mul, differences, column))) for column in motion]
                 # The largest of numbers one of which is NaN depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
-                if row + 1 >= self.rows and error <= self.limit:
+                if row + 1 >= rows and error <= self.limit:
                     break
-        best = [sum(map(mul, table.weights[len(runs) - 1], column)) for column in zip(*runs, strict=True)]
-        return unpack(scene, state, duration, best, error)._replace(errors=known)
+        weights = table.weights[len(columns[0]) - 1]
+        best = [sum(map(mul, weights, column)) for column in columns]
+        return unpack(scene, state, duration, best, error, errors=known)
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; the next interval follows what was learnt either way."""
@@ -79,12 +85,14 @@ class Extrapolation:
 
     def learnt(self, result: Advance, duration: float) -> tuple[float, int]:
         """Return the length and the repetitions of the next interval that cost least per time, by the estimates so far."""
-        costs = self.repetitions.costs
+        costs, limit, longest = self.repetitions.costs, self.limit, self.longest
         lengths, prices = {}, {}
+        least = 1e-3 * limit
         for row, error in result.errors.items():
-            ratio = 0.5 * self.limit / max(error, 1e-3 * self.limit)
-            lengths[row] = min(self.longest, duration * min(4.0, max(0.1, 0.9 * ratio ** (1.0 / (row + 1)))))
-            prices[row] = costs[row] / lengths[row]
+            change = 0.9 * (0.5 * limit / (error if error > least else least)) ** (1.0 / (row + 1))
+            length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
+            lengths[row] = length = length if length < longest else longest
+            prices[row] = costs[row] / length
         last = max(prices)
         best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
         length, rows = lengths[best], best + 1
@@ -92,7 +100,7 @@ class Extrapolation:
             # Still getting cheaper: one more repetition, with the interval that would keep the price.
             length *= costs[best + 1] / costs[best]
             rows += 1
-        return (length if result.error <= self.limit else min(length, 0.5 * duration)), rows
+        return (length if result.error <= limit else min(length, 0.5 * duration)), rows
 
     def begin_afresh(self) -> None:
         """Begin with few repetitions again, whose weights amplify rounding least."""
@@ -102,9 +110,3 @@ class Extrapolation:
         """Return 0: an extrapolated interval is off the cubic by the cubic's own error alone."""
         del start, end
         return 0.0
-
-
-def _run(scene: Scene, state: State, duration: float, count: int, load: Load | None) -> list[float]:
-    """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from a state."""
-    scene.place(state)
-    return take_steps(scene, duration / count, count, load)

@@ -1,4 +1,4 @@
-"""Gaps between a mechanism's last link and its obstacles, state by state."""
+"""Gaps between a mechanism's links and what they can touch, state by state."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ class Gaps:
     """Looks from one state after the other; both ends of an interval are looked up again and again, so they are kept."""
 
     def __init__(self, mechanism: Mechanism, start: State) -> None:
-        """Begin with the pose of a state."""
+        """Begin with the poses of a state."""
         self.mechanism = mechanism
-        self._poses: tuple[tuple[State, Pose], ...] = ((start, mechanism.poses(start)[-1]),)
+        self._poses: tuple[tuple[State, list[Pose]], ...] = ((start, mechanism.poses(start)),)
 
-    def touch(self, obstacle: Obstacle, state: State) -> Touch:
-        """Return where and how the link would touch the obstacle."""
-        return obstacle.touch(self._pose(state), state.rates[-1])
+    def touch(self, obstacle: Obstacle, state: State, piece: int | None = None) -> Touch:
+        """Return where and how the link would touch the obstacle, with one of its pieces if it is named."""
+        return obstacle.touch_between(self.poses(state), state.rates, piece)
 
     def gap(self, obstacle: Obstacle, state: State) -> float:
         """Return the distance of link and obstacle, negative inside."""
@@ -38,10 +38,11 @@ class Gaps:
         between = (start, interpolate(start, end, 0.5), end)
         return all(abs(self.gap(obstacle, state)) <= GAP_ROUNDING for state in between)
 
-    def _pose(self, state: State) -> Pose:
-        for known, pose in self._poses:
+    def poses(self, state: State) -> list[Pose]:
+        """Return where every link is and how it moves."""
+        for known, poses in self._poses:
             if known is state:
-                return pose
-        pose = self.mechanism.poses(state)[-1]
-        self._poses = (self._poses[-1], (state, pose))
-        return pose
+                return poses
+        poses = self.mechanism.poses(state)
+        self._poses = (self._poses[-1], (state, poses))
+        return poses

@@ -12,7 +12,7 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from bristle_sim.scene.joints import joined, joint_rows, scaled_jacobian
+from bristle_sim.scene.joints import MassCentres, joined, joint_rows, scaled_jacobian
 
 __all__ = ["close_joints"]
 
@@ -33,7 +33,8 @@ def close_joints(*ends: pymunk.Body) -> None:
         RuntimeError: if limits take turns at pushing without end.
     """
     bodies, joints = joined(ends)
-    rows = [row for joint in joints for row in joint_rows(joint)]
+    centres = MassCentres()
+    rows = [row for joint in joints for row in joint_rows(joint, centres)]
     if not rows:
         return
     rates, sizes = np.array([row.excess() for row in rows]).T

@@ -25,12 +25,13 @@ import pymunk
 from numpy.typing import NDArray
 
 __all__ = [
+    "Connected",
     "Entry",
     "JointRow",
+    "MassCentres",
     "Vector",
     "joined",
     "joint_rows",
-    "mass_centre",
     "passes_impulse",
     "point_entry",
     "scaled_jacobian",
@@ -39,6 +40,9 @@ __all__ = [
 Vector = tuple[float, float]
 Entry = tuple[pymunk.Body, float, float, float]
 """A body and the factors of its v_x, v_y and angular velocity in one row of J."""
+
+Connected = tuple[list[pymunk.Body], list[pymunk.Constraint]]
+"""Dynamic bodies, the lightest first, and the joints that connect them."""
 
 _SPRINGS = (pymunk.DampedSpring, pymunk.DampedRotarySpring)
 
@@ -65,17 +69,20 @@ class JointRow(NamedTuple):
         return value, size
 
 
-def mass_centre(body: pymunk.Body) -> Vector:
-    """Return the place of a body's centre of gravity, where its velocity is; its position may be elsewhere."""
-    x, y = body.local_to_world(body.center_of_gravity)
-    return x, y
+class MassCentres(dict[pymunk.Body, Vector]):
+    """Places of bodies' centres of gravity, where their velocities are, each looked up once; positions may be elsewhere."""
+
+    def __missing__(self, body: pymunk.Body) -> Vector:
+        x, y = body.local_to_world(body.center_of_gravity)
+        self[body] = x, y
+        return x, y
 
 
-def point_entry(body: pymunk.Body, point: Vector, direction: Vector, sign: float) -> Entry:
-    """Return the factors of the velocity of a world point of the body along a direction."""
-    x, y = mass_centre(body)
-    lever = (point[0] - x) * direction[1] - (point[1] - y) * direction[0]
-    return body, sign * direction[0], sign * direction[1], sign * lever
+def point_entry(body: pymunk.Body, centre: Vector, point: Vector, direction: Vector, sign: float) -> Entry:
+    """Return the factors of the velocity of a world point of the body, whose mass centre is given, along a direction."""
+    x, y = direction
+    lever = (point[0] - centre[0]) * y - (point[1] - centre[1]) * x
+    return body, sign * x, sign * y, sign * lever
 
 
 def passes_impulse(joint: pymunk.Constraint) -> bool:
@@ -85,7 +92,7 @@ def passes_impulse(joint: pymunk.Constraint) -> bool:
     return any(space is not None and joint in space.constraints for space in (joint.a.space, joint.b.space))
 
 
-def joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[pymunk.Constraint]]:
+def joined(ends: Sequence[pymunk.Body]) -> Connected:
     """Return the dynamic bodies reached over joints that pass impulses, the lightest first, and those joints."""
     bodies: list[pymunk.Body] = []
     joints: list[pymunk.Constraint] = []
@@ -103,7 +110,7 @@ def joined(ends: Sequence[pymunk.Body]) -> tuple[list[pymunk.Body], list[pymunk.
     return sorted(bodies, key=lambda each: each.mass), joints
 
 
-def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
+def joint_rows(joint: pymunk.Constraint, centres: MassCentres) -> list[JointRow]:
     """Return the rows of a joint; none for limits that are not reached.
 
     Raises:
@@ -111,7 +118,7 @@ def joint_rows(joint: pymunk.Constraint) -> list[JointRow]:
     """
     for kind, rows in _ROWS.items():
         if isinstance(joint, kind):
-            return list(rows(joint))
+            return list(rows(joint, centres))
     raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
 
 
@@ -138,9 +145,15 @@ def scaled_jacobian(
     return np.array(columns).T, scale
 
 
-def _across(joint: pymunk.Constraint, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False) -> JointRow:
+def _across(
+    joint: pymunk.Constraint, centres: MassCentres, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False
+) -> JointRow:
     """Return the velocity of body a's end relative to body b's along a direction."""
-    entries = (point_entry(joint.a, ends[0], direction, 1.0), point_entry(joint.b, ends[1], direction, -1.0))
+    a, b = joint.a, joint.b
+    entries = (
+        point_entry(a, centres[a], ends[0], direction, 1.0),
+        point_entry(b, centres[b], ends[1], direction, -1.0),
+    )
     return JointRow(joint, entries, 0.0, limit)
 
 
@@ -153,10 +166,12 @@ def _anchors(joint: pymunk.PivotJoint | pymunk.PinJoint | pymunk.SlideJoint) -> 
     return (first.x, first.y), (second.x, second.y)
 
 
-def _pivot(joint: pymunk.PivotJoint) -> Iterator[JointRow]:
-    ends = _anchors(joint)
-    for direction in ((1.0, 0.0), (0.0, 1.0)):
-        yield _across(joint, ends, direction)
+def _pivot(joint: pymunk.PivotJoint, centres: MassCentres) -> Iterator[JointRow]:
+    a, b = joint.a, joint.b
+    (x, y), (u, v) = _anchors(joint)
+    (centre_x, centre_y), (other_x, other_y) = centres[a], centres[b]
+    yield JointRow(joint, ((a, 1.0, 0.0, centre_y - y), (b, -1.0, 0.0, v - other_y)))
+    yield JointRow(joint, ((a, 0.0, 1.0, x - centre_x), (b, 0.0, -1.0, other_x - u)))
 
 
 def _between(ends: tuple[Vector, Vector]) -> tuple[float, Vector]:
@@ -166,14 +181,14 @@ def _between(ends: tuple[Vector, Vector]) -> tuple[float, Vector]:
     return span.length, (along.x, along.y)
 
 
-def _pin(joint: pymunk.PinJoint) -> Iterator[JointRow]:
+def _pin(joint: pymunk.PinJoint, centres: MassCentres) -> Iterator[JointRow]:
     ends = _anchors(joint)
     distance, along = _between(ends)
     if distance > 0.0:
-        yield _across(joint, ends, along)
+        yield _across(joint, centres, ends, along)
 
 
-def _slide(joint: pymunk.SlideJoint) -> Iterator[JointRow]:
+def _slide(joint: pymunk.SlideJoint, centres: MassCentres) -> Iterator[JointRow]:
     """Yield rows that keep the anchors' distance between ``min`` and ``max``."""
     ends = _anchors(joint)
     distance, (x, y) = _between(ends)
@@ -181,14 +196,14 @@ def _slide(joint: pymunk.SlideJoint) -> Iterator[JointRow]:
     if distance == 0.0:
         return
     if joint.min >= joint.max:
-        yield _across(joint, ends, (x, y))
+        yield _across(joint, centres, ends, (x, y))
     elif distance >= joint.max - margin:
-        yield _across(joint, ends, (x, y), limit=True)
+        yield _across(joint, centres, ends, (x, y), limit=True)
     elif distance <= joint.min + margin:
-        yield _across(joint, ends, (-x, -y), limit=True)
+        yield _across(joint, centres, ends, (-x, -y), limit=True)
 
 
-def _groove(joint: pymunk.GrooveJoint) -> Iterator[JointRow]:
+def _groove(joint: pymunk.GrooveJoint, centres: MassCentres) -> Iterator[JointRow]:
     """Yield rows that keep the anchor of b on a segment of a, which it may follow but not leave."""
     start, end = joint.a.local_to_world(joint.groove_a), joint.a.local_to_world(joint.groove_b)
     anchor = joint.b.local_to_world(joint.anchor_b)
@@ -196,14 +211,14 @@ def _groove(joint: pymunk.GrooveJoint) -> Iterator[JointRow]:
     reached = (anchor - start).dot(along)
     on_groove = start + along * min(max(reached, 0.0), length)
     ends = (on_groove.x, on_groove.y), (anchor.x, anchor.y)
-    yield _across(joint, ends, (-along.y, along.x))
+    yield _across(joint, centres, ends, (-along.y, along.x))
     if reached <= REACHED * length:
-        yield _across(joint, ends, (-along.x, -along.y), limit=True)
+        yield _across(joint, centres, ends, (-along.x, -along.y), limit=True)
     elif reached >= length * (1.0 - REACHED):
-        yield _across(joint, ends, (along.x, along.y), limit=True)
+        yield _across(joint, centres, ends, (along.x, along.y), limit=True)
 
 
-def _rotary_limit(joint: pymunk.RotaryLimitJoint) -> Iterator[JointRow]:
+def _rotary_limit(joint: pymunk.RotaryLimitJoint, _: MassCentres) -> Iterator[JointRow]:
     """Yield rows that keep the angle of b relative to a between ``min`` and ``max``."""
     angle = joint.b.angle - joint.a.angle
     margin = REACHED * max(1.0, abs(joint.a.angle), abs(joint.b.angle))
@@ -215,7 +230,7 @@ def _rotary_limit(joint: pymunk.RotaryLimitJoint) -> Iterator[JointRow]:
         yield _turn(joint, -1.0, 1.0, limit=True)
 
 
-def _ratchet(joint: pymunk.RatchetJoint) -> Iterator[JointRow]:
+def _ratchet(joint: pymunk.RatchetJoint, _: MassCentres) -> Iterator[JointRow]:
     """Yield rows that keep the angle of b relative to a from falling behind the tooth that it has passed, ``angle``."""
     way = math.copysign(1.0, joint.ratchet)
     past = (joint.b.angle - joint.a.angle - joint.angle) * way
@@ -223,11 +238,11 @@ def _ratchet(joint: pymunk.RatchetJoint) -> Iterator[JointRow]:
         yield _turn(joint, -way, way, limit=True)
 
 
-def _gear(joint: pymunk.GearJoint) -> Iterator[JointRow]:
+def _gear(joint: pymunk.GearJoint, _: MassCentres) -> Iterator[JointRow]:
     yield _turn(joint, -1.0, joint.ratio)
 
 
-def _motor(joint: pymunk.SimpleMotor) -> Iterator[JointRow]:
+def _motor(joint: pymunk.SimpleMotor, _: MassCentres) -> Iterator[JointRow]:
     yield _turn(joint, -1.0, 1.0, rate=-joint.rate)
 
 

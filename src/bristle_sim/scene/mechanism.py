@@ -1,15 +1,18 @@
-"""A chain of rigid links on a root that stands still or rides on a turning hub: its shape, without any dynamics."""
+"""Chains of rigid links whose roots stand still or ride on a turning hub: their shape and mass, without forces."""
 
 from __future__ import annotations
 
+import itertools
 import math
-from dataclasses import dataclass
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Link", "Mechanism", "Pose", "State"]
+__all__ = ["Link", "Mechanism", "Pose", "State", "Vector", "cross"]
 
 Vector = tuple[float, float]
 Array = NDArray[np.float64]
@@ -63,34 +66,64 @@ class Pose(NamedTuple):
 class Mechanism:
     """Links in order from the root; the root moves on a circle of ``hub_radius`` at ``hub_speed``, from ``hub_start``.
 
-    Without a hub (radius and speed 0) the root is the origin.
+    Without a hub (radius and speed 0) the root is the origin. The links of several ``wires``, equally many each, follow one
+    another, the foremost wire's first; each root lags the one before it by ``pitch``, rad.
     """
 
     links: tuple[Link, ...]
     hub_radius: float = 0.0
     hub_speed: float = 0.0
     hub_start: float = 0.0
+    wires: int = 1
+    pitch: float = 0.0
+    wire_links: int = field(init=False)
+    _kept: deque[tuple[State, list[Pose]]] = field(
+        default_factory=lambda: deque(maxlen=3), init=False, repr=False, compare=False
+    )
+
+    def __post_init__(self) -> None:
+        """Count the links of a wire."""
+        object.__setattr__(self, "wire_links", len(self.links) // self.wires)
 
     def hub_angle(self, time: float) -> float:
-        """Return the angle of the root, rad."""
+        """Return the angle of the first root, rad."""
         return self.hub_start + self.hub_speed * time
 
+    def root_angle(self, link: int, time: float) -> float:
+        """Return the angle of the root of a link's wire, rad."""
+        return self.hub_angle(time) - link // self.wire_links * self.pitch
+
+    def wire(self, number: int) -> Mechanism:
+        """Return one of the wires alone."""
+        size = self.wire_links
+        links = self.links[number * size : (number + 1) * size]
+        return Mechanism(links, self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch)
+
     def poses(self, state: State) -> list[Pose]:
-        """Return where every link is and how it moves."""
-        joint, joint_velocity = _carried(
-            (0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), self.hub_angle(state.time), self.hub_speed
-        )
-        poses = []
-        for link, angle, rate in zip(self.links, state.angles, state.rates, strict=True):
-            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, angle, rate)
-            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, angle, rate)
-            knees = tuple(_carried(joint, joint_velocity, knee, angle, rate)[0] for knee in link.knees)
-            poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
-            joint, joint_velocity = tip, tip_velocity
+        """Return where every link is and how it moves; the last few are kept, as one state is looked at again and again."""
+        for known, poses in self._kept:
+            if known is state:
+                return poses
+        poses = self._poses(state)
+        self._kept.append((state, poses))
+        return poses
+
+    def _poses(self, state: State) -> list[Pose]:
+        poses, rows = [], zip(self.links, state.angles, state.rates, strict=True)
+        for wire in range(self.wires):
+            turn = _turn(self.hub_angle(state.time) - wire * self.pitch)
+            joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
+            for link, angle, rate in itertools.islice(rows, self.wire_links):
+                turn = _turn(angle)
+                centre, centre_velocity = _carried(joint, joint_velocity, link.centre, turn, rate)
+                tip, tip_velocity = _carried(joint, joint_velocity, link.tip, turn, rate)
+                knees = tuple([_carried(joint, joint_velocity, knee, turn, rate)[0] for knee in link.knees])
+                poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
+                joint, joint_velocity = tip, tip_velocity
         return poses
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
-        """Return the corners of the centre line from the root over knees and joints to the tip, and their velocities.
+        """Return the corners of a wire's centre line from the root over knees and joints to the tip, and their velocities.
 
         A point with the arm r from a joint at p moves with p' + rate e_z x r; with points as complex numbers x + iy that
         is p' + i rate r.
@@ -123,13 +156,42 @@ class Mechanism:
 
     def speed_bound(self, state: State) -> float:
         """Return a speed that no point of the mechanism exceeds while no link's rate exceeds the state's."""
-        reach = sum(math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True))
+        reaches = (math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True))
+        reach = max(sum(itertools.islice(reaches, self.wire_links)) for _ in range(self.wires))
         return self.hub_radius * abs(self.hub_speed) + reach
 
+    def row(self, poses: Sequence[Pose], link: int, arm: Vector, direction: Vector) -> Array:
+        """Return d(velocity along a direction)/d(rates) of a link's point at ``arm`` from its joint, shape (links,)."""
+        row = np.zeros(len(self.links))
+        for each in range(link - link % self.wire_links, link):
+            joint, tip = poses[each].joint, poses[each].tip
+            row[each] = cross((tip[0] - joint[0], tip[1] - joint[1]), direction)
+        row[link] = cross(arm, direction)
+        return row
 
-def _carried(origin: Vector, velocity: Vector, arm: Vector, angle: float, rate: float) -> tuple[Vector, Vector]:
-    """Return the position and velocity of a point fixed on a link that turns about ``origin``."""
-    cosine, sine = math.cos(angle), math.sin(angle)
+    def mass_matrix(self, poses: Sequence[Pose]) -> Array:
+        """Return the mass matrix in the links' absolute angles, shape (links, links)."""
+        matrix = np.diag([link.inertia for link in self.links])
+        for number, (link, pose) in enumerate(zip(self.links, poses, strict=True)):
+            arm = (pose.centre[0] - pose.joint[0], pose.centre[1] - pose.joint[1])
+            for direction in ((1.0, 0.0), (0.0, 1.0)):
+                row = self.row(poses, number, arm, direction)
+                matrix += link.mass * np.outer(row, row)
+        return matrix
+
+
+def cross(arm: Vector, direction: Vector) -> float:
+    """Return the lever of a direction at an arm."""
+    return arm[0] * direction[1] - arm[1] * direction[0]
+
+
+def _turn(angle: float) -> Vector:
+    return math.cos(angle), math.sin(angle)
+
+
+def _carried(origin: Vector, velocity: Vector, arm: Vector, turn: Vector, rate: float) -> tuple[Vector, Vector]:
+    """Return the position and velocity of a point fixed on a link that is turned about ``origin``, by cosine and sine."""
+    cosine, sine = turn
     x = cosine * arm[0] - sine * arm[1]
     y = sine * arm[0] + cosine * arm[1]
     return (origin[0] + x, origin[1] + y), (velocity[0] - rate * y, velocity[1] + rate * x)

@@ -1,6 +1,6 @@
-"""What a link can touch: the bar (a circle) and the workpart (a half-plane), as gap functions and as engine shapes.
+"""Pairs of a link and what it can touch: the bar (a circle) and the workpart (a half-plane), as gaps and engine shapes.
 
-A gap is the distance between the last link's contact point and the obstacle; it is positive in flight. Engine shapes
+A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes
 of obstacles are larger than the obstacle by ``MARGIN``, and the engine's slop covers it, so that a sustained touch is
 detected at every step while its position is left alone; only obstacles are enlarged, so that the lever of friction on
 the link stays exact.
@@ -45,6 +45,7 @@ class Touch(NamedTuple):
         kinks: the motion in sustained contact has a kink where one of these passes through 0: the contact leaves a straight
             piece of the centre line for a corner or the end, or comes back.
         piece: which straight piece of the centre line touches, counted from the joint.
+        partner_arm: contact point seen from the joint of the other wire's link; None on what is fixed.
     """
 
     gap: float
@@ -53,6 +54,7 @@ class Touch(NamedTuple):
     velocity: Vector
     kinks: tuple[float, ...]
     piece: int = 0
+    partner_arm: Vector | None = None
 
     @property
     def tangent(self) -> Vector:
@@ -61,11 +63,19 @@ class Touch(NamedTuple):
 
 
 class Obstacle(Protocol):
-    """What a scene needs of an obstacle."""
+    """A pair of a link and what it can touch, with what a scene needs of it."""
 
     @property
     def name(self) -> str:
         """What events and contact records call it."""
+
+    @property
+    def link(self) -> int:
+        """Number of the link, from 0; the last one is also -1."""
+
+    @property
+    def partner(self) -> int | None:
+        """Number of the other wire's link; None where it is fixed."""
 
     @property
     def friction(self) -> float:
@@ -79,17 +89,14 @@ class Obstacle(Protocol):
     def restitution(self) -> float:
         """Coefficient of restitution."""
 
-    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
-        """Return the closest approach of a link in the given pose, or of one straight piece of its centre line."""
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+        """Return the closest approach of the links in given poses, or of one straight piece."""
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the gap of the other straight pieces of the centre line, but for the corners common with this one."""
+        """Return the gap of the link's other straight pieces, but for the corners common with this one."""
 
-    def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """Return engine shapes: first the obstacle's on the static body, then the link's on its body.
-
-        ``corners`` are those of the link's centre line from joint to tip, seen from the body's centre.
-        """
+    def foot(self, pose: Pose) -> tuple[float, float]:
+        """Return the obstacle's foot on the centre line past the link's joint and past its tip, in the pieces' lengths."""
 
 
 _Closest = tuple[float, Vector, tuple[float, float]]
@@ -122,6 +129,8 @@ class BarObstacle:
     friction: float
     restitution: float
     name: str = "bar"
+    link: int = -1
+    partner: None = None
 
     def __post_init__(self) -> None:
         """Refuse a bar so thin that rounding decides on which side of it the wire is."""
@@ -154,6 +163,10 @@ class BarObstacle:
         least = min(touch.gap for touch in touches)
         return min((touch for touch in touches if touch.gap <= least + SAME_GAP), key=lambda touch: touch.velocity[0])
 
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+        """Return the closest approach of the pair's link."""
+        return self.touch(poses[self.link], rates[self.link], piece)
+
     def _touch(self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]) -> Touch:
         square, arm, _ = found
         distance = math.sqrt(square) or 1.0
@@ -174,6 +187,12 @@ class BarObstacle:
                 gaps.append(math.sqrt(square) - self.radius - self.wire_radius)
         return min(gaps)
 
+    def foot(self, pose: Pose) -> tuple[float, float]:
+        """Return where the bar's centre is along the first piece, past its start, and along the last, past its end."""
+        corners = (pose.joint, *pose.knees, pose.tip)
+        first = _closest(self.centre, pose.joint, *corners[:2])[2][0]
+        return first, _closest(self.centre, pose.joint, *corners[-2:])[2][1]
+
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return a circle, and the wire as segments with round ends."""
         bar = pymunk.Circle(space.static_body, self.radius + MARGIN, self.centre)
@@ -190,6 +209,8 @@ class WorkpartObstacle:
     restitution_friction: float
     restitution: float
     name: str = "workpart"
+    link: int = -1
+    partner: None = None
 
     def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
         """Return the tip above the surface; normal +y, tangent +x."""
@@ -198,10 +219,19 @@ class WorkpartObstacle:
         normal = (0.0, 1.0)
         return Touch(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), ())
 
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+        """Return the closest approach of the pair's link."""
+        return self.touch(poses[self.link], rates[self.link], piece)
+
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Only the tip touches."""
         del pose, piece
         return math.inf
+
+    def foot(self, pose: Pose) -> tuple[float, float]:
+        """Only the tip touches."""
+        del pose
+        return math.inf, 0.0
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return a thick segment whose upper face is the surface, and the tip as a point."""

@@ -22,7 +22,10 @@ class Plan:
         stop_after: name of an event that ends the run.
         longest_interval: upper bound of the distance between samples.
         maximum_steps: work after which the run gives up, in engine steps of few iterations.
-        retraction_limit: largest angle of the first link relative to the hub, rad.
+        retraction_limit: largest angle of a wire's first link relative to the hub, rad.
+        time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
+        contact: state of contact in which the run starts; None where touches at the start are fresh.
+        touched: names of what has been touched before the run.
     """
 
     end: float
@@ -31,6 +34,13 @@ class Plan:
     longest_interval: float = math.inf
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
+    time_scale: float = 1.0
+    contact: ContactAtEnd | None = None
+    touched: frozenset[str] = frozenset()
+
+
+Numbers = tuple[int, ...]
+"""Numbers of the wires whose event it is, or of the links in contact."""
 
 
 @dataclass(slots=True)
@@ -41,10 +51,10 @@ class Recording:
     """
 
     states: list[State] = field(default_factory=list)
-    forces: list[float] = field(default_factory=list)
+    forces: list[float | tuple[float, ...]] = field(default_factory=list)
     inner: list[State] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
-    contacts: list[ContactRecord] = field(default_factory=list)
+    events: list[tuple[Event, Numbers]] = field(default_factory=list)
+    contacts: list[tuple[ContactRecord, Numbers]] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
     stop_detail: str = ""

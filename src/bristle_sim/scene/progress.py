@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -11,11 +13,11 @@ from bristle_sim.scene.changes import Changes
 from bristle_sim.scene.contact_laws import ContactLaw
 from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.obstacles import Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.stepping import Stepper
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import Event
+from bristle_sim.trajectory import ContactRecord, Event
 
 __all__ = ["Progress", "Rebound"]
 
@@ -23,20 +25,21 @@ __all__ = ["Progress", "Rebound"]
 class Rebound(NamedTuple):
     """The last rebound: from which obstacle, when, and how fast the contact point left."""
 
-    obstacle: str
+    obstacle: Obstacle
     time: float
     speed: float
 
 
 @dataclass(slots=True)
 class Progress:
-    """What is common to the contact states of one run.
+    """What is common to the smooth motions of one run.
 
     Attributes:
         scene, stepper, law, plan: of the run.
         state: the last state that was reached.
-        gaps: between the last link and the obstacles.
+        gaps: between links and what they can touch.
         changes: signs of the event functions.
+        obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
         recording: what the run leaves behind.
         rebound: the last rebound, if there was one.
     """
@@ -48,6 +51,7 @@ class Progress:
     state: State
     gaps: Gaps
     changes: Changes
+    obstacles: list[Obstacle]
     recording: Recording
     rebound: Rebound | None = None
 
@@ -59,11 +63,12 @@ class Progress:
             ValueError: if the start overlaps an obstacle.
         """
         gaps, changes = Gaps(scene.mechanism, start), Changes(scene, stepper, plan.accuracy)
-        progress = cls(scene, stepper, law, plan, start, gaps, changes, Recording())
+        obstacles = list(scene.effects.obstacles)
+        progress = cls(scene, stepper, law, plan, start, gaps, changes, obstacles, Recording())
         progress.sample(0.0)
         for obstacle in scene.effects.obstacles:
-            gap = gaps.gap(obstacle, start)
-            if gap < -GAP_ROUNDING:
+            gap = gaps.gap(progress.in_dent(obstacle) if plan.contact else obstacle, start)
+            if gap < -GAP_ROUNDING and plan.contact is None:
                 raise ValueError(
                     f"{obstacle.name}: must not overlap the bristle at the start, by {-gap:.3g} of its length"
                 )
@@ -82,28 +87,99 @@ class Progress:
     @property
     def first_interval(self) -> float:
         """Longest interval right after a contact, and the least that the growth of later ones starts from."""
-        return min(1e-2, max(1e-5, math.sqrt(self.plan.accuracy)))
+        return min(1e-2, max(1e-5, math.sqrt(self.plan.accuracy))) * self.plan.time_scale
+
+    @property
+    def slow(self) -> float:
+        """Speed below which the rest of an approach or of a rebound is not followed."""
+        return CAPTURE * self.mechanism.speed_bound(self.state)
 
     def touches(self, obstacle: Obstacle) -> bool:
-        """Whether the link is on an obstacle, but for rounding."""
+        """Whether a link is on an obstacle, but for rounding."""
         return abs(self.gaps.gap(obstacle, self.state)) <= GAP_ROUNDING
 
-    def sample(self, force: float) -> None:
-        """Record the state that was reached, with the normal force."""
+    def in_dent(self, obstacle: Obstacle) -> Obstacle:
+        """Return the pair with its surface at the ground of the dent that a contact resolved in time has left the tip in."""
+        gap = self.gaps.gap(obstacle, self.state)
+        if gap >= -self.plan.accuracy or not isinstance(obstacle, WorkpartObstacle):
+            return obstacle
+        ground = dataclasses.replace(obstacle, depth=obstacle.depth - gap)
+        number = self.obstacles.index(obstacle)
+        self.obstacles[number] = ground
+        return ground
+
+    def dents(self) -> list[int]:
+        """Return the numbers of the pairs whose tips are in dents."""
+        outside = self.scene.effects.obstacles
+        return [number for number, each in enumerate(self.obstacles) if outside[number] is not each]
+
+    def leave_dent(self, number: int) -> None:
+        """Have the pair of that number touch the surface again."""
+        self.obstacles[number] = self.scene.effects.obstacles[number]
+
+    def cubic_error(self, length: float) -> float:
+        """Return how far the cubic through the ends of an interval may be off a motion of the shortest time scale."""
+        return 0.0 if self.plan.time_scale == 1.0 else VIBRATION * length * (length / self.plan.time_scale) ** 3
+
+    def sample(self, force: float | tuple[float, ...]) -> None:
+        """Record the state that was reached, with the normal force, of each wire if there are several."""
         self.recording.states.append(self.state)
         self.recording.forces.append(force)
 
-    def event(self, name: str, time: float) -> None:
-        """Record an event, which may be the one that ends the run."""
-        self.recording.events.append(Event(name, time))
-        if name == self.plan.stop_after:
-            self.stop(FINAL.get(name, StopReason.EVENT))
+    def links_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+        """Return the numbers of the links that take part in a contact."""
+        own = obstacle.link % len(self.mechanism.links)
+        return (own,) if obstacle.partner is None else (own, obstacle.partner)
+
+    def wires_of(self, obstacle: Obstacle) -> tuple[int, ...]:
+        """Return the numbers of the wires that take part in a contact."""
+        return tuple(link // self.mechanism.wire_links for link in self.links_of(obstacle))
+
+    def force_of_wires(self, forces: Sequence[float], obstacles: Sequence[Obstacle]) -> float | tuple[float, ...]:
+        """Return the sum of normal forces, for each wire if there are several."""
+        if self.mechanism.wires == 1:
+            return math.fsum(forces)
+        pairs = [(force, self.wires_of(each)) for force, each in zip(forces, obstacles, strict=True)]
+        return tuple(math.fsum(force for force, of in pairs if wire in of) for wire in range(self.mechanism.wires))
+
+    def event(self, name: str, time: float, wires: Sequence[int] = (0,)) -> None:
+        """Record an event of some wires; the run ends once every wire has had the one that is to end it."""
+        events = self.recording.events
+        events.append((Event(name, time), tuple(wires)))
+        if name in FINAL and name == self.plan.stop_after:
+            self.stop(FINAL[name])
+        elif name == self.plan.stop_after:
+            happened = {wire for each, of in events if each.name == name for wire in of}
+            if len(happened) == self.mechanism.wires:
+                self.stop(StopReason.EVENT)
+
+    def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
+        """Record a contact."""
+        self.recording.contacts.append((record, self.links_of(obstacle)))
+
+    def touched(self, obstacle: Obstacle) -> bool:
+        """Whether a pair's wire has been in contact with the obstacle of that name."""
+        if obstacle.name in self.plan.touched:
+            return True
+        wire, size = self.wires_of(obstacle)[0], self.mechanism.wire_links
+        return any(
+            each.obstacle == obstacle.name and wire in (link // size for link in links)
+            for each, links in self.recording.contacts
+        )
 
     def stop(self, reason: StopReason, detail: str = "") -> None:
         """End the run, for a reason and with what a law says about it; the first reason counts."""
         if not self.stopped:
             self.recording.stop_reason, self.recording.stop_detail = reason, detail
 
+
+CAPTURE = 1e-8
+"""An impact slower than this fraction of the fastest point's speed takes the rest of the approach away: repeated taps of
+a restitution below 1 add up in finite time."""
+
+VIBRATION = 0.01
+"""Error of the cubic in the scene's unit, per fourth power of the interval and third power of the fastest rate: of a rate of
+1 at that frequency, h^4 w^3/384 times some safety."""
 
 FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
 """Events after which a run cannot be resumed, requested or not."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pymunk
 
-from bristle_sim.scene.engine import approach_reader, contact_tuner
+from bristle_sim.scene.arbiters import approach_reader, contact_tuner
 from bristle_sim.scene.impact_sequence import ROUNDING
 from bristle_sim.scene.joints import Vector
 

@@ -3,46 +3,39 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from bristle_sim.parameters import Tool
-from bristle_sim.scene.build import Scene
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.plan import Recording
 from bristle_sim.scene.time_scales import motion_scale
 from bristle_sim.scene.units import Units
-from bristle_sim.stop_reason import StopReason
+from bristle_sim.stop_reason import ABSENCES, StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, InnerSamples, Trajectory
 
-__all__ = ["contact_in_si", "note_absences", "trajectory_in_si"]
+__all__ = ["contact_in_si", "trajectory_in_si"]
 
-
-def note_absences(recording: Recording, tool: Tool) -> None:
-    """Record by name what never happened."""
-    end = recording.states[-1].time
-    names = {event.name for event in recording.events}
-    if tool.bar is not None and "bar touch" not in names:
-        recording.events.append(Event("bar not touched", end))
-    if tool.workpart is not None and "strike" not in names:
-        recording.events.append(Event("workpart not reached", end))
+Array = NDArray[np.float64]
 
 
 def trajectory_in_si(
-    recording: Recording, scene: Scene, units: Units, parameters: dict[str, Any], *, with_estimate: bool
+    recording: Recording, scene: Scene, units: Units, parameters: dict[str, Any], *, with_estimate: bool, wire: int = 0
 ) -> Trajectory:
-    """Return what a run of one link has recorded, in SI units; a method without an error estimate leaves it out."""
-    states = recording.states
-    time = np.array([state.time for state in states])
-    angles = np.array([state.angles for state in states])
-    rates = np.array([state.rates for state in states])
-    hub = np.asarray(scene.mechanism.hub_start + scene.mechanism.hub_speed * time)
-    poses = [scene.mechanism.poses(state)[-1] for state in states]
-    velocity = np.array([pose.centre_velocity for pose in poses])
-    height = np.array([pose.centre[1] for pose in poses])
-    kinetic = 0.5 * (velocity**2).sum(axis=1) + 0.5 * scene.mechanism.links[-1].inertia * rates[:, 0] ** 2
-    potential = 0.5 * (scene.effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2 + scene.effects.gravity * height
-    centre_line, centre_line_velocity = scene.mechanism.centre_line(time, angles, rates)
+    """Return what a run has recorded of a wire, in SI units; a method without an error estimate leaves it out."""
+    mechanism, states = scene.mechanism, recording.states
+    if mechanism.wires > 1:
+        own = slice(wire * mechanism.wire_links, (wire + 1) * mechanism.wire_links)
+        mechanism = mechanism.wire(wire)
+        states = [State(state.time, state.angles[own], state.rates[own]) for state in states]
+    time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
+    hub = np.asarray(mechanism.hub_start + mechanism.hub_speed * time)
+    kinetic, potential = _energies(mechanism, scene.effects, states, (hub, angles, rates))
+    centre_line, centre_line_velocity = mechanism.centre_line(time, angles, rates)
+    forces = [each[wire] if isinstance(each, tuple) else each for each in recording.forces]
     return Trajectory(
         time=time * units.time,
         hub_angle=hub,
@@ -52,21 +45,69 @@ def trajectory_in_si(
         centre_line_velocity=centre_line_velocity * units.velocity,
         kinetic_energy=kinetic * units.energy,
         potential_energy=potential * units.energy,
-        normal_force=np.array(recording.forces) * units.force,
+        normal_force=np.array(forces) * units.force,
         hub_speed=parameters["tool"]["hub"]["speed"],
-        events=tuple(Event(event.name, event.time * units.time) for event in recording.events),
-        contacts=tuple(contact_in_si(contact, units) for contact in recording.contacts),
+        events=tuple(Event(event.name, event.time * units.time) for event in _events(recording, scene, wire)),
+        contacts=tuple(contact_in_si(contact, units) for contact in _contacts(recording, scene.mechanism, wire)),
         stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
             *recording.seconds,
             recording.steps,
-            recording.error / motion_scale(scene, states[0]) if with_estimate else None,
+            recording.error / motion_scale(scene, recording.states[0]) if with_estimate else None,
         ),
         parameters=parameters,
         contact_at_end=recording.contact_at_end,
         stop_detail=recording.stop_detail,
         inner_samples=_inner_samples(recording, scene, units),
     )
+
+
+def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
+    """Return a wire's events, and by name what never happened."""
+    found = [event for event, wires in recording.events if wire in wires]
+    names = {event.name for event in found}
+    parts = {each.name for each in scene.effects.obstacles}
+    absent = [name for name, event in ABSENCES.items() if name.split()[0] in parts and event not in names]
+    return found + [Event(name, recording.states[-1].time) for name in absent]
+
+
+def _contacts(recording: Recording, mechanism: Mechanism, wire: int) -> Iterator[ContactRecord]:
+    """Yield a wire's contact records, with its own angles and rates, its link in contact and its partner."""
+    size, own = mechanism.wire_links, slice(wire * mechanism.wire_links, (wire + 1) * mechanism.wire_links)
+    for contact, links in recording.contacts:
+        wires = [link // size for link in links]
+        if len(mechanism.links) == 1:
+            yield contact
+        elif wire in wires:
+            place = wires.index(wire)
+            yield dataclasses.replace(
+                contact,
+                angles=contact.angles[own],
+                rates_before=contact.rates_before[own],
+                rates_after=contact.rates_after[own],
+                link=links[place] % size + 1 if size > 1 else None,
+                neighbour=wires[1 - place] + 1 if len(wires) > 1 else None,
+            )
+
+
+def _energies(
+    mechanism: Mechanism, effects: Effects, states: list[State], motion: tuple[Array, Array, Array]
+) -> tuple[Array, Array]:
+    """Return kinetic energy, and potential energy of belt, hinges and gravity, in engine units, each of shape (n,).
+
+    ``motion`` is the states' hub angle, angles and rates as arrays.
+    """
+    hub, angles, rates = motion
+    poses = [mechanism.poses(state) for state in states]
+    kinetic, potential = np.zeros(len(states)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
+    for number, link in enumerate(mechanism.links):
+        velocity = np.array([each[number].centre_velocity for each in poses])
+        height = np.array([each[number].centre[1] for each in poses])
+        kinetic += 0.5 * link.mass * (velocity**2).sum(axis=1) + 0.5 * link.inertia * rates[:, number] ** 2
+        potential += effects.gravity * link.mass * height
+    for number, (stiffness, _) in enumerate(effects.hinges[: len(mechanism.links) - 1]):
+        potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
+    return kinetic, potential
 
 
 def _inner_samples(recording: Recording, scene: Scene, units: Units) -> InnerSamples | None:

@@ -1,10 +1,10 @@
-"""The run of a scene: from one event to the next, in one state of contact after the other.
+"""The run of a scene: from one event to the next, in one smooth motion after the other.
 
 In flight nothing touches and the engine's contact is off. Where a gap closes, its instant is located and the contact
 law resolves the impact. If that leaves the link at rest against the obstacle and pressed on it, the engine's contact
-keeps it there, with Coulomb friction, until its force has fallen to zero; the instant of release is located too.
-Positions of a link in sustained contact are set back onto the obstacle after every interval, because the engine's contact
-only keeps velocities.
+keeps it there, with Coulomb friction, until its force has fallen to zero; the instant of release is located too. Several
+contacts may be sustained at a time. Positions of links in sustained contact are set back onto what they touch after every
+interval, because the engine's contact only keeps velocities.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Stepper
-from bristle_sim.scene.transitions import enter, first_state
+from bristle_sim.scene.transitions import contact_at_end, end, enter, first_motion
 from bristle_sim.stop_reason import StopReason
 
 __all__ = ["run"]
@@ -39,18 +39,18 @@ def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Pla
     wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
     budget = scene.work + plan.maximum_steps
     progress = Progress.at_start(scene, start, stepper, law, plan)
-    state = first_state(progress)
+    motion = first_motion(progress)
     while not progress.stopped:
         if progress.state.time >= plan.end * (1.0 - 1e-15):
             progress.stop(StopReason.END)
         elif scene.work >= budget:
             progress.stop(StopReason.STEP_BUDGET)
         else:
-            change = state.proceed()
-            state = state if change is None else enter(progress, change)
+            change = motion.proceed()
+            motion = motion if change is None else enter(motion, change)
     recording = progress.recording
-    recording.contact_at_end = state.summary()
-    state.end(str(recording.stop_reason))
+    recording.contact_at_end = contact_at_end(motion)
+    end(motion, str(recording.stop_reason))
     recording.seconds = (clock.perf_counter() - wall, clock.process_time() - cpu)
     recording.steps = scene.steps - steps
     return recording

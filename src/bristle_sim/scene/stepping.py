@@ -1,8 +1,7 @@
-"""Steppers integrate a scene over a smooth interval of motion; those with a fixed engine step are here."""
+"""Steppers integrate a scene over a smooth interval of motion; those of a fixed engine step are here."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
@@ -10,7 +9,7 @@ from typing import NamedTuple, Protocol
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 
-__all__ = ["Advance", "Load", "PlainSteps", "Stepper", "SymmetricSteps", "take_steps", "unpack"]
+__all__ = ["Advance", "Load", "PlainSteps", "Stepper", "take_steps", "unpack"]
 
 INSTANT = 1e-6
 """Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
@@ -79,8 +78,12 @@ class Stepper(Protocol):
         """Return how far a link's tip may be, within the interval, off the cubic through the states at its ends."""
 
 
-class FixedSteps:
-    """Engine steps of one length, which know nothing of their error."""
+class PlainSteps:
+    """One engine step after the other, of a fixed length, which knows nothing of its error: first order.
+
+    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
+    such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
+    """
 
     def __init__(self, step: float) -> None:
         """``step`` in engine units."""
@@ -106,14 +109,6 @@ class FixedSteps:
     def _left_at(self, scene: Scene, state: State) -> bool:
         """Whether the bodies were left in this state and nobody has moved them since."""
         return self._left is not None and self._left[0] is state and self._left[1] == scene.motions
-
-
-class PlainSteps(FixedSteps):
-    """One engine step after the other, of a fixed length: first order.
-
-    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
-    such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
-    """
 
     @property
     def noise(self) -> float:
@@ -142,69 +137,25 @@ class PlainSteps(FixedSteps):
         return result
 
 
-class SymmetricSteps(FixedSteps):
-    """Engine steps started and read half a drift off, which makes undamped free motion of second order.
-
-    The engine drifts, then kicks; shifting the positions back by half a drift before and on by half a drift after turns
-    the sequence into a symmetric one (leapfrog). It needs joints that the engine corrects at every step.
-    """
-
-    COUNT = 8
-    """Steps in an interval."""
-
-    def __init__(self, step: float) -> None:
-        """``step`` in engine units."""
-        super().__init__(step)
-        self._shift = 0.0
-
-    @property
-    def noise(self) -> float:
-        """The error of second order."""
-        return self.step**2
-
-    def propose(self, remaining: float) -> float:
-        """Return eight steps, or what is left."""
-        return min(self.COUNT * self.step, remaining)
-
-    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
-        """Resume from where the bodies were left, or shift them back to begin; read the state shifted on."""
-        count = max(1, math.ceil(duration / self.step - 1e-9))
-        step = duration / count
-        scene.correct_joints(completely=True)
-        if self._left_at(scene, state):
-            scene.drift(self._shift - 0.5 * step)
-        else:
-            scene.place(state, -0.5 * step)
-        values = take_steps(scene, step, count, load)
-        size = len(scene.links)
-        values[:size] = [angle + 0.5 * step * rate for angle, rate in zip(values, values[size:], strict=False)][:size]
-        scene.correct_joints(completely=False)
-        failed = load is not None and load.fails(values[3 * size :])
-        result = unpack(scene, state, duration, values, 0.0, failed)
-        self._left, self._shift = (result.state, scene.motions), 0.5 * step
-        return result
-
-
 def take_steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:
     """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from where the bodies are."""
-    act = None
-    if load is not None:
-        load.begin()
-        act = load.apply
-    if count > 1:
-        scene.step(step, count - 1, act)
-    before = scene.rates()
-    scene.step(step, 1, act)
-    rates = scene.rates()
-    values = scene.angles() + rates + [(b - a) / step for a, b in zip(before, rates, strict=True)]
-    return values if load is None else values + load.totals(step)
+    if load is None:
+        return scene.step(step, count)
+    load.begin()
+    return scene.step(step, count, load.apply) + load.totals(step)
 
 
 def unpack(
-    scene: Scene, state: State, duration: float, values: list[float], error: float, failed: bool = False
+    scene: Scene,
+    state: State,
+    duration: float,
+    values: list[float],
+    error: float,
+    failed: bool = False,
+    errors: Mapping[int, float] = NONE,
 ) -> Advance:
     """Return the values of :func:`take_steps` as the result of an interval."""
-    size = len(scene.links)
-    angles = tuple(angle + scene.turned for angle in values[:size])
+    size, turned = len(scene.links), scene.turned
+    angles = tuple([angle + turned for angle in values[:size]])
     end = State(state.time + duration, angles, tuple(values[size : 2 * size]))
-    return Advance(end, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed)
+    return Advance(end, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed, errors)

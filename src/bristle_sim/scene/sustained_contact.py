@@ -1,164 +1,257 @@
-"""The state in which the engine's contact keeps a link on an obstacle, until its force has fallen to zero."""
+"""A sustained contact: what it adds up to, its record, and the events that change or end it besides the loss of its force."""
 
 from __future__ import annotations
 
-from bristle_sim.scene.contact_states import Change, ContactState, Opening, Release, Resolve, Touch
-from bristle_sim.scene.engine_contact import (
-    ELBOW,
-    MOST_GRIP,
-    EngineContact,
-    elbow,
-    locking,
-    set_back,
-    sustained_contact_record,
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from bristle_sim.scene.event_functions import (
+    Change,
+    EventFunction,
+    HandOver,
+    Slip,
+    Touch,
+    freedom,
+    in_flight,
+    retraction,
 )
-from bristle_sim.scene.event_functions import EventFunction, in_touch
 from bristle_sim.scene.events import interpolate
+from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
+from bristle_sim.scene.wire_joints import neighbour
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactAtEnd
+from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["InSustainedContact"]
+if TYPE_CHECKING:
+    from bristle_sim.scene.contact_forces import ContactForces
+    from bristle_sim.scene.engine_contact import EngineContacts
+    from bristle_sim.scene.progress import Progress
+
+__all__ = ["STILL", "Sustained", "at_work", "extremes", "in_touch", "inner_states", "limits"]
 
 SHORTEST_SAMPLED = 2e-3
 """Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
 
+SHY = 0.95
+"""Fraction of the time until a force vanishes, by its slope, that the next interval takes: a force that bends is met later."""
+
 CUBIC = 0.1
 """Error of the cubic's rate, as a fraction of the requested one, above which the middle alone is not enough."""
 
+STILL = 1e-9
+"""Slip below this fraction of the scene's unit is rest: friction then has no direction."""
 
-class InSustainedContact(ContactState):
-    """The engine's contact keeps the link on an obstacle, until its force has fallen to zero.
+LEAST_GRIP = 1e-3
+"""With less, the force that keeps a contact closed grows beyond bounds: a jam."""
+
+
+@dataclass(slots=True, eq=False)
+class Sustained:
+    """A contact that the engine keeps closed until its force has fallen to zero.
 
     Attributes:
-        obstacle: that the link is on.
-        contact: the engine's contact as a load.
-        start, sums: state at which it began; impulses and friction's work since.
-        slope: rate of the normal force over the last interval.
-        ending: whether the force is known to vanish within the next interval of full length.
+        obstacle: the pair in contact.
+        start: state at which it began; None before.
+        sums: normal and tangential impulse and friction's work since.
+        force, slope: normal force at the end of the last interval, and its rate over it; None and 0 before.
+        slip: sense of the slip that friction acts against; 0 sticks, None until it is looked up.
+        stopped: sense of the slip that has stopped just now; 0 where none has.
     """
 
-    def __init__(self, progress: Progress, obstacle: Obstacle) -> None:
-        """Let the engine's contact act from here on, if it can."""
-        self.obstacle = obstacle
-        super().__init__(progress, progress.first_interval)
-        progress.state = set_back(progress.mechanism, obstacle, progress.state)
-        self.contact = EngineContact(progress.scene, obstacle)
-        self.start = progress.state
-        self.sums: tuple[float, ...] = (0.0, 0.0, 0.0)
-        self.slope, self.ending = 0.0, False
-        self._engage()
+    obstacle: Obstacle
+    start: State | None = None
+    sums: tuple[float, ...] = (0.0, 0.0, 0.0)
+    force: float | None = None
+    slope: float = 0.0
+    slip: int | None = None
+    stopped: int = 0
 
-    def summary(self) -> ContactAtEnd:
-        """Name the obstacle that the link is on."""
-        return ContactAtEnd("sustained contact", self.obstacle.name)
+    def begin(self, state: State) -> None:
+        """Begin a smooth motion in contact, the first one or another."""
+        self.start = self.start or state
+        self.force, self.slope = None, 0.0
 
-    def advance(self, length: float) -> Advance:
-        """Integrate under the contact's force."""
-        return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, self.contact)
+    def look_up_slip(self, gaps: Gaps, state: State) -> None:
+        """Find the sense of slip where friction may make the contact stick: on several links."""
+        if self.slip is None and self.obstacle.friction and len(state.angles) > 1:
+            slip = gaps.touch(self.obstacle, state).velocity[1]
+            self.slip = int(math.copysign(1.0, slip)) if abs(slip) > STILL else 0
 
-    def ends_within(self, result: Advance) -> bool:
-        """Whether the force vanishes within the interval."""
-        return result.failed or result.totals[0] <= 0.0
+    def turn(self, sense: int) -> None:
+        """Slip in another sense, or stick, from now on."""
+        self.stopped, self.slip = (self.slip or 0) if sense == 0 else 0, sense
 
-    def approach_end(self, length: float) -> Change | None:
-        """Come closer to where the force vanishes, or release the link."""
-        if self.before is None or length <= max(1e-9, 0.1 * self.progress.plan.accuracy):
-            self.release()
-            return Release(self.obstacle)
-        self.ending = True
-        predicted = -self.before.totals[0] / self.slope if self.slope < 0.0 else 0.0
-        self.limit = min(0.5 * length, max(0.95 * predicted, length / 16.0))
-        return None
+    def add(self, force: float, sums: Iterable[float], length: float) -> None:
+        """Add up what the contact did in an interval, and note the force at its end."""
+        self.sums = tuple(a + b for a, b in zip(self.sums, sums, strict=True))
+        if self.force is not None and length > 0.0:
+            self.slope = (force - self.force) / length
+        self.force = force
 
-    def commit(self, result: Advance) -> Opening | None:
-        """Set the link back onto the obstacle, add up what the contact did, and let it act from there."""
-        progress = self.progress
-        length = result.state.time - progress.state.time
-        self.sums = tuple(a + b for a, b in zip(self.sums, result.totals[1:], strict=True))
-        if self.before is not None and length > 0.0:
-            self.slope = (result.totals[0] - self.before.totals[0]) / length
-        start, piece = progress.state, self.contact.piece
-        progress.state = set_back(progress.mechanism, self.obstacle, result.state, piece)
-        self._sample_between(start, progress.state, piece)
-        self.before = result
-        self._engage()
-        progress.recording.error += result.error
-        progress.sample(result.totals[0])
-        near = self.ending and 0.0 < -self.slope * 4.0 * length > result.totals[0]
-        self.limit = length if near else max(2.0 * length, 0.0 if self.ending else progress.first_interval)
-        return None
+    def vanishes_in(self) -> float:
+        """Return after what time the force would vanish at its present rate."""
+        return -self.force / self.slope if self.force is not None and self.slope < 0.0 else math.inf
 
-    def _sample_between(self, start: State, end: State, piece: int | None) -> None:
-        """Record states within an interval: those of a single link in touch follow from the geometry alone."""
-        length, progress = end.time - start.time, self.progress
-        if length < SHORTEST_SAMPLED or len(start.angles) > 1:
-            return
-
-        def state_at(fraction: float) -> State:
-            return set_back(progress.mechanism, self.obstacle, interpolate(start, end, fraction), piece)
-
-        guess, middle = interpolate(start, end, 0.5).angles[-1], state_at(0.5)
-        # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
-        near = 8.0 * abs(middle.angles[-1] - guess) <= CUBIC * progress.plan.accuracy * length * abs(middle.rates[-1])
-        progress.recording.inner += [middle] if near else [state_at(0.25), middle, state_at(0.75)]
-
-    def _engage(self) -> None:
-        """Have the engine's contact act from the state that was reached; stop where no force keeps the link on it."""
-        progress, grip = self.progress, self.contact.engage(self.progress.state)
-        if grip <= 0.0:
-            progress.event("jam", progress.state.time)
-            progress.stop(StopReason.JAM)
-        elif grip > MOST_GRIP:
-            progress.stop(StopReason.FRICTION)
-
-    def search_touch(
-        self, obstacle: Obstacle, result: Advance, resolve: Resolve | None
-    ) -> tuple[Advance, Resolve | None]:
-        """Search the other obstacles, which may be touched all along."""
-        progress = self.progress
-        if obstacle is self.obstacle or progress.gaps.rests(obstacle, progress.state, result.state):
-            return result, resolve
-        return super().search_touch(obstacle, result, resolve)
-
-    def _shared_functions(self) -> list[EventFunction]:
-        """Return extremes and kinks of the sustained motion."""
-        progress = self.progress
-        return [*in_touch(progress.mechanism, self.obstacle, progress.state), *self.limits()]
-
-    def event_functions(self) -> list[EventFunction]:
-        """Return extremes and kinks, and what ends the contact besides its force."""
-        progress = self.progress
-        found = in_touch(progress.mechanism, self.obstacle, progress.state)
-        return [*found, locking(self.contact), elbow(self.contact), *self.limits()]
-
-    def meet(self, obstacle: Obstacle, rests: bool = False) -> Touch:
-        """Leave the obstacle before another is met."""
-        self.release()
-        return super().meet(obstacle, rests)
-
-    def note(self, function: EventFunction) -> Change | None:
-        """Let another piece of a bent wire take over by an impact."""
-        super().note(function)
-        if function.name != ELBOW:
+    def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
+        """Return the contact record; None for a contact that took no time."""
+        first = self.start
+        if first is None or last.time <= first.time:
             return None
-        self.end(self.obstacle.name)
-        return Touch(self.obstacle)
+        normal, tangential, work = self.sums
+        before, after = (gaps.touch(self.obstacle, state).velocity[1] for state in (first, last))
+        return ContactRecord(
+            obstacle=self.obstacle.name,
+            law="sustained",
+            outcome=outcome,
+            time=first.time,
+            duration=last.time - first.time,
+            impulse=(normal, tangential),
+            compressive_impulse=None,
+            compressive_work=(0.0, work),
+            restitutive_work=None,
+            velocity_before=(0.0, before),
+            velocity_after=(0.0, after),
+            angles=first.angles,
+            rates_before=first.rates,
+            rates_after=last.rates,
+        )
 
-    def release(self) -> None:
-        """Leave the obstacle, whose force has fallen to zero."""
-        self.end("release")
-        self.progress.event(f"{self.obstacle.name} release", self.progress.state.time)
 
-    def end(self, outcome: str) -> None:
-        """End the engine's contact and record it."""
-        progress = self.progress
-        progress.scene.release(self.obstacle)
-        if progress.state.time > self.start.time:
-            record = sustained_contact_record(
-                progress.mechanism, self.obstacle, self.start, progress.state, self.sums, outcome
-            )
-            progress.recording.contacts.append(record)
+def in_touch(gaps: Gaps, contact: Sustained, state: State) -> list[EventFunction]:
+    """Return functions of the state that have kinks of a sustained contact for zeros: it passes a corner, its slip turns."""
+    obstacle = contact.obstacle
+
+    def kink(index: int, at: Advance) -> float:
+        return gaps.touch(obstacle, at.state).kinks[index]
+
+    def slip(sense: int, at: Advance) -> float:
+        return sense * gaps.touch(obstacle, at.state).velocity[1]
+
+    where = _label(obstacle)
+    functions = [
+        EventFunction(f"corner {index} of {where}", partial(kink, index))
+        for index in range(len(gaps.touch(obstacle, state).kinks))
+    ]
+    if obstacle.friction and contact.slip is None:
+        functions.append(EventFunction(f"slip of {where}", partial(slip, 1)))
+    elif contact.slip:
+        stops = partial(Slip, obstacle, 0)
+        functions.append(EventFunction(f"slip of {where}", partial(slip, contact.slip), falling=True, act=stops))
+    return functions
+
+
+def extremes(progress: Progress, sustained: Sequence[Sustained]) -> list[EventFunction]:
+    """Return extremes of the motion relative to the hub, and kinks of sustained contact."""
+    if not sustained:
+        return in_flight(progress.scene)
+    kinks = [function for each in sustained for function in in_touch(progress.gaps, each, progress.state)]
+    return [*retraction(progress.mechanism), *kinks]
+
+
+def limits(progress: Progress) -> list[EventFunction]:
+    """Return the angle at which a bristle lies on the hub, if there is one, and tips that come out of dents."""
+    limit = progress.plan.retraction_limit
+    found = freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else []
+    return found + [_out_of_dent(progress, number) for number in progress.dents()]
+
+
+def _out_of_dent(progress: Progress, number: int) -> EventFunction:
+    """Watch a tip come out of the dent that a contact resolved in time has left it in."""
+    outside = progress.scene.effects.obstacles[number]
+
+    def gap(at: Advance) -> float:
+        return progress.gaps.gap(outside, at.state)
+
+    return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
+
+
+def at_work(progress: Progress, contacts: EngineContacts, forces: ContactForces) -> list[EventFunction]:
+    """Return what ends or changes sustained contacts besides their forces."""
+    found = []
+    for index, obstacle in enumerate(contacts.obstacles):
+        found += [locking(contacts, progress.gaps, index), elbow(contacts, progress.gaps, index)]
+        if len(progress.mechanism.links) > 1:
+            found += _hand_overs(progress, obstacle)
+            found += [_sticking(forces, index)] if contacts.slips[index] == 0 else []
+    return found
+
+
+def locking(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
+    """Watch the grip get too small: friction locks the link, or without it the link meets the obstacle end-on."""
+    obstacle = contacts.obstacles[index]
+    jams = obstacle.friction > 0.0
+    final = StopReason.JAM if jams else StopReason.NO_GRIP
+
+    def spare(at: Advance) -> float:
+        return contacts.grip(gaps, at.state, index) - LEAST_GRIP
+
+    return EventFunction(f"locking of {_label(obstacle)}", spare, True, "jam" if jams else None, final=final)
+
+
+def elbow(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
+    """Watch another piece of a bent link meet the obstacle that this one is on: it takes over by an impact."""
+    obstacle = contacts.obstacles[index]
+
+    def beside(at: Advance) -> float:
+        return obstacle.gap_beside(gaps.poses(at.state)[obstacle.link], contacts.pieces[index] or 0)
+
+    return EventFunction(f"other piece of {_label(obstacle)}", beside, falling=True, act=partial(Touch, obstacle))
+
+
+def _hand_overs(progress: Progress, obstacle: Obstacle) -> list[EventFunction]:
+    """Watch the contact slide over a joint onto a neighbouring link."""
+    gaps, found = progress.gaps, []
+
+    def before(at: Advance) -> float:
+        return obstacle.foot(gaps.poses(at.state)[obstacle.link])[0]
+
+    def after(following: Obstacle, at: Advance) -> float:
+        poses = gaps.poses(at.state)
+        return min(obstacle.foot(poses[obstacle.link])[1], following.foot(poses[following.link])[0])
+
+    def act(following: Obstacle) -> Change:
+        return HandOver(obstacle, following)
+
+    where = _label(obstacle)
+    if (lower := neighbour(progress, obstacle, -1)) is not None:
+        found.append(EventFunction(f"start of {where}", before, falling=True, act=partial(act, lower)))
+    if (upper := neighbour(progress, obstacle, 1)) is not None:
+        found.append(EventFunction(f"end of {where}", partial(after, upper), falling=False, act=partial(act, upper)))
+    return found
+
+
+def _sticking(forces: ContactForces, index: int) -> EventFunction:
+    """Watch the force of stick reach what friction gives: slip begins."""
+
+    def spare(at: Advance) -> float:
+        return forces.spare_friction(at.totals, index) if at.totals else math.nan
+
+    def act() -> Change:
+        return Slip(forces.obstacles[index], forces.driven(forces.reached, index))
+
+    return EventFunction(f"stick of {_label(forces.obstacles[index])}", spare, falling=True, act=act)
+
+
+def _label(obstacle: Obstacle) -> str:
+    return f"{obstacle.name} at link {obstacle.link}"
+
+
+def inner_states(progress: Progress, contacts: EngineContacts, start: State) -> list[State]:
+    """Return states within an interval that has ended: those of a single link in touch follow from the geometry alone."""
+    end = progress.state
+    length = end.time - start.time
+    if length < SHORTEST_SAMPLED or len(start.angles) > 1:
+        return []
+
+    def state_at(fraction: float) -> State:
+        return contacts.set_back(progress.gaps, interpolate(start, end, fraction))
+
+    guess, middle = interpolate(start, end, 0.5).angles[-1], state_at(0.5)
+    # An error e of the angle that grows from one end and falls to the other is one of 8 e/length in the rate.
+    near = 8.0 * abs(middle.angles[-1] - guess) <= CUBIC * progress.plan.accuracy * length * abs(middle.rates[-1])
+    return [middle] if near else [state_at(0.25), middle, state_at(0.75)]

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
@@ -16,7 +18,7 @@ from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 
-__all__ = ["damped_interval", "damping_rate", "longest_interval", "motion_scale", "stepper_for"]
+__all__ = ["damped_interval", "damping_rate", "longest_interval", "motion_scale", "stepper_for", "time_scale"]
 
 MOST_DAMPING = 8.0
 """Time constants of the engine's damping in an interval, two in each of the fewest steps, four, that it is repeated with.
@@ -46,6 +48,19 @@ def damped_interval(scene: Scene) -> float:
     return MOST_DAMPING / rate if rate else math.inf
 
 
+def time_scale(scene: Scene) -> float:
+    """Return the time in which the fastest mode of the hinges of a straight chain turns a radian; 1 where none is faster."""
+    mechanism, hinges = scene.mechanism, scene.effects.hinges
+    if not hinges:
+        return 1.0
+    links = mechanism.wire_links
+    wire = mechanism.wire(0)
+    twists = np.eye(links)[1:] - np.eye(links)[:-1]
+    stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
+    mass = wire.mass_matrix(wire.poses(State(0.0, (0.0,) * links, (0.0,) * links)))
+    return min(1.0, 1.0 / math.sqrt(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))).max()))
+
+
 def longest_interval(scene: Scene, samples_per_period: float) -> float:
     """Return the longest interval between samples that is short enough for the damping."""
     return min(2.0 * math.pi / samples_per_period, damped_interval(scene))
@@ -58,12 +73,14 @@ def motion_scale(scene: Scene, start: State) -> float:
     hub's speed into the bristle's, or at rest, it is 1.
     """
     mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
+    if effects.obstacles or len(mechanism.links) > 1:
+        return 1.0
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
     stiffness = (effects.stiffness or 0.0) + link.mass * math.hypot(*link.centre) * field
     own = math.sqrt(stiffness / link.inertia_about_joint)
     swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * own
     reached = max(swing, abs(start.rates[0] - mechanism.hub_speed))
-    return min(reached, 1.0) if reached and not effects.obstacles else 1.0
+    return min(reached, 1.0) if reached else 1.0
 
 
 def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, end: float) -> Stepper:
@@ -88,7 +105,7 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
 
 
 def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:
-    fastest = max(1.0, damping_rate(scene)) / units.time
+    fastest = max(1.0 / time_scale(scene), damping_rate(scene)) / units.time
     largest = min(2.0 * math.pi / samples_per_period, LARGEST_STEP) / fastest
     if step > largest:
         raise ValueError(
@@ -101,6 +118,10 @@ def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Uni
 def _local_fraction(scene: Scene, end: float) -> float:
     """Return the fraction of the requested accuracy that each interval may spend."""
     damping, stiffness = scene.effects.damping, scene.effects.stiffness
+    if len(scene.links) > 1:
+        return LOCAL_FRACTION * min(
+            1.0, SOME_INTERVALS * MOST_DAMPING / (end * max(damping_rate(scene), 1.0 / time_scale(scene)))
+        )
     if not damping or not stiffness:
         return LOCAL_FRACTION
     remembered = min(end, damping / stiffness)

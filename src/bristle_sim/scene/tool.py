@@ -4,34 +4,34 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass
+from collections.abc import Iterator
 
-from bristle_sim.parameters import Bristle, Contact, Tool
-from bristle_sim.quantity import quantity, shown, validate
+from bristle_sim.parameters import Contact, Tool
+from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
-from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan
-from bristle_sim.scene.results import note_absences, trajectory_in_si
+from bristle_sim.scene.results import trajectory_in_si
 from bristle_sim.scene.run import run
-from bristle_sim.scene.time_scales import longest_interval, stepper_for
+from bristle_sim.scene.starts import LONE, RETRACTION_LIMIT, Radial, Row, Start, check_start
+from bristle_sim.scene.time_scales import longest_interval, stepper_for, time_scale
 from bristle_sim.scene.units import Units
+from bristle_sim.scene.wire_links import wire_hinges, wire_links
+from bristle_sim.scene.wire_pair import wire_pairs
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["build_tool", "contact_law", "refuse_endless", "simulate"]
+__all__ = ["build_tool", "contact_law", "refuse_endless", "simulate", "simulate_from", "simulate_row"]
 
-METHOD = "pymunk"
-"""Says in a trajectory's parameters that the scene was simulated."""
+METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
+"""Say in a trajectory's parameters that the scene was simulated."""
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
-
-RETRACTION_LIMIT = math.pi / 2.0
-"""Angle of the bristle from the radial direction at which it lies on the hub, rad."""
 
 
 def tool_units(tool: Tool) -> Units:
@@ -47,50 +47,43 @@ SLOWEST = 1e-100
 """Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
 
 
-def build_tool(tool: Tool, *, hub_start: float = START) -> tuple[Scene, Units]:
+def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tuple[Scene, Units]:
     """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
-    if tool.bristle.links != 1:
-        raise ValueError(
-            f"wire_links = {tool.bristle.links}: must be 1, as only a rigid bristle can be simulated (dimensionless)"
-        )
     units = tool_units(tool)
     mechanism = Mechanism(
-        (_link(tool.bristle),), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start
+        wire_links(tool.bristle) * row.bristles,
+        tool.hub.radius / units.length,
+        tool.hub.speed * units.time,
+        hub_start,
+        row.bristles,
+        row.pitch,
     )
-    obstacles: list[Obstacle] = []
-    if tool.bar is not None:
-        centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
-        obstacles.append(
-            BarObstacle(
-                centre,
-                tool.bar.radius / units.length,
-                tool.bristle.wire_diameter / 2.0 / units.length,
-                tool.bar.friction,
-                tool.bar.restitution,
-            )
-        )
-    if tool.workpart is not None:
-        part = tool.workpart
-        obstacles.append(
-            WorkpartObstacle(
-                tool.workpart_depth / units.length, part.friction, part.friction_in_restitution, part.restitution
-            )
-        )
+    obstacles = [each for wire in range(row.bristles) for each in _obstacles(tool, units, wire * tool.bristle.links)]
+    if row.bristles > 1:
+        wire_radius = tool.bristle.wire_diameter / 2.0 / units.length
+        obstacles += wire_pairs(mechanism, wire_radius, row.friction, row.restitution)
     effects = Effects(
         stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness or tool.belt.damping_ratio else None,
         damping=tool.belt_damping / units.angular_damping,
         gravity=tool.gravity / units.acceleration,
         obstacles=tuple(obstacles),
+        hinges=wire_hinges(tool.bristle, tool.belt.stiffness, units) * row.bristles,
     )
     return Scene(mechanism, effects), units
 
 
-def _link(bristle: Bristle) -> Link:
-    """Return the bristle in units of its own length and mass."""
-    size = bristle.length
-    *knees, tip = ((x / size, y / size) for x, y in bristle.path)
-    centre = (bristle.centre[0] / size, bristle.centre[1] / size)
-    return Link(1.0, bristle.inertia_about_centre / (bristle.mass * size**2), centre, tip, tuple(knees))
+def _obstacles(tool: Tool, units: Units, first: int) -> Iterator[Obstacle]:
+    """Yield what the links of a wire can touch, from its first link on: the bar any of them, the workpart the tip."""
+    links = tool.bristle.links
+    if tool.bar is not None:
+        centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
+        wire_radius = tool.bristle.wire_diameter / 2.0 / units.length
+        of_bar = (tool.bar.radius / units.length, wire_radius, tool.bar.friction, tool.bar.restitution)
+        for link in range(first, first + links):
+            yield BarObstacle(centre, *of_bar, link=link)
+    if (part := tool.workpart) is not None:
+        surface = (part.friction, part.friction_in_restitution, part.restitution)
+        yield WorkpartObstacle(tool.workpart_depth / units.length, *surface, link=first + links - 1)
 
 
 def simulate(
@@ -102,7 +95,7 @@ def simulate(
     start_relative_rate: float = 0.0,
     stop_after: str | None = None,
 ) -> Trajectory:
-    """Simulate the bristle in pymunk from a given start.
+    """Simulate the bristle, a rigid one or a wire of links, in pymunk from a given start.
 
     Args:
         tool: what to simulate; parts that are None are absent from the scene.
@@ -119,23 +112,89 @@ def simulate(
             for this tool, rounding hides the accuracy, or a contact resolved in time comes to no end.
     """
     settings, stop_after = _checked(tool, settings, stop_after)
-    begin = _Start(start_hub_angle, start_relative_angle, start_relative_rate)
-    scene, units = build_tool(tool, hub_start=begin.hub_angle)
-    angle, speed = begin.hub_angle + begin.relative_angle, scene.mechanism.hub_speed
-    _check_start(scene, tool, angle)
-    start = State(0.0, (angle,), (speed + begin.relative_rate * units.time,))
-    plan = _plan(scene, settings, stop_after)
+    begin = Radial(start_hub_angle, start_relative_angle, start_relative_rate)
+    (run,) = _simulated(tool, settings, _radial(tool, begin, LONE), LONE, stop_after)
+    return run
+
+
+def simulate_from(tool: Tool, settings: Settings, start: Start, stop_after: str | None) -> Trajectory:
+    """Simulate the bristle from any state, in the state of contact in which another run has ended."""
+    (run,) = _simulated(tool, settings, start, LONE, stop_after)
+    return run
+
+
+def simulate_row(
+    tool: Tool,
+    settings: Settings | None = None,
+    *,
+    bristles: int,
+    pitch: float,
+    neighbour_friction: float,
+    neighbour_restitution: float,
+    start_hub_angle: float = START,
+    stop_after: str | None = None,
+) -> tuple[Trajectory, ...]:
+    """Simulate a row of bristles of one plane that touch each other, bar and workpart, in pymunk.
+
+    All start together, radial and turning with the hub.
+
+    Args:
+        tool: what to simulate, each bristle like the others.
+        settings: numerical settings; ``hub_turn`` is that of the last bristle, from where the foremost one starts.
+        bristles: number of them.
+        pitch: angle from each root to the next one, which follows it, rad.
+        neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
+        start_hub_angle: of the foremost root from the direction of the workpart, rad.
+        stop_after: name of an event; the run ends when every bristle has had it.
+
+    Returns:
+        One trajectory for each bristle, the foremost first, at common instants. The touch of two wires is the event
+        ``wire touch`` of both; the obstacle of its contact records, in which each has its own normal, is ``wire``.
+
+    Raises:
+        ValueError: as for ``simulate``, and if bristles overlap at the start or the contact law is one for a lone bristle.
+    """
+    settings, stop_after = _checked(tool, settings, stop_after)
+    row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
+    if tool.contact.law == "compliant" and row.bristles > 1:
+        raise ValueError("contact = compliant: must be energetic or engine in a row of bristles")
+    begin = Radial(start_hub_angle)
+    return _simulated(tool, settings, _radial(tool, begin, row), row, stop_after)
+
+
+def _radial(tool: Tool, begin: Radial, row: Row) -> Start:
+    """Return a start in which every wire has the same angle and rate relative to its root."""
+    links = range(row.bristles * tool.bristle.links)
+    angles = tuple(begin.hub_angle - link // tool.bristle.links * row.pitch + begin.relative_angle for link in links)
+    return Start(begin.hub_angle, angles, (begin.relative_rate,) * len(links), described=dataclasses.asdict(begin))
+
+
+def _simulated(
+    tool: Tool, settings: Settings, begin: Start, row: Row, stop_after: str | None
+) -> tuple[Trajectory, ...]:
+    """Return the run of each bristle."""
+    scene, units = build_tool(tool, hub_start=begin.hub_angle, row=row)
+    speed = scene.mechanism.hub_speed
+    start = State(0.0, begin.angles, tuple(speed + rate * units.time for rate in begin.relative_rates))
+    if begin.contact is None:
+        check_start(scene, tool, start)
+    plan = _plan(scene, settings, begin, stop_after)
     stepper = stepper_for(scene, settings, units, start, plan.end)
     recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
-    note_absences(recording, tool)
     parameters = {
-        "method": METHOD,
+        "method": METHOD if row is LONE else ROW_METHOD,
         "tool": dataclasses.asdict(tool),
         "settings": dataclasses.asdict(settings),
-        "start": dataclasses.asdict(begin),
+        "start": begin.described,
         "stop_after": stop_after,
     }
-    return trajectory_in_si(recording, scene, units, parameters, with_estimate=settings.step is None)
+    if row is not LONE:
+        parameters["row"] = dataclasses.asdict(row)
+    with_estimate = settings.step is None
+    return tuple(
+        trajectory_in_si(recording, scene, units, parameters, with_estimate=with_estimate, wire=wire)
+        for wire in range(row.bristles)
+    )
 
 
 def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Settings, str | None]:
@@ -148,59 +207,29 @@ def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Se
     return settings or Settings(), name
 
 
-def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
+def _plan(scene: Scene, settings: Settings, begin: Start, stop_after: str | None) -> Plan:
     return Plan(
-        end=_end(settings, scene.mechanism.hub_speed),
+        end=_end(settings, scene.mechanism),
         accuracy=settings.accuracy,
         stop_after=stop_after,
         longest_interval=longest_interval(scene, settings.samples_per_period),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
+        time_scale=time_scale(scene),
+        contact=begin.contact,
+        touched=begin.touched,
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Start:
-    """Where a run starts, checked."""
-
-    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
-    relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="requested"
-    )
-    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested")
-
-    def __post_init__(self) -> None:
-        validate(self)
-
-
-OVERLAP = 1e-11
-"""Fraction of the bristle's length by which rounding lets it overlap what it touches at the start."""
-
-PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}
-"""Keys that say where an obstacle stands."""
-
-
-def _check_start(scene: Scene, tool: Tool, angle: float) -> None:
-    """Refuse a start in which the bristle stands in an obstacle."""
-    pose = scene.mechanism.poses(State(0.0, (angle,), (0.0,)))[-1]
-    for obstacle in scene.effects.obstacles:
-        gap = obstacle.touch(pose, 0.0).gap
-        if gap < -OVERLAP:
-            part = getattr(tool, obstacle.name)
-            given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACES[obstacle.name])
-            raise ValueError(
-                f"{given}: the {obstacle.name} must be clear of the bristle at the start, this one overlaps it by"
-                f" {-gap * tool.bristle.length:.3g} (in m)"
-            )
 
 
 REST_PERIODS = 3.0
 """Length of a run on a hub at rest, in the scene's periods."""
 
 
-def _end(settings: Settings, speed: float) -> float:
-    """Return the length of a run for a hub's speed, both in the scene's unit of time."""
-    return settings.hub_turn / speed if speed else REST_PERIODS * 2.0 * math.pi
+def _end(settings: Settings, mechanism: Mechanism) -> float:
+    """Return the length of a run in the scene's unit of time: the last wire turns as far as requested."""
+    if not mechanism.hub_speed:
+        return REST_PERIODS * 2.0 * math.pi
+    return (settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch) / mechanism.hub_speed
 
 
 MOST_FIXED_STEPS = 100_000
@@ -216,7 +245,7 @@ def refuse_endless(tool: Tool, settings: Settings) -> None:
     if settings.step is None:
         return
     unit = tool_units(tool).time
-    end = _end(settings, tool.hub.speed * unit) * unit
+    end = _end(settings, Mechanism((), hub_speed=tool.hub.speed * unit)) * unit
     if end > settings.step * MOST_FIXED_STEPS:
         raise ValueError(
             f"step = {settings.step:g}: must be at least {end / MOST_FIXED_STEPS:.3g} for a run of {end:.3g} s, which else"

@@ -3,77 +3,165 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.contact_states import (
-    Change,
-    ContactState,
-    InFlight,
-    Opening,
-    Separating,
-    Touch,
-)
-from bristle_sim.scene.engine_contact import STILL, opening_rate
+from bristle_sim.scene.engine_contact import opening_rate
+from bristle_sim.scene.event_functions import Change, HandOver, Slip, Touch
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress, Rebound
-from bristle_sim.scene.sustained_contact import InSustainedContact
+from bristle_sim.scene.smooth_motion import SmoothMotion
+from bristle_sim.scene.sustained_contact import STILL, Sustained
+from bristle_sim.scene.wire_joints import at_joint
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactRecord
+from bristle_sim.trajectory import ContactAtEnd, ContactRecord
 
-__all__ = ["CAPTURE", "enter", "first_state"]
-
-CAPTURE = 1e-8
-"""An impact slower than this fraction of the fastest point's speed takes the rest of the approach away: repeated taps of
-a restitution below 1 add up in finite time."""
+__all__ = ["contact_at_end", "end", "enter", "first_motion"]
 
 LOSSLESS = 1e-12
 """Fraction of the speed that an impact may lose by rounding."""
 
+MOST_AT_ONCE = 64
+"""Impacts at one instant after which links are wedged, times the square of the number of contacts that pass them on."""
 
-def first_state(progress: Progress) -> ContactState:
-    """Return the state of contact in which a run starts."""
-    state: ContactState = InFlight(progress, None)
-    for obstacle in progress.scene.effects.obstacles:
+
+def first_motion(progress: Progress) -> SmoothMotion:
+    """Return the motion with which a run starts."""
+    motion = SmoothMotion(progress, None)
+    if (known := progress.plan.contact) is not None:
+        for each in progress.obstacles:
+            if known.obstacle == each.name:
+                lasts = known.state == "sustained contact"
+                return _next(progress, [Sustained(each)] if lasts else (), () if lasts else [each])
+    for obstacle in progress.obstacles:
         if progress.stopped or not progress.touches(obstacle):
             continue
         if progress.gaps.touch(obstacle, progress.state).velocity[0] <= 0.0:
-            state = enter(progress, state.meet(obstacle))
-        elif not isinstance(state, InSustainedContact):
-            state = Separating(progress, obstacle)
-    return state
+            motion = enter(motion, Touch(obstacle))
+        elif not motion.sustained:
+            motion = SmoothMotion(progress, progress.first_interval, (), [*motion.separating, obstacle])
+    return motion
 
 
-def enter(progress: Progress, change: Change) -> ContactState:
-    """Return the state of contact that follows a change."""
+def enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
+    """Return the motion that follows a change of contact."""
     if isinstance(change, Touch):
-        return _after_touch(progress, change.obstacle, rests=change.rests)
-    if isinstance(change, Opening):
-        return InFlight.after(progress, change)
-    return Separating(progress, change.obstacle)
+        return _after_touch(motion, change)
+    if isinstance(change, Slip):
+        for each in motion.sustained:
+            if each.obstacle is change.obstacle:
+                each.turn(change.sense)
+        return _next(motion.progress, motion.sustained, motion.separating)
+    leaving = [change.obstacle] if isinstance(change, HandOver) else list(change.obstacles)
+    kept = [each for each in motion.sustained if each.obstacle not in leaving]
+    separating = list(motion.separating)
+    if isinstance(change, HandOver):
+        end(motion, change.following.name, leaving)
+        kept.append(Sustained(change.following))
+    else:
+        _release(motion, leaving)
+        separating += leaving
+    return _next(motion.progress, kept, separating)
 
 
-def _after_touch(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactState:
-    """Resolve an impact; ``rests`` takes what is left of the approach. Returns the state that follows."""
+def contact_at_end(motion: SmoothMotion) -> ContactAtEnd:
+    """Return what a run that ends here is resumed from."""
+    if motion.sustained:
+        return ContactAtEnd("sustained contact", motion.sustained[-1].obstacle.name)
+    return ContactAtEnd("separating", motion.separating[-1].name) if motion.separating else ContactAtEnd()
+
+
+def end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None = None) -> None:
+    """End sustained contacts, all or those of some obstacles, and record them."""
+    progress = motion.progress
+    progress.scene.contacts.release()
+    for each in motion.sustained:
+        if obstacles is None or each.obstacle in obstacles:
+            record = each.record(progress.gaps, progress.state, outcome)
+            if record is not None:
+                progress.contact(record, each.obstacle)
+
+
+def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str = "release") -> None:
+    """Leave obstacles, whose forces have fallen to zero or which an impact has ended."""
+    progress = motion.progress
+    end(motion, outcome, obstacles)
+    for each in obstacles:
+        progress.event(f"{each.name} release", progress.state.time, progress.wires_of(each))
+
+
+def _next(progress: Progress, sustained: Sequence[Sustained], separating: Sequence[Obstacle]) -> SmoothMotion:
+    return SmoothMotion(progress, progress.first_interval, sustained, separating)
+
+
+def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
+    """Resolve an impact and those that follow it at the same instant; return the motion after it."""
+    progress, obstacle = motion.progress, at_joint(motion.progress, touch.obstacle)
+    if any(each.obstacle is obstacle for each in motion.sustained):
+        # Another piece of the same link takes over.
+        end(motion, obstacle.name, [obstacle])
+    elif len(progress.mechanism.links) == 1:
+        _release(motion, [each.obstacle for each in motion.sustained])
+    elif touch.rests:
+        # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
+        progress.event(f"{obstacle.name} touch", progress.state.time, progress.wires_of(obstacle))
+        others = [each for each in motion.separating if each is not obstacle]
+        return _next(progress, [*motion.sustained, Sustained(obstacle)], others)
     left = least_opening_rate(progress, obstacle)
-    first = not any(each.obstacle == obstacle.name for each in progress.recording.contacts)
+    first = not progress.touched(obstacle)
+    progress.scene.contacts.release()
     try:
-        record = _resolve(progress, obstacle, rests=rests or left <= STILL)
+        record = _resolve(progress, obstacle, rests=touch.rests or left <= STILL)
     except ValueError as error:
         if first:
             raise
         progress.stop(StopReason.UNRESOLVED, str(error))
-        return InFlight(progress, progress.first_interval)
+        return _next(progress, (), ())
     jams = record.outcome == "jam" or left < -STILL
     if jams:
         progress.stop(StopReason.JAM)
-    progress.event(touch_event(obstacle.name, first), record.time)
+    progress.event(touch_event(obstacle.name, first), record.time, progress.wires_of(obstacle))
     if jams:
-        progress.event("jam", progress.state.time)
-        return InFlight(progress, progress.first_interval)
-    if record.outcome != "rebound" or _stays(progress, record):
-        return InSustainedContact(progress, obstacle)
-    progress.rebound = Rebound(obstacle.name, progress.state.time, record.velocity_after[0])
-    return Separating(progress, obstacle)
+        progress.event("jam", progress.state.time, progress.wires_of(obstacle))
+        return _next(progress, (), ())
+    if record.duration:
+        obstacle = progress.in_dent(obstacle)
+    if len(progress.mechanism.links) > 1:
+        return _after_all_touches(motion, obstacle, record)
+    if record.outcome != "rebound" or _stays(progress, obstacle, record):
+        return _next(progress, [Sustained(obstacle)], ())
+    progress.rebound = Rebound(obstacle, progress.state.time, record.velocity_after[0])
+    return _next(progress, (), [obstacle])
+
+
+def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactRecord) -> SmoothMotion:
+    """Resolve what the impact makes of other closed contacts, the fastest approach first; return the motion after it."""
+    progress = motion.progress
+    lasting = {each.obstacle: each for each in motion.sustained}
+    closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
+    for _ in range(MOST_AT_ONCE * len(closed) ** 2):
+        rates = {each: progress.gaps.touch(each, progress.state).velocity[0] for each in closed}
+        fastest = min(rates, key=rates.__getitem__)
+        if rates[fastest] >= -progress.slow:
+            break
+        record = _resolve(progress, fastest, rests=False)
+        if record.duration:
+            closed = [progress.in_dent(each) if each is fastest else each for each in closed]
+        if record.outcome == "jam":
+            break
+    else:
+        progress.stop(StopReason.JAM)
+    if record.outcome == "jam":
+        progress.stop(StopReason.JAM)
+    if progress.stopped:
+        progress.event("jam", progress.state.time, progress.wires_of(fastest))
+        return _next(progress, (), ())
+    leaving = [each for each in closed if rates[each] > progress.slow]
+    staying = [each for each in closed if each not in leaving]
+    _release(motion, [each for each in lasting if each in leaving], touched.name)
+    for contact in lasting.values():
+        contact.slip = None
+    return _next(progress, [lasting.get(each) or Sustained(each) for each in staying], leaving)
 
 
 def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactRecord:
@@ -81,10 +169,10 @@ def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactR
     law = progress.law if obstacle.name == "workpart" else EnergeticLaw()
     coefficients = Coefficients.of(obstacle)
     approach = -progress.gaps.touch(obstacle, progress.state).velocity[0]
-    if rests or approach <= CAPTURE * progress.mechanism.speed_bound(progress.state):
+    if rests or approach <= progress.slow:
         law, coefficients = EnergeticLaw(), Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
     after, record = law.resolve(progress.scene, progress.state, obstacle, coefficients)
-    progress.recording.contacts.append(record)
+    progress.contact(record, obstacle)
     if record.history is not None:
         progress.sample(0.0)
     progress.state = after
@@ -98,21 +186,21 @@ def least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
         return math.inf
     gaps, state = progress.gaps, progress.state
     touch, rate = gaps.touch(obstacle, state), state.rates[-1]
-    closed = [each for each in progress.scene.effects.obstacles if each is not obstacle and progress.touches(each)]
+    closed = [each for each in progress.obstacles if each is not obstacle and progress.touches(each)]
     return min((opening_rate(touch, gaps.touch(each, state), rate) for each in closed), default=math.inf)
 
 
-def _stays(progress: Progress, record: ContactRecord) -> bool:
+def _stays(progress: Progress, obstacle: Obstacle, record: ContactRecord) -> bool:
     """Whether a rebound is too slow to be followed, or so low that fixed steps would repeat it for ever.
 
     A step drifts before it kicks: a hop under the acceleration a arrives by a h faster than it left, and restitution
     e leaves no less than e a h/(1 - e), the speed of a hop of (1 + e)/(1 - e) steps.
     """
     arrival, speed = -record.velocity_before[0], record.velocity_after[0]
-    if speed <= CAPTURE * progress.mechanism.speed_bound(progress.state):
+    if speed <= progress.slow:
         return True
     last, step = progress.rebound, getattr(progress.stepper, "step", 0.0)
-    if last is None or last.obstacle != record.obstacle or arrival - speed <= LOSSLESS * arrival:
+    if last is None or last.obstacle.name != obstacle.name or arrival - speed <= LOSSLESS * arrival:
         return False
     hop = record.time - last.time
     low = speed**2 * hop <= 2.0 * (arrival + last.speed) * progress.stepper.noise

@@ -40,9 +40,11 @@ def wire_hinges(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[
         root_stiffness: of the belt, N m/rad, which the first bending mode depends on.
         units: of the scene.
     """
+    if bristle.links == 1:
+        return ()
     wire = (bristle.wire_diameter, bristle.length, bristle.modulus)
     stiffness, damping = hinge_stiffness(*wire, bristle.links), 0.0
-    if bristle.bending_damping_ratio and bristle.links > 1:
+    if bristle.bending_damping_ratio:
         shape = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, root_stiffness)
         damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
     return ((stiffness / units.energy, damping / units.angular_damping),) * (bristle.links - 1)

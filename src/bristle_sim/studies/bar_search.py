@@ -20,20 +20,6 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import NotCuedError, simulated_strike, start_angle, strike_measures
 from bristle_sim.theory import cueing
 
-__all__ = [
-    "FINEST_MAXIMUM",
-    "Measures",
-    "Place",
-    "Strike",
-    "fastest_place",
-    "placed",
-    "radial_place",
-    "reference_solution",
-    "retraction",
-    "simulation",
-    "stiffened_direction",
-]
-
 Measures = dict[str, float | None]
 Strike = Callable[[Tool], Measures]
 """Measures of the strike of a tool; raises NotCuedError where there is none."""
@@ -173,7 +159,7 @@ def simulation(settings: Settings) -> Strike:
 
 
 def reference_solution(settings: Settings) -> Strike:
-    """The same by the independent solution."""
+    """Return the strike by the independent solution."""
     from bristle_sim.reference import simulate_reference
 
     def strike(tool: Tool) -> Measures:

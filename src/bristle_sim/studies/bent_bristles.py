@@ -13,22 +13,22 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_results import require_result, stopped
+from bristle_sim.studies.strike_point import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
-__all__ = ["BentBristles", "Slide", "against_film", "bent_bristles", "slide_of", "slide_path"]
-
-Array = NDArray[np.float64]
-
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
+
+REST = 1e-4
+"""Fraction of the fastest slip below which the tip is at rest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,27 +36,29 @@ class Slide:
     """Describes how a tip slides on the workpart in its first strike.
 
     Attributes:
-        forward: distance it slides forward before it turns, m.
+        forward: longest distance that it is ahead of the first touch, m.
         total: displacement along the workpart while in contact, m; negative: retracted.
         duration: of the contact, s.
-        turn_time: from the first touch until the slip turns, s; inf if it does not turn.
         compression_time: from the first touch to the deepest penetration, s.
-        turns_in_compression: whether slip reverses before compression ends.
+        ending: how the first slip ends, ``turns`` or ``stops`` (the tip sticks); None if it lasts.
+        ending_phase: ``compression`` or ``restitution``, in which it ends; None if it lasts.
+        ending_time: from the first touch until then, s; inf if it lasts.
     """
 
     forward: float
     total: float
     duration: float
-    turn_time: float
     compression_time: float
-    turns_in_compression: bool
+    ending: Literal["turns", "stops"] | None
+    ending_phase: str | None
+    ending_time: float
 
     @property
     def verdict(self) -> str:
-        """Say in which part of the contact the slip turns."""
-        if math.isinf(self.turn_time):
-            return "slip does not turn"
-        return "slip turns in compression" if self.turns_in_compression else "slip turns in restitution"
+        """Say how and when the slip ends."""
+        if self.ending is None:
+            return "slip neither turns nor stops"
+        return f"slip {self.ending} in {self.ending_phase}, {1e6 * self.ending_time:.1f} us after the touch"
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,14 +87,18 @@ def slide_of(contact: ContactRecord) -> Slide:
     if history is None:
         raise ValueError(f"contact = {contact.law}: must be compliant; another law has no path of the tip")
     path, since = slide_path(history), history.time - history.time[0]
-    farthest = int(np.argmax(path))
+    ends = [phase for phase in contact.phases if not phase.endswith(" slip") or phase.endswith(" reverse slip")]
+    speed = history.tangential_velocity
+    # Stick leaves the integrator's error, turning passes through 0.
+    over = speed <= REST * np.abs(speed).max()
     return Slide(
         forward=float(path.max()),
         total=float(path[-1]),
         duration=contact.duration,
-        turn_time=math.inf if farthest == path.size - 1 else float(since[farthest]),
         compression_time=float(since[np.argmax(history.penetration)]),
-        turns_in_compression="compression reverse slip" in contact.phases,
+        ending=None if not ends else "stops" if ends[0].endswith(" stick") else "turns",
+        ending_phase=ends[0].split()[0] if ends else None,
+        ending_time=float(since[np.argmax(over)]) if ends and over.any() else math.inf,
     )
 
 
@@ -165,9 +171,8 @@ def _strike(run: Trajectory) -> list[float]:
 def _verdict(slide: Slide | None) -> str:
     if slide is None:
         return "never strikes"
-    turn = "" if math.isinf(slide.turn_time) else f", {1e6 * slide.turn_time:.1f} us after the touch"
     compression = f"compression ends at {1e6 * slide.compression_time:.1f} us"
-    return f"{1e3 * slide.forward:.2f} mm forward, {slide.verdict}{turn} ({compression})"
+    return f"{1e3 * slide.forward:.2f} mm forward, {slide.verdict} ({compression})"
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:

@@ -8,16 +8,12 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PPoly
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bristle, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.trajectory import ContactHistory, ContactRecord
-
-__all__ = ["PiecewiseCubic", "TimedContact", "pieces"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

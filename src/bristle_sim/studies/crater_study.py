@@ -14,8 +14,8 @@ import math
 from dataclasses import dataclass
 
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle, Hub, Surface
+from bristle_sim.parameters.crater import Crater
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.crater_sums import (
@@ -38,12 +38,6 @@ from bristle_sim.theory.crater_cutting import (
 from bristle_sim.theory.merchant import CuttingAngles, ShearAngleError, oblique_angles, specific_cutting_energy
 from bristle_sim.theory.merchant import Surface as SurfaceKind
 from bristle_sim.theory.monofilament import tip_speed
-
-__all__ = [
-    "MEASURED",
-    "CraterStudy",
-    "crater_study",
-]
 
 MEASURED = 1.3e-4
 """Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)."""

@@ -14,31 +14,17 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
-from bristle_sim.crater_parameters import Crater
 from bristle_sim.parameters import Bristle
+from bristle_sim.parameters.crater import Crater
 from bristle_sim.theory.crater import constant_for_crater_depth, merchant_crater_depth
-
-__all__ = [
-    "FRICTIONS",
-    "IMPACT_ANGLES_DEG",
-    "constant_in_words",
-    "constant_row",
-    "constants_over",
-    "energy_depth_course",
-    "least_constant_deg",
-    "merchant_depth_course",
-    "merchant_depth_extrapolated",
-    "merchant_depth_sum",
-]
-
-Array = NDArray[np.float64]
 
 FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
 IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
-"""Of the table: the ranges of figs. 4.14 and 4.15, closer where C runs from its least value to 90 degrees."""
+"""Rows of the table: the ranges of figs. 4.14 and 4.15, closer where C runs from its least value to 90 degrees."""
 
 SAME_SUM = 1e-9
 """Relative difference of two sums over plies, see crater_study."""

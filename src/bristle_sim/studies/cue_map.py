@@ -9,14 +9,16 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import functools
+import logging
 import math
 import time as clock
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import ANY, quantity, validate
+from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
@@ -37,8 +39,6 @@ from bristle_sim.theory import cueing
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["CueMap", "MapGrid", "cue_map", "named", "position_map"]
-
 PRINTED = {
     "bar_direction_for_radial_strike_deg": math.degrees(math.atan2(0.05037, 0.0225)),
     "bar_horizontal": 0.05037,
@@ -56,18 +56,11 @@ MOVES = {
 
 
 @dataclass(frozen=True, slots=True)
-class MapGrid:
+class MapGrid(Declared):
     """Resolution of the maps, and the processes that compute them."""
 
-    points: float = quantity(
-        25.0,
-        "map_points",
-        "1",
-        at_least=2.0,
-        at_most=2000.0,
-        source="chosen",
-        meaning="points of each axis of the maps",
-        usual=ANY,
+    points: int = count(
+        25, "map_points", at_least=2, at_most=2000, source="chosen", meaning="points of each axis of the maps"
     )
     half_width: float = quantity(
         0.008,
@@ -78,15 +71,7 @@ class MapGrid:
         source="chosen",
         meaning="half-width of the maps about the bar's position",
     )
-    workers: float = quantity(
-        1.0, "workers", "1", at_least=1.0, at_most=4096.0, source="chosen", meaning="processes for the maps", usual=ANY
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        for key, value in (("map_points", self.points), ("workers", self.workers)):
-            if value != int(value):
-                raise ValueError(f"{key} = {value!r}: must be a whole number (dimensionless)")
+    workers: int = count(1, "workers", at_least=1, at_most=4096, source="chosen", meaning="processes for the maps")
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,11 +95,17 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
     started = clock.perf_counter()
+    tell = functools.partial(_tell, started, 2 + sum(map(len, MOVES.values())) + (2 if with_reference else 0))
     strike = simulation(settings)
     radial = radial_place(tool, strike)
+    tell(1)
     fastest = fastest_place(tool, strike, radial.direction)
+    tell(2)
     formula = _formula(tool)
-    moves = tuple(_moves(tool, strike, radial.direction))
+    moves: tuple[dict[str, Any], ...] = ()
+    for row in _moves(tool, strike, radial.direction):
+        moves += (row,)
+        tell(2 + len(moves))
     return Report(
         outcome=None,
         quantities=_quantities(tool, settings, radial, fastest, formula, with_reference=with_reference),
@@ -123,6 +114,12 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         extra={"moves": list(moves)},
         subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
     )
+
+
+def _tell(started: float, total: int, done: int) -> None:
+    """Log how many searches are done, and the time left if each of the others takes their mean."""
+    left = (clock.perf_counter() - started) * (total / done - 1.0)
+    logging.getLogger(__name__).info("%d of %d searches done, about %.0f s left", done, total, left)
 
 
 def _formula(tool: Tool) -> float | None:
@@ -208,10 +205,9 @@ def moved(tool: Tool, key: str, value: float) -> Tool:
     return dataclasses.replace(tool, belt=dataclasses.replace(tool.belt, **{key.removeprefix("belt_"): value}))
 
 
-def _moves(tool: Tool, strike: Strike, start: float) -> list[dict[str, Any]]:
-    """The direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
+def _moves(tool: Tool, strike: Strike, start: float) -> Iterator[dict[str, Any]]:
+    """Yield the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
     own = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}
-    rows = []
     for key, choices in MOVES.items():
         for choice in choices:
             value = own[key] * choice if key in own else choice
@@ -219,16 +215,13 @@ def _moves(tool: Tool, strike: Strike, start: float) -> list[dict[str, Any]]:
             with contextlib.suppress(ValueError):  # the row says so by having no direction
                 found = radial_place(other, strike, start)
             formula = _formula(other)
-            rows.append(
-                {
-                    "key": key,
-                    "value": value,
-                    "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
-                    "theory": formula and math.degrees(formula),
-                    "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
-                }
-            )
-    return rows
+            yield {
+                "key": key,
+                "value": value,
+                "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
+                "theory": formula and math.degrees(formula),
+                "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
+            }
 
 
 def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> tuple[str, ...]:
@@ -264,10 +257,10 @@ def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
     except ImportError as error:
         raise ValueError(f"maps need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
     assert tool.bar is not None
-    offsets = np.linspace(-grid.half_width, grid.half_width, int(grid.points))
+    offsets = np.linspace(-grid.half_width, grid.half_width, grid.points)
     fixed = {key: value for key, value in keys_of(tool).items() if key not in ("bar_horizontal", "bar_vertical")}
     horizontal = tool.bar.horizontal + offsets
     space = {"bar_vertical": tool.bar.vertical + offsets, "bar_horizontal": horizontal[horizontal >= 0.0]}
     point = functools.partial(strike_of_keys, settings, **fixed)
     units = {**STRIKE_UNITS, "bar_horizontal": "m", "bar_vertical": "m"}
-    return sweep(point, space, units=units, workers=None if grid.workers == 1.0 else int(grid.workers))
+    return sweep(point, space, units=units, workers=None if grid.workers == 1 else grid.workers)

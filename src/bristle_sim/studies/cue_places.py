@@ -17,30 +17,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_results import state_at_strike
+from bristle_sim.studies.strike_point import state_at_strike
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
-
-__all__ = [
-    "BarPlace",
-    "FullPass",
-    "ReadingPlaces",
-    "Release",
-    "formula_motion",
-    "formula_place",
-    "formula_release",
-    "full_pass",
-    "place_of",
-    "seen_at_strike",
-    "stiffness_readings",
-]
-
-Array = NDArray[np.float64]
 
 BEFORE_BAR = math.radians(30.0)
 """A whole pass starts with the radial bristle this far before the bar's direction, clear of the bar, rad."""

@@ -11,9 +11,7 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
@@ -27,13 +25,9 @@ from bristle_sim.studies.cue_places import (
     seen_at_strike,
     stiffness_readings,
 )
-from bristle_sim.studies.strike_results import require_result
+from bristle_sim.studies.strike_point import require_result
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
-
-__all__ = ["OWN", "CueTiming", "cue_timing", "unplaced"]
-
-Array = NDArray[np.float64]
 
 PRINTED_DIRECTION = math.degrees(math.atan2(0.05037, 0.0225))
 """A + theta_1 + gamma of the printed bar position, deg (Zhang 2020, eq. 2.3)."""

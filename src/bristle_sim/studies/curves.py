@@ -7,16 +7,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
-
-__all__ = ["SOURCES", "Axis", "Curve", "Level", "Mark", "Panel", "Source", "curve_of", "impact_curve"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,8 +12,8 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of, impact_curve
@@ -23,21 +23,6 @@ from bristle_sim.theory.monofilament import normal_final_impulse, tip_speed
 from bristle_sim.theory.pendulums import DoublePendulumImpact, double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = [
-    "HEAVY_ROD",
-    "HEAVY_ROD_SURFACE",
-    "IMPULSE",
-    "Impact",
-    "Measure",
-    "closed_form",
-    "double_pendulum_panels",
-    "final_rate",
-    "heavy_rod_panel",
-    "pendulum_curve",
-    "weighted",
-]
-
-Array = NDArray[np.float64]
 Impact = Callable[[float], tuple[Chain, Surface]]
 """The double pendulum and the surface that belong to an x."""
 

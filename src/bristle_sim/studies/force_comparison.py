@@ -13,11 +13,11 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.crater_parameters import ForceHistory, Measurement
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
+from bristle_sim.parameters.crater import ForceHistory, Measurement
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_fits import (
@@ -42,10 +42,6 @@ from bristle_sim.theory.force_history import (
     segment_impulses,
 )
 from bristle_sim.theory.monofilament import tip_speed
-
-__all__ = ["ForceComparison", "force_comparison", "segment_table"]
-
-Array = NDArray[np.float64]
 
 SEGMENTS = 10
 """Equal parts of the compression (Zhang 2020, table 3.1)."""

@@ -13,33 +13,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
-from bristle_sim.crater_parameters import Measurement
 from bristle_sim.force_file.read import read_force_csv
-from bristle_sim.theory.force_fit import ForceFit, fit_force_history
+from bristle_sim.parameters.crater import Measurement
+from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import ForceCurve
-
-__all__ = [
-    "FitTrial",
-    "MeasuredForce",
-    "fit_as_dict",
-    "fit_trials",
-    "measured_force",
-    "measured_in_words",
-    "measured_rows",
-    "noisy_points",
-    "peak_of",
-    "trial_as_dict",
-    "trial_in_words",
-    "trial_row",
-]
-
-Array = NDArray[np.float64]
+from bristle_sim.theory.force_least_squares import ForceFit
 
 SEED = 1
-"""Of the noise: same inputs, same numbers."""
+"""Seed of the noise: same inputs, same numbers."""
 
 OFFSET_ROUNDING = 1e-3
 """The printed curves have their offset rounded to 26 and 145 N, by 0.019 and 0.059 N; of their peaks, 57 and 341 N, that

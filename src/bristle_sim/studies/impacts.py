@@ -14,11 +14,9 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_results import CONTACT_UNITS, contact_quantities
+from bristle_sim.studies.strike_point import CONTACT_UNITS, contact_quantities
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
-
-__all__ = ["Impacts", "double_pendulum", "oblique_impact", "single_pendulum"]
 
 LAWS = ("energetic", "compliant", "engine")
 

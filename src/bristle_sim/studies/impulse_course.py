@@ -10,23 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactHistory
-
-__all__ = [
-    "ImpulseCourse",
-    "contact_inverse_mass",
-    "energetic_course",
-    "recorded_course",
-    "tip_response",
-    "tip_velocity",
-]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

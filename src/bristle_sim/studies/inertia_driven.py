@@ -18,11 +18,9 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_results import require_result
+from bristle_sim.studies.strike_point import require_result
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory
-
-__all__ = ["InertiaDriven", "inertia_driven"]
 
 UNITS = {
     "largest_retraction_deg": "deg",

@@ -9,15 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw, EngineLaw
 from bristle_sim.scene.strike import Chain, build_strike
-
-__all__ = ["RIGID", "EngineEnergy", "LawResult", "engine_energy", "strike_by"]
-
-Array = NDArray[np.float64]
 
 ITERATIONS = (1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000)
 

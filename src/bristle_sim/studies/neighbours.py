@@ -1,173 +1,288 @@
-"""Neighbours in one plane: from what spacing do two wires touch each other?
+"""Neighbours in one plane: the least pitches at which wires touch, and what a touch does to the strike.
 
-On a hub of constant speed each bristle that touches no other one does what the one before it did, a pitch beta of the hub's
-turn later. So two wires touch where the capsules (the centre line with half the wire's diameter about it) of A(t) and of its
-follower A(t - beta/omega) do, A being the motion of a lone bristle.
+Rows of bristles are simulated together; the least pitches are compared with those by the motion of a lone bristle, and the
+last bristle's strike with the lone one's.
 """
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
-from scipy.optimize import brentq, minimize_scalar
 
+from bristle_sim.comparison import Quantity, Report
+from bristle_sim.parameters import Neighbours, Tool
+from bristle_sim.scene.tool import simulate, simulate_row
+from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
+from bristle_sim.studies.strike_point import require_result, state_at_strike
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["LonePass", "least_pitch", "nearest_approach", "polyline_distance"]
+__all__ = ["STATE", "WIRE_TOUCH", "Row", "neighbours", "over_pitch", "root_pitch", "row_series", "strike_values"]
 
-Array = NDArray[np.float64]
+WIRE_TOUCH = "wire touch"
 
-PITCH_STEP = math.radians(0.25)
-"""Between the pitches that are tried one after the other, rad; local minima of the distance between them are refined."""
+FIRST_WIDTH = 0.1
+"""Width of the interval about the theoretical least pitch that the search on simulated rows bisects, deg."""
 
-PITCH_TOLERANCE = 1e-9
-"""Of the least pitch, rad: 6e-8 deg."""
+RESOLUTION = 0.005
+"""Width to which that interval is bisected, deg."""
 
-INSTANTS = 1500
-"""Even instants of a pass at which the distance is looked at, besides the samples; 0.2 deg of the hub's turn in a pass."""
+WIDENINGS = 5
+"""Times that the interval is doubled until its ends differ, after which the search has failed."""
 
-DEEPEST = 2
-"""Local minima of the distance over time that are refined, beginning with the least."""
+AGREEMENT = 0.05
+"""Largest difference of simulated and theoretical least pitches that agrees, deg."""
+
+SAMPLES_PER_PERIOD = 150
+"""Samples in a period of the lone bristle on its belt, for the cubics of its centre line."""
+
+MOST_SAMPLES = 5000
+"""Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
+
+LARGEST = math.pi / 2.0
+"""Pitch from which the search goes down, rad."""
+
+BEYOND = 1e-6
+"""How far above a least pitch the search for a smaller one begins, rad: a thousand times what it is good to."""
+
+STATE = {"relative_speed_at_contact": "rad/s", "lag_deg_at_contact": "deg", "normal_final_impulse": "N s"}
+"""Units of what is reported of the last bristle's strike."""
 
 
-class LonePass:
-    """A bristle that touches no other one, at any instant of its pass.
+@dataclass(frozen=True, slots=True)
+class LeastPitch:
+    """A pitch above which two wires do not touch up to an instant of a lone pass.
 
-    Between the samples the centre line is a cubic that meets recorded positions and velocities. Before the first sample the
-    bristle turns with the hub.
+    Attributes:
+        name: of the quantity.
+        until: that instant, s; None where the pass has no strike.
+        of_follower: whether it is one of the follower's pass, a pitch later than of the one in front.
+        by_theory: the pitch by the lone bristle's motion, deg.
     """
 
-    def __init__(self, trajectory: Trajectory) -> None:
-        self.trajectory = trajectory
-        time = trajectory.time
-        cuts = np.flatnonzero(np.diff(time) <= 0.0) + 1
-        parts = [part for part in np.split(np.arange(time.size), cuts) if part.size > 1]
-        self._starts = np.array([time[part[0]] for part in parts])
-        self._lines = [
-            CubicHermiteSpline(time[part], trajectory.centre_line[part], trajectory.centre_line_velocity[part])
-            for part in parts
-        ]
-
-    def centre_line(self, time: Array) -> Array:
-        """Return root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
-        begin = float(self.trajectory.time[0])
-        inside = np.maximum(time, begin)
-        number = np.searchsorted(self._starts, inside, side="right") - 1
-        line = np.empty((len(time), *self.trajectory.centre_line.shape[1:]))
-        for each in np.unique(number):
-            line[number == each] = self._lines[each](inside[number == each])
-        turned = self.trajectory.hub_speed * (time - inside)
-        cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
-        x, y = line[..., 0], line[..., 1]
-        return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+    name: str
+    until: float | None
+    of_follower: bool
+    by_theory: float | None
 
 
-def polyline_distance(first: Array, second: Array) -> Array:
-    """Return the least distance of two polylines, 0 where they cross; shapes (n, corners, 2) to (n,)."""
-    found = np.full(len(first), np.inf)
-    for i in range(first.shape[1] - 1):
-        for j in range(second.shape[1] - 1):
-            found = np.minimum(found, _segment_distance(first[:, i : i + 2], second[:, j : j + 2]))
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row of bristles that were simulated together, the foremost first, and the pass of a bristle without neighbours."""
+
+    tool: Tool
+    neighbours: Neighbours
+    settings: Settings
+    bristles: tuple[Trajectory, ...]
+    lone: Trajectory
+    least: tuple[LeastPitch, ...]
+
+    @property
+    def touches(self) -> list[float]:
+        """Return the instants at which two wires of the row touch, s."""
+        return sorted({time for run in self.bristles for time in _touches(run)})
+
+
+def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_reference: bool = False) -> Report:
+    """Find the least pitches by theory and on simulated rows, and simulate one row at its pitch.
+
+    Raises:
+        ValueError: if the hub stands still, wires touch at the start, or a run is given up.
+    """
+    if not tool.hub.speed:
+        raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
+    roots = root_pitch(tool)
+    if not roots < row.pitch_deg < (360.0 - roots) / (row.bristles - 1):
+        raise ValueError(
+            f"pitch_deg = {row.pitch_deg:g}: must be above {roots:g} and below {(360.0 - roots) / (row.bristles - 1):g}, or"
+            " wires stand in each other (in deg)"
+        )
+    bristles = _simulated(tool, row, settings, row.pitch_deg)
+    lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
+    found = Row(tool, row, settings, bristles, lone, _least_pitches(tool, lone))
+    reference, least = None, dict[str, float | None]()
+    if with_reference:
+        from bristle_sim.reference import simulate_reference, simulate_row_reference
+
+        options: Any = {"hub_turn": settings.hub_turn, "accuracy": max(1e-10, 0.1 * settings.accuracy)}
+        reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
+        alone = simulate_reference(tool, **options)
+        least = {each.name: each.by_theory for each in _least_pitches(tool, alone)}
+    contact = bristles[-1].first_contact("workpart")
+    return Report(
+        outcome="no contact" if contact is None else "stiction" if contact.outcome == "jam" else contact.outcome,
+        quantities=(
+            *(_searched(found, each, least.get(each.name)) for each in found.least),
+            *_strike_quantities(found, reference),
+        ),
+        phases=() if contact is None else contact.phases,
+        events=tuple((each.name, each.time) for each in bristles[-1].events),
+        wall_s=bristles[-1].cost.wall_s,
+        steps=bristles[-1].cost.steps,
+        remarks=_remarks(found),
+        subject=found,
+    )
+
+
+def over_pitch(row: Row, pitches: Sequence[float]) -> dict[str, NDArray[np.float64]]:
+    """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN without a run or a strike."""
+    found = []
+    for pitch in pitches:
+        values: list[float | None] = [None] * len(STATE)
+        with contextlib.suppress(ValueError):  # a pitch at which the row cannot start, or a run that is given up
+            run = _simulated(row.tool, row.neighbours, row.settings, pitch, stop_after="strike")[-1]
+            values = list(strike_values(row.tool, run).values())
+        found.append([math.nan if value is None else value for value in values])
+    return dict(zip(STATE, np.transpose(found), strict=True))
+
+
+def row_series(row: Row) -> dict[str, Any]:
+    """Return time, the foremost root's angle and every bristle's angle from its radial direction, one entry a sample."""
+    angles = {f"relative_angle_{number} (rad)": run.relative_angle for number, run in enumerate(row.bristles, 1)}
+    return {"time (s)": row.bristles[0].time, "hub_angle (rad)": row.bristles[0].hub_angle, **angles}
+
+
+def _placed(row: Neighbours, pitch: float) -> dict[str, Any]:
+    """Return a row's arguments at a pitch in degrees."""
+    return {
+        "bristles": row.bristles,
+        "pitch": math.radians(pitch),
+        "neighbour_friction": row.friction,
+        "neighbour_restitution": row.restitution,
+    }
+
+
+def _simulated(tool: Tool, row: Neighbours, settings: Settings, pitch: float, **options: Any) -> tuple[Trajectory, ...]:
+    runs = simulate_row(tool, settings, **_placed(row, pitch), **options)
+    require_result(runs[-1], settings)
+    return runs
+
+
+def root_pitch(tool: Tool) -> float:
+    """Return the pitch at which wires touch at their roots, 2 asin(d/(2 r_h)), deg."""
+    if not tool.bristle.wire_diameter < 2.0 * tool.hub.radius:
+        raise ValueError(f"hub_radius = {tool.hub.radius:g}: must be above half of wire_diameter (in m)")
+    return math.degrees(2.0 * math.asin(tool.bristle.wire_diameter / (2.0 * tool.hub.radius)))
+
+
+def _least_pitches(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
+    """Return the theoretical least pitches, from the narrowest; none where ``_unsearched`` says why."""
+    contact = lone.first_contact("workpart")
+    strike = None if contact is None else contact.time
+    found, largest, searched = [], LARGEST, not _unsearched(tool, lone)
+    # Each counts fewer touches than the one before, so that its pitch is smaller.
+    for words, until, own in (
+        ("whole_pass", float(lone.time[-1]), False),
+        ("to_own_strike", strike, True),
+        ("to_strike", strike, False),
+    ):
+        theory = None
+        if until is not None and searched:
+            largest = least_pitch(lone, tool.bristle.wire_diameter, until=until, of_follower=own, largest=largest)
+            theory = math.degrees(largest)
+            largest += BEYOND
+        found.append(LeastPitch(f"least_pitch_{words}_deg", until, own, theory))
+    return tuple(reversed(found))
+
+
+def _unsearched(tool: Tool, lone: Trajectory) -> str:
+    """Return the reason why no least pitch is searched; empty if it is."""
+    if lone.time.size > MOST_SAMPLES:
+        return "the pass has too many oscillations of the bristle on its belt"
+    if nearest_approach(LonePass(lone), LARGEST, float(lone.time[-1]))[0] <= tool.bristle.wire_diameter:
+        return f"wires touch each other even {math.degrees(LARGEST):g} deg apart"
+    return ""
+
+
+def _searched(row: Row, least: LeastPitch, reference: float | None) -> Quantity:
+    """Search the pitch from which two simulated wires touch, beside the theoretical one; reference by its lone pass."""
+    if least.until is None or least.by_theory is None or row.neighbours.search == "no":
+        return Quantity(least.name, "deg", None, least.by_theory, reference)
+    pair, end, speed = dataclasses.replace(row.neighbours, bristles=2), least.until, row.tool.hub.speed
+
+    def touch(pitch: float) -> bool:
+        if pitch <= root_pitch(row.tool):
+            return True
+        turn = math.radians(pitch)
+        until = end + turn / speed if least.of_follower else end
+        # A row runs until the hub has carried its last root so far.
+        brief = dataclasses.replace(row.settings, hub_turn=speed * until - turn)
+        events = _simulated(row.tool, pair, brief, pitch)[0].events
+        return any(each.name == WIRE_TOUCH and each.time <= until for each in events)
+
+    found = _edge(touch, least.by_theory)
+    return Quantity(least.name, "deg", found, least.by_theory, reference, tolerance=AGREEMENT / least.by_theory)
+
+
+def _edge(touch: Callable[[float], bool], near: float) -> float | None:
+    """Bisect between a pitch at which wires touch and a larger one at which they do not, deg."""
+    width = FIRST_WIDTH
+    low, high = near - 0.5 * width, near + 0.5 * width
+    for _ in range(WIDENINGS):
+        if touch(low) and not touch(high):
+            break
+        width *= 2.0
+        low, high = near - 0.5 * width, near + 0.5 * width
+    else:
+        return None
+    while high - low > RESOLUTION:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if touch(middle) else (low, middle)
+    return 0.5 * (low + high)
+
+
+def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
+    """Return what is reported of a bristle's first strike, in the units of STATE; None without one."""
+    contact = run.first_contact("workpart")
+    impulse = None if contact is None else contact.impulse[0]
+    state = state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}
+    return {name: state[name] for name in STATE}
+
+
+def _touches(run: Trajectory) -> list[float]:
+    return [each.time for each in run.events if each.name == WIRE_TOUCH]
+
+
+def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]:
+    """Return the last bristle's touches and its strike; theory is the lone bristle, from which a touch may differ."""
+    last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
+    alone = None if touches else 0.0
+    referred = None if reference is None else float(len(_touches(reference)))
+    # A row ends for all when one bristle jams.
+    judged = reference is not None or (not touches and last.stop_reason is StopReason.END)
+    found = [Quantity("wire_contacts", "1", touches, alone, referred, tolerance=0.0 if judged else None)]
+    own, theory = strike_values(row.tool, last), strike_values(row.tool, row.lone)
+    independent = dict.fromkeys(STATE) if reference is None else strike_values(row.tool, reference)
+    for name, unit in STATE.items():
+        value = theory[name] if reference is None else independent[name]
+        tolerance = None
+        if judged and value:
+            # Errors are relative to angles of a radian, and to the strike of a bristle alone.
+            size = math.degrees(1.0) if name == "lag_deg_at_contact" else abs(theory[name] or value)
+            tolerance = 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
+        found.append(Quantity(name, unit, own[name], theory[name], independent[name], tolerance=tolerance))
     return found
 
 
-def _segment_distance(first: Array, second: Array) -> Array:
-    """Return the least distance of two segments: of an end from the other one, unless they cross; shape (n,)."""
-    ends = [
-        _point_distance(point, segment)
-        for points, segment in ((first, second), (second, first))
-        for point in (points[:, 0], points[:, 1])
-    ]
-    sides = [
-        _cross(segment[:, 1] - segment[:, 0], points[:, 0] - segment[:, 0])
-        * _cross(segment[:, 1] - segment[:, 0], points[:, 1] - segment[:, 0])
-        for points, segment in ((first, second), (second, first))
-    ]
-    return np.where((sides[0] < 0.0) & (sides[1] < 0.0), 0.0, np.min(ends, axis=0))
-
-
-def _point_distance(point: Array, segment: Array) -> Array:
-    along, to_point = segment[:, 1] - segment[:, 0], point - segment[:, 0]
-    fraction = np.clip((along * to_point).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(to_point - fraction[:, np.newaxis] * along, axis=-1))
-
-
-def _cross(first: Array, second: Array) -> Array:
-    return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
-
-
-def nearest_approach(lone: LonePass, pitch: float, until: float) -> tuple[float, float]:
-    """Return the least distance of the centre lines of a bristle and its follower up to an instant, and when; m and s."""
-    run = lone.trajectory
-    delay = pitch / run.hub_speed
-    begin = float(run.time[0])
-
-    def distance(time: Array) -> Array:
-        return polyline_distance(lone.centre_line(time), lone.centre_line(time - delay))
-
-    samples = np.concatenate([run.time, run.time + delay])
-    even = np.linspace(begin, until, INSTANTS)
-    instants = np.unique(np.concatenate([even, samples[(samples > begin) & (samples < until)]]))
-    values = distance(instants)
-    best = int(values.argmin())
-    least, when = float(values[best]), float(instants[best])
-    inner = np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:])) + 1
-    for at in inner[np.argsort(values[inner])][:DEEPEST]:
-        found = _minimum(lambda time: float(distance(np.array([time]))[0]), instants[at - 1], instants[at + 1])
-        if found[0] < least:
-            least, when = found
-    return least, when
-
-
-def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
-    """Return the least value of a function of one minimum between bounds, and where it is."""
-    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)})
-    return float(found.fun), float(found.x)
-
-
-def least_pitch(
-    trajectory: Trajectory, wire_diameter: float, *, until: float | None = None, largest: float = math.pi / 2.0
-) -> float:
-    """Return the pitch above which no wire touches its neighbour, by the motion of a lone bristle, rad.
-
-    Args:
-        trajectory: of a lone bristle, from a start at which it turns with the hub.
-        wire_diameter: at which distance of their centre lines two wires touch, m.
-        until: instant of the pass of the bristle in front up to which touches count, s; by default the end of the run.
-        largest: pitch from which the search goes down, rad.
-
-    Raises:
-        ValueError: if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.
-    """
-    if not trajectory.hub_speed:
-        raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
-    if not wire_diameter > 0.0:
-        raise ValueError(
-            f"wire_diameter = {wire_diameter:g}: must be above 0, or wires have no surface to touch (in m)"
-        )
-    lone = LonePass(trajectory)
-    end = float(trajectory.time[-1]) if until is None else until
-
-    def gap(pitch: float) -> float:
-        return nearest_approach(lone, pitch, end)[0] - wire_diameter
-
-    pitch, open_gap, wider = largest, gap(largest), math.inf
-    if open_gap <= 0.0:
-        raise ValueError(
-            f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
-        )
-    # Ends at the latest where the next wire would stand in this one.
-    while True:
-        narrower = max(pitch - PITCH_STEP, 0.0)
-        closed = gap(narrower)
-        if closed > 0.0 and wider > open_gap < closed:
-            depth, deepest = _minimum(gap, narrower, pitch + PITCH_STEP)
-            if depth <= 0.0:
-                return float(brentq(gap, deepest, pitch + PITCH_STEP, xtol=PITCH_TOLERANCE))
-        if closed <= 0.0:
-            return float(brentq(gap, narrower, pitch, xtol=PITCH_TOLERANCE))
-        pitch, wider, open_gap = narrower, open_gap, closed
+def _remarks(row: Row) -> tuple[str, ...]:
+    contact, times = row.bristles[-1].first_contact("workpart"), [1e3 * each for each in _touches(row.bristles[-1])]
+    shown = ", ".join(f"{each:.4f}" for each in times[:6]) + (", ..." if len(times) > 6 else "")
+    touches = f"touches a neighbour at {shown} ms" if times else "touches no neighbour"
+    strike = "does not strike" if contact is None else f"strikes at {1e3 * contact.time:.4f} ms"
+    simulated = "simulated with two bristles, " if row.neighbours.search == "yes" else ""
+    counted = (
+        f"least pitches: {simulated}theory by the motion of one alone; counted are touches until the bristle in front"
+        " strikes, until the follower itself does, and in the whole pass"
+    )
+    if reason := _unsearched(row.tool, row.lone):
+        counted = f"least pitches: not searched, as {reason}"
+    said = f"bristle {row.neighbours.bristles} {touches}, and {strike}; the run ended: {row.bristles[-1].stop_reason}"
+    return said, counted, "theory of the strike: a bristle alone"

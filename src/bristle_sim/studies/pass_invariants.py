@@ -5,21 +5,16 @@ All of it is evaluated with NumPy from the trajectory and the tool's parameters,
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
-
-__all__ = ["invariant_rows"]
-
-Array = NDArray[np.float64]
 
 MAGNIFIED = 10.0
 """Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two
@@ -46,9 +41,10 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     ``impulse_momentum_error``: (v' - v) - K p at the strike, of the speed before it.
     ``restitution_work_error``: W_r + e*^2 W_c of the normal force at the strike, of W_c.
     ``friction_cone_excess``: tangential impulse beyond mu_1 p_c + mu_2 (p_f - p_c) at the strike, of the normal impulse.
+    Energy balance and impulse-momentum error are those of a rigid bristle, and None for a wire of several links.
     """
-    tolerance = _tolerance(tool, settings, run)
-    energy, uncertainty = _energy_imbalance(tool, run)
+    tolerance, rigid = _tolerance(tool, settings, run), tool.bristle.links == 1
+    energy, uncertainty = _energy_imbalance(tool, run) if rigid else (None, 0.0)
     rows = [_row("energy_balance", energy, tolerance + uncertainty)]
     rows.append(_row("deepest_overlap", _deepest_overlap(tool, run), tolerance))
     errors = _strike_errors(tool, run)
@@ -203,23 +199,22 @@ def _touched(tool: Tool, obstacle: str, motion: _Motion) -> tuple[Array, Array]:
     if obstacle == "workpart" or tool.bar is None:
         arm = _turned(tool.bristle.path[-1], motion.angle)
         return np.broadcast_to([0.0, 1.0], arm.shape), arm
-    away = _from_bar(tool, motion)
+    lines = np.stack([motion.root + _turned(each, motion.angle) for each in ((0.0, 0.0), *tool.bristle.path)], axis=1)
+    away = _from_bar(tool, lines)
     normal = away / np.linalg.norm(away, axis=-1, keepdims=True)
     point = np.add(tool.bar.centre, away) - 0.5 * tool.bristle.wire_diameter * normal
     return normal, point - motion.root
 
 
-def _from_bar(tool: Tool, motion: _Motion) -> Array:
-    """Return the shortest vector from the bar's centre to the wire's centre line; shape (n, 2)."""
+def _from_bar(tool: Tool, lines: Array) -> Array:
+    """Return the shortest vector from the bar's centre to centre lines of shape (n, corners, 2); shape (n, 2)."""
     assert tool.bar is not None
-    ways = []
-    for start, end in itertools.pairwise([(0.0, 0.0), *tool.bristle.path]):
-        first, along = motion.root + _turned(start, motion.angle), _turned(np.subtract(end, start), motion.angle)
-        to_bar = np.subtract(tool.bar.centre, first)
-        fraction = np.clip((to_bar * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-        ways.append(fraction[:, np.newaxis] * along - to_bar)
-    nearest = np.argmin([(way**2).sum(axis=-1) for way in ways], axis=0)
-    return np.asarray(np.stack(ways)[nearest, np.arange(len(nearest))])
+    starts, along = lines[:, :-1], np.diff(lines, axis=1)
+    to_bar = np.subtract(tool.bar.centre, starts)
+    fraction = np.clip((to_bar * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+    ways = fraction[..., np.newaxis] * along - to_bar
+    nearest = np.argmin((ways**2).sum(axis=-1), axis=1)
+    return np.asarray(ways[np.arange(len(nearest)), nearest])
 
 
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
@@ -227,12 +222,11 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 
     A contact resolved in time over a requested duration leaves a crater, which is no error.
     """
-    motion = _motion(tool, run.hub_angle, run.angles[:, 0], run.rates[:, 0])
     deepest = 0.0
     if tool.workpart is not None and (tool.contact.law != "compliant" or tool.contact.duration is None):
         deepest = max(deepest, float((-tool.workpart_depth - run.tip[:, 1]).max()))
     if tool.bar is not None:
-        distance = np.linalg.norm(_from_bar(tool, motion), axis=-1)
+        distance = np.linalg.norm(_from_bar(tool, run.centre_line), axis=-1)
         deepest = max(deepest, float((tool.bar_reach - distance).max()))
     return deepest / tool.bristle.length
 
@@ -242,13 +236,10 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
     strike = run.first_contact("workpart")
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike) or _together(run, strike):
         return {}
-    normal, arm = _touched(tool, "workpart", _at_impact(tool, run, strike, strike.rates_before[0]))
-    levers = np.array([_cross(arm, normal)[0], -_cross(arm, _rotated(normal))[0]])
-    change = np.subtract(strike.velocity_after, strike.velocity_before)
-    momentum = change - levers * (levers @ strike.impulse) / tool.bristle.inertia_about_root
-    speed, pushed = math.hypot(*strike.velocity_before), strike.impulse[0]
-    errors = {"impulse_momentum_error": float(np.abs(momentum).max()) / speed} if speed else {}
-    part = tool.workpart
+    pushed, part, errors = strike.impulse[0], tool.workpart, {}
+    speed = math.hypot(*strike.velocity_before)
+    if speed and tool.bristle.links == 1:
+        errors["impulse_momentum_error"] = _momentum_error(tool, run, strike) / speed
     if pushed > 0.0:
         compressive = pushed if strike.compressive_impulse is None else strike.compressive_impulse[0]
         cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
@@ -260,6 +251,14 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
         taken, returned = strike.compressive_work[0], strike.restitutive_work[0]
         errors["restitution_work_error"] = abs(returned + part.restitution**2 * taken) / abs(taken)
     return errors
+
+
+def _momentum_error(tool: Tool, run: Trajectory, strike: ContactRecord) -> float:
+    """Return the largest component of (v' - v) - K p, m/s."""
+    normal, arm = _touched(tool, "workpart", _at_impact(tool, run, strike, strike.rates_before[0]))
+    levers = np.array([_cross(arm, normal)[0], -_cross(arm, _rotated(normal))[0]])
+    change = np.subtract(strike.velocity_after, strike.velocity_before)
+    return float(np.abs(change - levers * (levers @ strike.impulse) / tool.bristle.inertia_about_root).max())
 
 
 def _together(run: Trajectory, strike: ContactRecord) -> bool:

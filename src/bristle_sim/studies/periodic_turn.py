@@ -18,10 +18,8 @@ from bristle_sim.scene.resume import resume
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.studies.strike_results import require_result
+from bristle_sim.studies.strike_point import require_result
 from bristle_sim.trajectory import ContactRecord, Trajectory
-
-__all__ = ["PeriodicTurn", "TurnNotCompleted", "periodic_turn"]
 
 TURN = 2.0 * math.pi
 
@@ -32,7 +30,7 @@ REPEATED = 1e-9
 """Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn."""
 
 MAGNIFIED = 100.0
-"""The same over the requested accuracy, where that is more: a turn adds up errors of some ten flights and contacts."""
+"""Such a change over the requested accuracy, where that is more: a turn adds up errors of some ten flights and contacts."""
 
 
 class TurnNotCompleted(ValueError):

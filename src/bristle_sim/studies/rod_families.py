@@ -13,19 +13,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, impact_curve
 from bristle_sim.studies.impacts import Impacts
-from bristle_sim.studies.strike_results import contact_quantities
+from bristle_sim.studies.strike_point import contact_quantities
 from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
 from bristle_sim.trajectory import ContactRecord
-
-__all__ = ["OPERATING_POINT", "TOTAL", "Case", "Sweep", "oblique_panels", "single_pendulum_panels", "sweep_panel"]
-
-Array = NDArray[np.float64]
 
 GRID = 401
 """Points on a curve."""

@@ -17,8 +17,6 @@ from bristle_sim.studies.cue_map import named
 from bristle_sim.studies.strike_point import keys_of, tool_of_keys
 from bristle_sim.theory import cueing
 
-__all__ = ["HALF_UNITS", "propagated", "rounding_rows"]
-
 RETRACTION_DEG = 44.5
 """theta_p (Zhang 2020, eq. 2.2)."""
 

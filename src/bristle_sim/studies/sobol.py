@@ -1,7 +1,7 @@
-"""Sobol indices: the shares of the variance of a function's outputs that its inputs cause.
+"""Sobol indices: the fractions of the variance of a function's outputs that its inputs cause.
 
 Every input is uniform in an interval, independent of the others. Two samples A and B of a scrambled Sobol sequence, and A
-with the columns of B one at a time, give Saltelli's estimate of the first-order index V(E(y|x_i))/V(y), the share of the
+with the columns of B one at a time, give Saltelli's estimate of the first-order index V(E(y|x_i))/V(y), the fraction of the
 variance that would vanish if x_i were known, and of the total index E(V(y|all but x_i))/V(y), the share that x_i has a part
 in (``scipy.stats.sobol_indices``).
 """
@@ -13,15 +13,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import sobol_indices, uniform
 
-__all__ = ["Study", "sobol_study"]
-
-Array = NDArray[np.float64]
+from bristle_sim.arrays import Array
 
 CONFIDENCE = 0.95
-"""Of the intervals of outputs and of indices."""
+"""Probability of the intervals of outputs and of indices."""
 
 RESAMPLES = 200
 """Bootstrap resamples; the ends of a 95 % interval then rest on five of them each."""

@@ -1,4 +1,4 @@
-"""One pass up to its strike, by the keys of its parameters: a point of maps and tolerance studies."""
+"""Results of a run at its strike, and a pass up to there by the keys of its parameters: a point of maps and sweeps."""
 
 from __future__ import annotations
 
@@ -6,34 +6,70 @@ import dataclasses
 import math
 from typing import Any
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Choice, Range
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_results import STATE_UNITS, contact_quantities, require_result, state_at_strike
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = [
-    "STRIKE_UNITS",
-    "NotCuedError",
-    "keys_of",
-    "simulated_strike",
-    "start_angle",
-    "strike_measures",
-    "strike_of_keys",
-    "tool_of_keys",
-]
-
-PARTS: dict[str, type] = {
-    "hub": Hub,
-    "belt": Belt,
-    "bristle": Bristle,
-    "bar": Bar,
-    "workpart": Workpart,
-    "contact": Contact,
+STATE_UNITS = {
+    "lag_deg_at_contact": "deg",
+    "relative_speed_at_contact": "rad/s",
+    "tip_speed_at_contact": "m/s",
 }
+"""Units of the bristle's state when it strikes."""
+
+CONTACT_UNITS = {
+    "normal_compressive_impulse": "N s",
+    "normal_final_impulse": "N s",
+    "tangential_compressive_impulse": "N s",
+    "normal_compressive_work": "J",
+    "tangential_compressive_work": "J",
+    "final_bristle_rate": "rad/s",
+    "rebound_ratio": "1",
+}
+"""Units of a strike's impulses, works and rates."""
+
+
+def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:
+    """Return the bristle's lag behind the radial direction, its rate relative to the hub and its tip's speed.
+
+    All in the units of STATE_UNITS; None without a contact.
+    """
+    if contact is None:
+        return dict.fromkeys(STATE_UNITS)
+    lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
+    values = (math.degrees(lag), contact.rates_before[0] - tool.hub.speed, math.hypot(*contact.velocity_before))
+    return dict(zip(STATE_UNITS, values, strict=True))
+
+
+def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
+    """Return impulses, works and rates of a contact, in the units of CONTACT_UNITS; None where its law has none."""
+    if contact is None:
+        return dict.fromkeys(CONTACT_UNITS)
+    impulse, work = contact.compressive_impulse or (None, None), contact.compressive_work or (None, None)
+    before, after = contact.rates_before[0], contact.rates_after[0]
+    values = (impulse[0], contact.impulse[0], impulse[1], *work, after, after / before if before else None)
+    return dict(zip(CONTACT_UNITS, values, strict=True))
+
+
+def require_result(run: Trajectory, settings: Settings) -> None:
+    """Raise ValueError for a run that was given up."""
+    if run.stop_reason.gives_up:
+        raise ValueError(
+            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {run.stop_reason} after"
+            f" {run.cost.steps} engine steps at {run.time[-1]:g} s; {run.stop_advice}"
+        )
+
+
+def stopped(run: Trajectory) -> dict[str, Any]:
+    """Return why and when a run stopped, and what would let it go further, for the JSON; time in s."""
+    reason = run.stop_reason
+    found = {"reason": str(reason), "time": float(run.time[-1]), "complete": not reason.gives_up}
+    return {**found, "remedy": run.stop_advice}
+
 
 STRIKE_UNITS = {
     **STATE_UNITS,
@@ -58,7 +94,7 @@ def tool_of_keys(**values: float | str | None) -> Tool:
     """
     left = dict(values)
     parts: dict[str, Any] = {}
-    for name, part in PARTS.items():
+    for name, (part, *_) in PARTS.items():
         declared = {each.name: each.metadata["declaration"].key for each in dataclasses.fields(part)}
         parts[name] = part(**{field: left.pop(key) for field, key in declared.items() if key in left})
     if "gravity" in left:
@@ -72,7 +108,7 @@ def declared_keys() -> dict[str, Range | Choice]:
     """Return the declaration of each key of a tool."""
     return {
         each.metadata["declaration"].key: each.metadata["declaration"]
-        for part in PARTS.values()
+        for part, *_ in PARTS.values()
         for each in dataclasses.fields(part)
     }
 

@@ -29,8 +29,6 @@ from bristle_sim.quantity import shown
 from bristle_sim.studies.sweep_point import Outcome, check_arguments, described, identity_of, outcome_of
 from bristle_sim.studies.sweep_store import FAILURE, opened, write
 
-__all__ = ["FAILURE", "sweep"]
-
 Outcomes = Generator[Outcome, None, None]
 
 ATTEMPTS = 3

@@ -23,8 +23,6 @@ from numpy.typing import NDArray
 import bristle_sim
 from bristle_sim.quantity import shown
 
-__all__ = ["Outcome", "check_arguments", "described", "identity_of", "outcome_of"]
-
 Outcome = tuple[dict[str, NDArray[np.float64]], str]
 """Results of a point by name, and the reason why there are none, empty where there are."""
 

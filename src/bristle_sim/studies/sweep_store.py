@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from bristle_sim.studies.sweep_point import Outcome
 
-__all__ = ["BLOCK", "FAILURE", "chunk_shape", "opened", "regions", "write"]
-
 FAILURE = "failure"
 """Variable that says why a point has no results."""
 

@@ -12,8 +12,8 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
@@ -22,18 +22,6 @@ from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.theory import monofilament
 from bristle_sim.trajectory import ContactHistory
-
-__all__ = [
-    "BALANCE",
-    "radial_chain",
-    "reported",
-    "resultant_impulse",
-    "timed_contact",
-    "with_visible_contact",
-    "work_row",
-]
-
-Array = NDArray[np.float64]
 
 CLOSE = 1e-6
 """Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser."""

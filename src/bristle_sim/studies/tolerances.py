@@ -17,13 +17,11 @@ from typing import Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import ANY, Range, choice, quantity, validate
+from bristle_sim.quantity import ANY, Declared, Range, choice, count, quantity, validate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.rounding import propagated, rounding_rows
 from bristle_sim.studies.sobol import sobol_study
 from bristle_sim.studies.strike_point import STRIKE_UNITS, declared_keys, keys_of, strike_of_keys
-
-__all__ = ["Sampling", "Spreads", "tolerances"]
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
@@ -38,7 +36,7 @@ def _spread(default: float, key: str, unit: str, source: str) -> Any:
 
 
 @dataclass(frozen=True, slots=True)
-class Spreads:
+class Spreads(Declared):
     """Half-widths of the inputs' intervals, in the inputs' units; an input with 0 stays at its value."""
 
     hub_speed: float = _spread(2.618, "hub_speed", "rad/s", "assumed: 1 %, a hand-held drive under load")
@@ -55,9 +53,6 @@ class Spreads:
     friction: float = _spread(0.05, "friction", "1", "assumed: dry steel on steel")
     restitution: float = _spread(0.05, "restitution", "1", "assumed: between places of a workpart")
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 @dataclass(frozen=True, slots=True)
 class Sampling:
@@ -68,35 +63,17 @@ class Sampling:
     a linear model).
     """
 
-    samples: float = quantity(
-        256.0,
+    samples: int = count(
+        256,
         "samples",
-        "1",
-        at_least=2.0,
-        at_most=2.0**24,
+        at_least=2,
+        at_most=2**24,
         source="chosen; fewer give poor indices",
         meaning="points of the Sobol sequence, a power of 2",
-        usual=ANY,
     )
-    seed: float = quantity(
-        1.0,
-        "seed",
-        "1",
-        at_least=0.0,
-        at_most=2.0**32 - 1,
-        source="chosen",
-        meaning="of the sequence's scrambling",
-        usual=ANY,
-    )
-    workers: float = quantity(
-        1.0,
-        "workers",
-        "1",
-        at_least=1.0,
-        at_most=4096.0,
-        source="chosen",
-        meaning="processes that simulate the passes",
-        usual=ANY,
+    seed: int = count(1, "seed", at_least=0, at_most=2**32 - 1, source="chosen", meaning="of the sequence's scrambling")
+    workers: int = count(
+        1, "workers", at_least=1, at_most=4096, source="chosen", meaning="processes that simulate the passes"
     )
     rounding: str = choice(
         "yes",
@@ -108,10 +85,7 @@ class Sampling:
 
     def __post_init__(self) -> None:
         validate(self)
-        for key in ("samples", "seed", "workers"):
-            if getattr(self, key) != int(getattr(self, key)):
-                raise ValueError(f"{key} = {getattr(self, key)!r}: must be a whole number (dimensionless)")
-        if int(self.samples) & (int(self.samples) - 1):
+        if self.samples & (self.samples - 1):
             raise ValueError(f"samples = {self.samples:g}: must be a power of 2 (dimensionless)")
 
 
@@ -125,8 +99,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     values, intervals = keys_of(tool), _intervals(tool, spreads)
     fixed = {key: value for key, value in values.items() if key not in intervals}
     point = functools.partial(strike_of_keys, settings, **fixed)
-    workers = None if sampling.workers == 1.0 else int(sampling.workers)
-    study = sobol_study(point, intervals, OUTPUTS, int(sampling.samples), seed=int(sampling.seed), workers=workers)
+    workers = None if sampling.workers == 1 else sampling.workers
+    study = sobol_study(point, intervals, OUTPUTS, sampling.samples, seed=sampling.seed, workers=workers)
     middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
     changes = propagated(point, middles, {key: 0.5 * (high - low) for key, (low, high) in intervals.items()})
     std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}

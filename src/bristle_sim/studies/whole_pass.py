@@ -15,7 +15,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.pass_invariants import invariant_rows
-from bristle_sim.studies.strike_results import (
+from bristle_sim.studies.strike_point import (
     CONTACT_UNITS,
     STATE_UNITS,
     contact_quantities,
@@ -26,8 +26,6 @@ from bristle_sim.studies.strike_results import (
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
-
-__all__ = ["WholePass", "whole_pass"]
 
 PRINTED = {
     "release_retraction_deg": 44.5,
@@ -56,13 +54,21 @@ class WholePass:
     reference: Trajectory | None
 
 
+MOST_LINKS = 8
+"""Links of a wire in a whole pass; the engine's solver takes half a minute for the way to the strike of so many."""
+
+
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
     """Simulate a pass and compare it with the formulas.
 
     Raises:
-        ValueError: if the bristle overlaps an obstacle at the start, a fixed step is too short for the run, or the run is
-            given up before its strike.
+        ValueError: if the wire has too many links, the bristle overlaps an obstacle at the start, a fixed step is too short
+            for the run, or the run is given up before its strike.
     """
+    if tool.bristle.links > MOST_LINKS:
+        raise ValueError(
+            f"wire_links = {tool.bristle.links}: must be at most {MOST_LINKS} in a whole pass (dimensionless)"
+        )
     refuse_endless(tool, settings)
     trajectory = simulate(tool, settings)
     contact = trajectory.first_contact("workpart")
@@ -202,13 +208,14 @@ def _formulas(tool: Tool) -> dict[str, float | None]:
 def _remarks(trajectory: Trajectory) -> tuple[str, ...]:
     cost = trajectory.cost
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    events = ", ".join(f"{event.name} {1e3 * event.time:.4f} ms" for event in trajectory.events[:8])
+    notable = trajectory.notable_events
+    events = ", ".join(f"{event.name} {1e3 * event.time:.4f} ms" for event in notable[:8])
     given_up = (
         f"given up at {1e3 * trajectory.time[-1]:.4f} ms: {trajectory.stop_reason}; {trajectory.stop_advice}; what"
         " happened before holds"
     )
     return (
-        f"events: {events}{', ...' if len(trajectory.events) > 8 else ''}",
+        f"events: {events}{', ...' if len(notable) > 8 else ''}",
         f"stopped: {trajectory.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
         *([given_up] if trajectory.stop_reason.gives_up else []),
     )

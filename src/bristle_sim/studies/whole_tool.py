@@ -11,19 +11,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import quantity, validate
+from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
-from bristle_sim.studies.load_cell import load_cell_response
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
-from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, turn_forces
-
-__all__ = ["Assembly", "WholeTool", "load_cell_series", "whole_tool"]
-
-Array = NDArray[np.float64]
+from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, load_cell_response, turn_forces
 
 LEAST_TOLERANCE = 1e-6
 """Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9."""
@@ -59,17 +54,17 @@ UNITS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Assembly:
+class Assembly(Declared):
     """How many bristles the tool has, and the load cell under the workpart."""
 
-    bristles: float = quantity(
-        42.0,
+    bristles: int = count(
+        42,
         "bristles",
-        "1",
-        at_least=1.0,
-        at_most=1e4,
+        at_least=1,
+        at_most=10_000,
         source="chosen: six staggered rows of seven, which do not touch each other",
         meaning="number of bristles, evenly spaced about the hub",
+        usual=None,
     )
     bandwidth: float = quantity(
         1000.0,
@@ -80,11 +75,6 @@ class Assembly:
         source="chosen: a stiff load cell with a workpart on it",
         meaning="bandwidth of the load cell under the workpart, a low-pass of second order",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        if self.bristles != int(self.bristles):
-            raise ValueError(f"bristles = {self.bristles!r}: must be a whole number (dimensionless)")
 
 
 @dataclass(frozen=True, slots=True)

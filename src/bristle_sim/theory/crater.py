@@ -24,43 +24,22 @@ too: its work, m r_h w (L/6) times the change of the rate, is the 3.0 mJ of the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import positive, require, single, whole
+from bristle_sim.arrays import Number
+from bristle_sim.theory.checks import checked_arguments, positive, require, single, whole
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
-    PRINTED_ENERGY,
     PRINTED_KINEMATICS,
     PRINTED_WIDTH,
-    CraterKinematics,
     kinetic_energy,
 )
-from bristle_sim.theory.force_history import BRISTLE, ForceCurve
+from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = [
-    "CUTTING_FRICTION",
-    "PLIES",
-    "constant_for_crater_depth",
-    "energy_crater_depth",
-    "energy_crater_depth_ratio",
-    "friction_for_crater_depth",
-    "merchant_crater_depth",
-    "merchant_crater_depth_limit",
-    "work_along_path",
-]
-
-Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
-
-Width = Callable[[ArrayLike], Any]
-"""Cutting width in m over time in s."""
 
 CUTTING_FRICTION = 0.5
 """Friction coefficient while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact."""
@@ -86,11 +65,9 @@ def merchant_crater_depth(
     plies: ArrayLike = PLIES,
     *,
     angles: CuttingAngles | None = None,
-    force: ForceCurve = BRISTLE,
-    width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
-    """Return the crater depth as a sum over n plies of equal time (4.50), m.
+    """Return the crater depth as a sum over n plies of equal time (4.50) with the printed R(t) and b(t), m.
 
     Args:
         friction: mu while cutting.
@@ -98,8 +75,6 @@ def merchant_crater_depth(
         shear_yield_stress: tau_s, Pa.
         plies: n, whole numbers.
         angles: of the cut; by default exact ones for mu and gamma, PRINTED_ANGLES for the rounded ones of (4.52).
-        force: resultant R(t), N.
-        width: b(t), m.
         compression_time: t_c, s.
 
     Raises:
@@ -109,7 +84,7 @@ def merchant_crater_depth(
     ratio = _depth_ratio(friction, impact_angle, shear_yield_stress, angles)
     counts = np.asarray(plies)
     whole("plies", counts, MOST_PLIES)
-    sums = np.reshape([_ply_sum(int(n), force, width, compression_time) for n in counts.flat], counts.shape)
+    sums = np.reshape([_ply_sum(int(n), compression_time) for n in counts.flat], counts.shape)
     return ratio * sums
 
 
@@ -120,8 +95,6 @@ def merchant_crater_depth_limit(
     shear_yield_stress: ArrayLike = API_5L,
     *,
     angles: CuttingAngles | None = None,
-    force: ForceCurve = BRISTLE,
-    width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
     """Return the limit of merchant_crater_depth for infinitely many plies, m; arguments as there.
@@ -131,7 +104,7 @@ def merchant_crater_depth_limit(
     u = 0.5 * (NODES + 1.0)
     end = single("compression_time", compression_time)
     time = end * u**2
-    growth = float(np.sum(WEIGHTS * end * u * force.rate(time) / width(time)))
+    growth = float(np.sum(WEIGHTS * end * u * BRISTLE.rate(time) / PRINTED_WIDTH(time)))
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
 
 
@@ -142,8 +115,6 @@ def friction_for_crater_depth(
     shear_yield_stress: ArrayLike = API_5L,
     plies: int = PLIES,
     *,
-    force: ForceCurve = BRISTLE,
-    width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
     """Return the friction that makes the crater ``depth`` deep (Zhang 2020, fig. 4.16): (4.50) solved for mu.
@@ -156,7 +127,7 @@ def friction_for_crater_depth(
     gamma = np.asarray(impact_angle)
     whole("plies", plies, MOST_PLIES)
     single("plies", plies)
-    deepest = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, force, width, compression_time)
+    deepest = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
     sine = 1.0 - 2.0 * np.asarray(depth) / deepest
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
     given = (sine <= np.cos(2.0 * gamma) + ROUNDING) & (sine > -np.sin(gamma))
@@ -173,8 +144,6 @@ def constant_for_crater_depth(
     shear_yield_stress: ArrayLike = API_5L,
     plies: int = PLIES,
     *,
-    force: ForceCurve = BRISTLE,
-    width: Width = PRINTED_WIDTH,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
     """Return the constant C of (4.45), rad, that makes the crater ``depth`` deep, m: (4.50) solved for C.
@@ -193,7 +162,7 @@ def constant_for_crater_depth(
     positive("depth", depth, "m")
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
     require("impact_angle", gamma, gamma < 0.5 * np.pi, "must be below pi/2 (in rad)")
-    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, force, width, compression_time)
+    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
     sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth) / scale
     given = (sine > 0.0) & (sine <= 1.0 + ROUNDING)
     require("depth", depth, given, "must be the depth for some C, 0 < C <= pi/2, the deepest being that of pi/2 (in m)")
@@ -208,10 +177,10 @@ def _depth_ratio(
     return chosen.resultant_ratio * np.cos(impact_angle) / shear_yield_stress
 
 
-def _ply_sum(plies: int, force: ForceCurve, width: Width, compression_time: float) -> float:
+def _ply_sum(plies: int, compression_time: float) -> float:
     """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
     time: NDArray[np.float64] = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
-    return float(np.sum(np.diff(force(time)) / width(time[1:])))
+    return float(np.sum(np.diff(BRISTLE(time)) / PRINTED_WIDTH(time[1:])))
 
 
 @checked_arguments
@@ -219,13 +188,10 @@ def energy_crater_depth(
     plies: int = PLIES,
     impact_angle: ArrayLike = IMPACT_ANGLE,
     *,
-    force: ForceCurve = BRISTLE,
-    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
-    decay: float = PRINTED_KINEMATICS.decay,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
     """Return the sum of energy quotients as derived, cos(gamma) sum_i dE_i/R(t_i) (4.62-4.65), m; it grows with n."""
-    lost, resisted = _energy_plies(plies, force, coefficients, decay, compression_time)
+    lost, resisted = _energy_plies(plies, compression_time)
     return np.cos(impact_angle) * np.sum(lost / resisted)
 
 
@@ -234,37 +200,23 @@ def energy_crater_depth_ratio(
     plies: int = PLIES,
     impact_angle: ArrayLike = IMPACT_ANGLE,
     *,
-    force: ForceCurve = BRISTLE,
-    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
-    decay: float = PRINTED_KINEMATICS.decay,
     compression_time: float = COMPRESSION_TIME,
 ) -> Number:
     """Return the ratio of two sums, cos(gamma) sum_i dE_i / sum_i R(t_i) (4.66 as set), m; it falls like 1/n."""
-    lost, resisted = _energy_plies(plies, force, coefficients, decay, compression_time)
+    lost, resisted = _energy_plies(plies, compression_time)
     return np.cos(impact_angle) * np.sum(lost) / np.sum(resisted)
 
 
-@checked_arguments
-def work_along_path(
-    force: ForceCurve = BRISTLE,
-    kinematics: CraterKinematics = PRINTED_KINEMATICS,
-    compression_time: float = COMPRESSION_TIME,
-) -> float:
-    """Return the integral of R v_C over the compression, J: an upper bound of the force's work along that motion."""
-    single("compression_time", compression_time)
-    time = 0.5 * compression_time * (NODES + 1.0)
-    return float(0.5 * compression_time * np.sum(WEIGHTS * force(time) * kinematics.tip_velocity(time)))
+def work_along_path() -> float:
+    """Return the integral of R v_C over the compression, J: an upper bound of the force's work along the printed motion."""
+    time = 0.5 * COMPRESSION_TIME * (NODES + 1.0)
+    power = BRISTLE(time) * PRINTED_KINEMATICS.tip_velocity(time)
+    return float(0.5 * COMPRESSION_TIME * np.sum(WEIGHTS * power))
 
 
-def _energy_plies(
-    plies: int,
-    force: ForceCurve,
-    coefficients: tuple[float, float, float],
-    decay: float,
-    compression_time: float,
-) -> tuple[Any, Any]:
+def _energy_plies(plies: int, compression_time: float) -> tuple[Any, Any]:
     """Return the energy given up in each ply, J, and the force at its end, N."""
     whole("plies", plies, MOST_PLIES)
     single("plies", plies)
     time = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
-    return -np.diff(kinetic_energy(time, coefficients, decay)), force(time[1:])
+    return -np.diff(kinetic_energy(time)), BRISTLE(time[1:])

@@ -27,29 +27,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import require, single
-from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE, TipFace
+from bristle_sim.arrays import Array, Number
+from bristle_sim.theory.checks import checked_arguments, require, single
+from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = [
-    "ContactCrater",
-    "CuttingStroke",
-    "crater_depth_from_contact",
-    "cutting_stroke",
-    "depth_from_energy",
-    "depth_from_force",
-    "swept_volume",
-]
-
-Array = NDArray[np.float64]
-Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
 
 _RULE = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]
@@ -59,7 +44,7 @@ NEWTON_STEPS = 60
 """At most; from the start values given, about ten suffice."""
 
 LEAST_ANGLE = 1e-60
-"""In rad: a path that descends by less has no depth that is a float."""
+"""Least angle, rad: a path that descends by less has no depth that is a float."""
 
 COLUMNS = ("time", "normal_force", "tangential_force", "penetration", "normal_velocity", "tangential_velocity")
 """What is known of a contact resolved in time, sample by sample."""
@@ -105,18 +90,18 @@ class ContactCrater:
 
 
 @checked_arguments
-def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE, face: TipFace = PRINTED_FACE) -> Number:
+def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
     """Return the volume V(S) that the face sweeps below the surface, integral of b(S' sin(gamma)) S' tan(gamma) dS', m^3.
 
     Up to the full depth the substitution S' = S u^2 makes the integrand smooth; from there on the width is constant.
     """
     gamma = np.asarray(impact_angle)
     _check_angle(gamma)
-    full = face.full_depth / np.sin(gamma)
+    full = PRINTED_FACE.full_depth / np.sin(gamma)
     narrow = np.minimum(path, full)[..., np.newaxis]
-    widths = face.width(narrow * NODES**2 * np.sin(gamma)[..., np.newaxis])
+    widths = PRINTED_FACE.width(narrow * NODES**2 * np.sin(gamma)[..., np.newaxis])
     inner = np.sum(WEIGHTS * widths * 2.0 * NODES**3, axis=-1) * narrow[..., 0] ** 2
-    outer = 0.5 * face.short_axis * (np.maximum(path, full) ** 2 - full**2)
+    outer = 0.5 * PRINTED_FACE.short_axis * (np.maximum(path, full) ** 2 - full**2)
     return (inner + outer) * np.tan(gamma)
 
 
@@ -125,7 +110,6 @@ def depth_from_energy(
     energy: ArrayLike,
     specific_energy: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
-    face: TipFace = PRINTED_FACE,
 ) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
@@ -133,7 +117,6 @@ def depth_from_energy(
         energy: W, work that the tip does on the workpart along its path, J.
         specific_energy: u, J/m^3.
         impact_angle: gamma, rad; above 0, or the tip never enters.
-        face: of the tip.
 
     Raises:
         ValueError: if energy is negative, u not positive or gamma not within 0 < gamma < pi/2.
@@ -142,11 +125,11 @@ def depth_from_energy(
     volume, slope = np.divide(energy, specific_energy), np.tan(impact_angle)
 
     def excess(path: Number) -> tuple[Number, Number]:
-        width = face.width(path * np.sin(impact_angle))
-        return swept_volume(path, impact_angle, face) - volume, width * path * slope
+        width = PRINTED_FACE.width(path * np.sin(impact_angle))
+        return swept_volume(path, impact_angle) - volume, width * path * slope
 
     # The full width everywhere would need the least path; the volume is convex in it, so Newton's method converges.
-    return np.sin(impact_angle) * _root(excess, np.sqrt(2.0 * volume / (face.short_axis * slope)))
+    return np.sin(impact_angle) * _root(excess, np.sqrt(2.0 * volume / (PRINTED_FACE.short_axis * slope)))
 
 
 @checked_arguments
@@ -154,7 +137,6 @@ def depth_from_force(
     cutting_force: ArrayLike,
     specific_energy: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
-    face: TipFace = PRINTED_FACE,
 ) -> Number:
     """Return the crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m.
 
@@ -163,16 +145,16 @@ def depth_from_force(
     _check_angle(impact_angle)
     area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / specific_energy
     # Beyond the full depth the width is constant, and b(depth) depth = area is linear.
-    wide = area / face.short_axis
-    fraction = np.minimum(wide / face.full_depth, 1.0)
+    wide = area / PRINTED_FACE.short_axis
+    fraction = np.minimum(wide / PRINTED_FACE.full_depth, 1.0)
 
     def excess(root: Number) -> tuple[Number, Number]:
         # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y = 1.22.
         rest = np.sqrt(2.0 - root**2)
         return root**3 * rest - fraction, 3.0 * root**2 * rest - root**4 / rest
 
-    narrow = face.full_depth * _root(excess, np.cbrt(fraction / math.sqrt(2.0))) ** 2
-    return np.where(wide >= face.full_depth, wide, narrow)[()]
+    narrow = PRINTED_FACE.full_depth * _root(excess, np.cbrt(fraction / math.sqrt(2.0))) ** 2
+    return np.where(wide >= PRINTED_FACE.full_depth, wide, narrow)[()]
 
 
 @checked_arguments
@@ -181,7 +163,6 @@ def cutting_stroke(
     effective_mass: float,
     specific_energy: float,
     impact_angle: float = IMPACT_ANGLE,
-    face: TipFace = PRINTED_FACE,
 ) -> CuttingStroke:
     """Stop a tip by cutting alone, (effective_mass) dv/dt = -u b d_u.
 
@@ -190,7 +171,6 @@ def cutting_stroke(
         effective_mass: at the tip along the path, kg; m/3 for a bristle on a hub that keeps its speed.
         specific_energy: u, J/m^3.
         impact_angle: gamma, rad.
-        face: of the tip.
 
     Raises:
         ValueError: if speed, mass or u is not positive or gamma not within 0 < gamma < pi/2.
@@ -198,13 +178,13 @@ def cutting_stroke(
     given = {"speed": speed, "effective_mass": effective_mass, "specific_energy": specific_energy}
     for name, value in (given | {"impact_angle": impact_angle}).items():
         single(name, value)
-    depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle, face))
+    depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle))
     path = depth / math.sin(impact_angle)
     # v = speed sqrt(1 - V/V_end) vanishes like a root at the end: S = path (1 - w^2) takes it away.
     places = path * (1.0 - NODES**2)
-    left = 1.0 - swept_volume(places, impact_angle, face) / swept_volume(path, impact_angle, face)
+    left = 1.0 - swept_volume(places, impact_angle) / swept_volume(path, impact_angle)
     duration = float(np.sum(WEIGHTS * 2.0 * NODES * path / (speed * np.sqrt(left))))
-    force = specific_energy * float(face.width(depth)) * depth / math.cos(impact_angle)
+    force = specific_energy * float(PRINTED_FACE.width(depth)) * depth / math.cos(impact_angle)
     return CuttingStroke(depth, path, duration, force)
 
 
@@ -238,7 +218,6 @@ def crater_depth_from_contact(
     impact_angle: float = IMPACT_ANGLE,
     shear_yield_stress: float = API_5L,
     friction: float | None = None,
-    face: TipFace = PRINTED_FACE,
     surface: Surface = "parallel",
 ) -> ContactCrater:
     """Return the craters that follow from a contact resolved in time, up to its deepest penetration.
@@ -252,7 +231,6 @@ def crater_depth_from_contact(
         shear_yield_stress: tau_s, Pa.
         friction: mu while cutting; by default the contact's own at its peak. Chapter 4 of the dissertation cuts with 0.5
             where chapter 2 strikes with 0.31.
-        face: of the tip.
         surface: where the shear plane ends, ``parallel`` or ``inclined``.
 
     Raises:
@@ -282,8 +260,8 @@ def crater_depth_from_contact(
         tangential_work=works[1],
         path=float(np.trapezoid(np.hypot(v_n, v_t), t)),
         penetration=float(inside[-1]),
-        depth_from_force=float(depth_from_force(along[peak], u, impact_angle, face)),
-        depth_from_energy=float(depth_from_energy(max(-sum(works), 0.0), u, impact_angle, face)),
+        depth_from_force=float(depth_from_force(along[peak], u, impact_angle)),
+        depth_from_energy=float(depth_from_energy(max(-sum(works), 0.0), u, impact_angle)),
         shear_plane_emerges=surface == "inclined" or cutting >= math.tan(impact_angle),
     )
 

@@ -10,30 +10,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Number
 from bristle_sim.parameters import Bristle, Tool
-from bristle_sim.theory.checks import require
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = [
-    "PRINTED_ENERGY",
-    "PRINTED_FACE",
-    "PRINTED_KINEMATICS",
-    "PRINTED_WIDTH",
-    "CraterKinematics",
-    "CuttingWidth",
-    "TipFace",
-    "energy_coefficients",
-    "kinetic_energy",
-    "path_force",
-]
-
-Number = Any
-"""A float where the argument is one, else an array of its shape."""
+from bristle_sim.theory.checks import checked_arguments, require
 
 COMPRESSION_TIME = 5e-5
 """t_c, read off high-speed camera frames, s (Zhang 2020, eq. 3.20)."""
@@ -70,10 +53,6 @@ class CraterKinematics:
         cls,
         tool: Tool,
         bristle_rate: float,
-        *,
-        excursion: float = 3.25e-4,
-        impact_angle: float = IMPACT_ANGLE,
-        face_angle: float | None = None,
     ) -> CraterKinematics:
         """Work the relations out unrounded for a radial bristle that arrives at ``bristle_rate`` (rad/s, absolute).
 
@@ -83,7 +62,8 @@ class CraterKinematics:
         rim = tool.hub.speed * tool.hub.radius
         length = tool.bristle.length
         tip_speed = rim + length * bristle_rate
-        depth = excursion * math.sin(impact_angle)
+        excursion = 3.25e-4
+        depth = excursion * math.sin(IMPACT_ANGLE)
         return cls(
             decay=tip_speed / excursion,
             excursion=excursion,
@@ -93,7 +73,7 @@ class CraterKinematics:
             centre_speed=0.5 * tip_speed,
             final_centre_speed=0.5 * rim,
             depth=depth,
-            face_depth=depth / math.sin(TipFace().face_angle if face_angle is None else face_angle),
+            face_depth=depth / math.sin(TipFace().face_angle),
         )
 
     def tip_displacement(self, time: ArrayLike) -> Number:
@@ -213,14 +193,12 @@ PRINTED_ENERGY = (0.0126, 0.00303, 7.25e-4)
 """Coefficients of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J (Zhang 2020, eq. 4.59)."""
 
 
-def energy_coefficients(
-    kinematics: CraterKinematics = PRINTED_KINEMATICS, bristle: Bristle | None = None
-) -> tuple[float, float, float]:
+def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tuple[float, float, float]:
     """Return the coefficients of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J.
 
     E_k = m v_G^2/2 + (m L^2/12) rate^2/2 (4.58-4.59).
     """
-    wire = Bristle() if bristle is None else bristle
+    wire = Bristle()
     half_mass, half_inertia = 0.5 * wire.mass, 0.5 * wire.inertia_about_centre
     k = kinematics
     return (
@@ -243,17 +221,15 @@ def kinetic_energy(
 
 
 @checked_arguments
-def path_force(
-    time: ArrayLike, kinematics: CraterKinematics = PRINTED_KINEMATICS, bristle: Bristle | None = None
-) -> Number:
+def path_force(time: ArrayLike) -> Number:
     """Return the force along the path that the postulated motion takes, (m/3) lambda v_C(t), N.
 
     The root moves with the hub at constant speed, so the force at the tip turns the bristle alone: its effective mass
     along the path is I/L^2 = m/3, and v_C falls like e^(-lambda t). Largest at first touch, where (3.19) has nothing.
     """
     _check_since_touch(time)
-    wire = Bristle() if bristle is None else bristle
-    return wire.inertia_about_root / wire.length**2 * kinematics.decay * kinematics.tip_velocity(time)
+    wire, motion = Bristle(), PRINTED_KINEMATICS
+    return wire.inertia_about_root / wire.length**2 * motion.decay * motion.tip_velocity(time)
 
 
 def _check_since_touch(time: ArrayLike) -> None:

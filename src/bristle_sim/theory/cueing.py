@@ -21,39 +21,13 @@ motion exists.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.quantity import shown
-from bristle_sim.theory.checks import positive, require
-from bristle_sim.theory.ranges import RANGES, checked_arguments
-
-__all__ = [
-    "Cue",
-    "bar_distance",
-    "bar_position",
-    "centrifugal_stiffness",
-    "cue",
-    "cue_time",
-    "damped_cue_time",
-    "damped_highest_speed",
-    "damped_radial_speed",
-    "damping_ratio",
-    "highest_relative_speed",
-    "impact_angle",
-    "natural_rate",
-    "retraction_at_bar",
-    "stiffened_cue",
-    "stiffened_cue_time",
-    "stiffened_highest_speed",
-    "tip_lag",
-    "tip_radius",
-]
-
-Number = Any
-"""A float or an array of floats; results have the arguments' broadcast shape."""
+from bristle_sim.theory.checks import RANGES, checked_arguments, positive, require
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""
@@ -186,32 +160,18 @@ def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio
 
 
 @checked_arguments
-def damped_radial_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
-    """Return the speed relative to the hub as the bristle passes the radial direction, rad/s; 0 <= zeta < 1.
+def damping_ratio(speed_share: Number) -> Number:
+    """Return zeta for which the highest speed is this fraction of the undamped one, from 0.368 (1/e at zeta = 1) to 1.
 
-    Radial is where tan(Omega_d t) = -sqrt(1 - zeta^2)/zeta: f(zeta) as above with pi - arccos(zeta).
+    With zeta = x/sqrt(1 + x^2) the fraction is e^(-x (pi/2 - arctan x)); Newton's method for x is monotone from 0.
     """
-    require("damping_ratio", damping_ratio, np.less(damping_ratio, 1.0), "must be less than 1 (dimensionless)")
-    phase = _phase(damping_ratio)
-    half_turn = np.pi / np.sqrt((1.0 - damping_ratio) * (1.0 + damping_ratio))
-    return highest_relative_speed(retraction, natural_rate) * np.exp((phase - half_turn) * damping_ratio)
-
-
-@checked_arguments
-def damping_ratio(speed_share: Number, *, radial: bool = False) -> Number:
-    """Return zeta for which the highest speed, or that at the radial direction, is this fraction of the undamped one.
-
-    With zeta = x/sqrt(1 + x^2) the fraction is e^(-x (pi/2 -+ arctan x)); Newton's method for x is monotone from where it
-    starts. Fractions must be from 0.368 (1/e at zeta = 1), radial ones from 0.001, to 1.
-    """
-    least, sign = (0.001, 1.0) if radial else (0.368, -1.0)
-    inside = (speed_share >= least) & (speed_share <= 1.0)
-    require("speed_share", speed_share, inside, f"must be {least:g} to 1 (dimensionless)")
+    inside = (speed_share >= 0.368) & (speed_share <= 1.0)
+    require("speed_share", speed_share, inside, "must be 0.368 to 1 (dimensionless)")
     loss = -np.log(speed_share)
-    x = loss * 2.0 / np.pi if radial else np.zeros_like(loss)
+    x = np.zeros_like(loss)
     for _ in range(60):
-        slope = np.pi / 2.0 + sign * (np.arctan(x) + x / (1.0 + x**2))
-        x = x - (x * (np.pi / 2.0 + sign * np.arctan(x)) - loss) / slope
+        slope = np.pi / 2.0 - (np.arctan(x) + x / (1.0 + x**2))
+        x = x - (x * (np.pi / 2.0 - np.arctan(x)) - loss) / slope
     return x / np.sqrt(1.0 + x**2)
 
 

@@ -11,19 +11,12 @@ the record holds samples from outside the contact; ``force_record`` finds where 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import single, whole
+from bristle_sim.arrays import Array
+from bristle_sim.theory.checks import checked_arguments, single
 from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 from bristle_sim.theory.force_record import find_contact
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = ["ForceFit", "fit_force_history"]
-
-Array = NDArray[np.float64]
-
-MOST_TERMS = 10
-"""Sums of exponentials are ill-conditioned; two terms already require very good points."""
 
 AROUND = 0.5
 """Part of the duration before and after the contact that the fit of a record takes in: what lies farther off (ringing,
@@ -54,46 +47,40 @@ def fit_force_history(
     time: ArrayLike,
     force: ArrayLike,
     *,
-    terms: int = 1,
     duration: float | None = None,
     peak_force: float | None = None,
-    noise: float | None = None,
     start: float | None = None,
 ) -> ForceFit:
-    """Fit (3.3) to a measured force history by least squares (3.2).
+    """Fit (3.3) with one exponential to a measured force history by least squares (3.2).
 
     Args:
         time: s on any clock, increasing, shape (n,); of a contact or its beginning, and of what the record shows
             before and after it.
         force: N, shape (n,); positive where the tip is pushed.
-        terms: number of exponential terms.
         duration: t_f, s; fitted too by default.
         peak_force: F*, N, which scales the c_i; by default the largest measured force.
-        noise: standard deviation of one point, N, where it is known; by default taken from the residuals.
         start: of the contact, s, where it is known, from which on the points are one contact without a baseline; by
             default it is found and fitted, and the baseline with it if the record holds samples outside the contact.
 
     Raises:
-        ValueError: for points that are no force history, fewer points than unknowns, for more terms than the points
-            can tell apart, and for a record in which no contact is found or whose contact began before it.
+        ValueError: for points that are no force history, fewer points than unknowns, and for a record in which no contact is
+            found or whose contact began before it.
     """
     time, force = _checked_points(time, force)
-    _check_settings(time, force, terms, duration, peak_force, noise, start)
+    _check_settings(time, force, duration, peak_force, start)
     if start is None:
-        return _fit_record(time, force, int(terms), duration, peak_force, noise)
+        return _fit_record(time, force, duration, peak_force)
     scale = float(force.max()) if peak_force is None else peak_force
     later = time - start
     # A contact may be recorded to its end or only to its peak; the better of both guesses wins.
     unit = float(later[-1])
     peak = float(later[np.argmax(force)])
     guesses = [duration] if duration is not None else [unit, max(2.0 * peak, unit)]
-    problem = FitProblem(later, force, int(terms), duration, scale, unit)
-    return problem.solve(guesses, noise, origin=start)
+    problem = FitProblem(later, force, duration, scale, unit)
+    return problem.solve(guesses, origin=start)
 
 
-def _fit_record(
-    time: Array, force: Array, terms: int, duration: float | None, peak_force: float | None, noise: float | None
-) -> ForceFit:
+def _fit_record(time: Array, force: Array, duration: float | None, peak_force: float | None) -> ForceFit:
     """Find the contact in the record, then fit its start and the baseline with its curve."""
     found = find_contact(time, force)
     if found is None:
@@ -103,7 +90,7 @@ def _fit_record(
     outside = near & ((since < -ENDS) | (since > 1.0 + ENDS))
     based = int(outside.sum()) >= FEWEST_OUTSIDE
     length, time, force = float(time[-1] - time[0]), time[near], force[near]
-    unknowns = 2 * terms + 1 + (duration is None) + based
+    unknowns = 3 + (duration is None) + based
     if force.size <= unknowns:
         raise ValueError(
             f"force: {force.size} points in and around the contact that begins at {found.start:.9g} s; there must be more"
@@ -112,9 +99,9 @@ def _fit_record(
     scale = peak_force if peak_force is not None else (found.amplitude if based else float(force.max()))
     if not scale > 0.0:
         raise ValueError("force: no contact found in the record; the largest value must be above 0 (in N)")
-    problem = FitProblem(time - found.start, force, terms, duration, scale, found.duration, True, based)
+    problem = FitProblem(time - found.start, force, duration, scale, found.duration, True, based)
     guesses = [found.duration] if duration is None else [duration]
-    fit = problem.solve(guesses, noise, origin=found.start, baseline=found.baseline if based else 0.0)
+    fit = problem.solve(guesses, origin=found.start, baseline=found.baseline if based else 0.0)
     _check_found(fit, time, force, length)
     return fit
 
@@ -164,25 +151,12 @@ def _checked_points(time: ArrayLike, force: ArrayLike) -> tuple[Array, Array]:
 
 
 def _check_settings(
-    time: Array,
-    force: Array,
-    terms: int,
-    duration: float | None,
-    peak_force: float | None,
-    noise: float | None,
-    start: float | None,
+    time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None
 ) -> None:
-    whole("terms", terms, MOST_TERMS)
-    for name, value in {
-        "terms": terms,
-        "duration": duration,
-        "peak_force": peak_force,
-        "noise": noise,
-        "start": start,
-    }.items():
+    for name, value in {"duration": duration, "peak_force": peak_force, "start": start}.items():
         if value is not None:
             single(name, value)
-    unknowns = 2 * terms + (duration is None) + (start is None)
+    unknowns = 2 + (duration is None) + (start is None)
     if force.size <= unknowns:
         raise ValueError(f"force: {force.size} points; there must be more than the {unknowns} unknowns")
     if start is None:

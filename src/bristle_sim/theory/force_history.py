@@ -18,18 +18,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.checks import finite, positive, single, whole
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = ["BALL", "BRISTLE", "PRINTED_BRISTLE_IMPULSE", "TABLE_3_1", "ForceCurve", "segment_impulses"]
-
-Number = Any
-"""A float where the argument is one, else an array of its shape."""
+from bristle_sim.arrays import Number
+from bristle_sim.theory.checks import checked_arguments, finite, positive, single, whole
 
 LEAD_SHARE = 0.1
 """t_o/t_f (Zhang 2020, below eq. 3.3)."""

@@ -1,6 +1,6 @@
 """The least-squares problem of (3.2): parameters of (3.3) from points, with their covariance.
 
-The unknowns are c_i, lambda_i and, where they are not given, t_f, the contact's start s and the baseline b:
+The unknowns are c, lambda and, where they are not given, t_f, the contact's start s and the baseline b:
 F_measured(t) = b + F(t - s) during the contact and b elsewhere. (3.3) vanishes at both ends, so the model is continuous in s
 and t_f, and a search that begins close to them converges.
 """
@@ -11,16 +11,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
-
-__all__ = ["FitProblem", "ForceFit"]
-
-Array = NDArray[np.float64]
 
 INDISTINCT = 1e-10
 """Ratio of singular values of the scaled Jacobian below which the points leave a parameter undetermined."""
+
+INDISTINCT_WORDS = "force: no contact found in the record; there must be more points, or less noise"
 
 TRUSTED_SHARE = 0.2
 """Points whose bracket in (3.3) is below this fraction of its largest value say little about the exponential."""
@@ -35,12 +33,12 @@ class ForceFit:
 
     Attributes:
         curve: the fitted curve; its time 0 is the contact's start.
-        names: of the parameters: ``amplitude 1``..., ``decay 1``..., and ``duration``, ``start`` and ``baseline`` where
+        names: of the parameters: ``amplitude 1``, ``decay 1``, and ``duration``, ``start`` and ``baseline`` where
             they were fitted.
-        values: c_i, lambda_i in 1/s, t_f in s, s in s, b in N, shape (p,).
+        values: c, lambda in 1/s, t_f in s, s in s, b in N, shape (p,).
         covariance: of the values, shape (p, p), for independent errors of one standard deviation in all points.
         residuals: fitted minus measured, N, at the points that were fitted, shape (n,).
-        noise: standard deviation of one point, from the residuals unless it was given, N.
+        noise: standard deviation of one point, from the residuals, N.
         start: of the contact on the record's clock, s.
         baseline: what the record shows without a contact, N.
     """
@@ -76,16 +74,13 @@ class FitProblem:
 
     time: Array
     force: Array
-    terms: int
     duration: float | None
     peak_force: float
     unit: float
     shifted: bool = False
     based: bool = False
 
-    def solve(
-        self, guesses: list[float], noise: float | None, *, origin: float = 0.0, baseline: float = 0.0
-    ) -> ForceFit:
+    def solve(self, guesses: list[float], *, origin: float = 0.0, baseline: float = 0.0) -> ForceFit:
         """Search from each guess of the duration, s, and report the best; origin is the clock's zero of these points, s.
 
         Raises:
@@ -103,7 +98,7 @@ class FitProblem:
                     for guess in guesses
                 ]
                 best = min(runs, key=lambda run: float(run.cost))
-                return self.report(best.x, best.jac, noise, origin)
+                return self.report(best.x, best.jac, origin)
         except np.linalg.LinAlgError:
             raise ValueError("force: no curve of (3.3) fits; it must be a force that rises and falls once") from None
 
@@ -117,13 +112,13 @@ class FitProblem:
     def model(self, unknowns: Array) -> tuple[ForceCurve, float, float]:
         """Return the curve, start in s and baseline in N."""
         values = (unknowns * self.units).tolist()
-        amplitude, decay, rest = values[: self.terms], values[self.terms : 2 * self.terms], values[2 * self.terms :]
+        amplitude, decay, *rest = values
         duration = abs(rest.pop(0)) if self.duration is None else self.duration
         start = rest.pop(0) if self.shifted else 0.0
         return ForceCurve.of_impact(amplitude, decay, self.peak_force, duration), start, rest[0] if self.based else 0.0
 
     def first(self, duration: float, baseline: float) -> Array:
-        """Return start values: a straight line through ln(F/bracket), its slope spread over the terms."""
+        """Return start values: a straight line through ln(F/bracket)."""
         bracket = np.asarray(ForceCurve.of_impact(1.0, 0.0, self.peak_force, duration)(self.time))
         if self.shifted:
             bracket = np.where((self.time > 0.0) & (self.time < duration), bracket, 0.0)
@@ -136,27 +131,25 @@ class FitProblem:
         if self.shifted:
             # Noise may tilt the line at will; a contact's decay is of the order of its duration.
             slope = float(np.clip(slope, -STEEPEST / duration, STEEPEST / duration))
-        spread = np.arange(self.terms) - 0.5 * (self.terms - 1)
-        decays = slope + 2.0 * spread / self.unit
-        columns = np.exp(-decays * np.where(bracket != 0.0, self.time, 0.0)[:, np.newaxis]) * bracket[:, np.newaxis]
-        amplitudes = np.linalg.lstsq(columns, force, rcond=None)[0]
+        column = np.exp(-slope * np.where(bracket != 0.0, self.time, 0.0)) * bracket
+        amplitudes = np.linalg.lstsq(column[:, np.newaxis], force, rcond=None)[0]
         rest = [
             *([] if self.duration is not None else [duration]),
             *([0.0] if self.shifted else []),
             *([baseline] if self.based else []),
         ]
-        return np.concatenate([amplitudes, decays, rest]) / self.units
+        return np.concatenate([amplitudes, [slope], rest]) / self.units
 
-    def report(self, unknowns: Array, jacobian: Array, noise: float | None, origin: float) -> ForceFit:
+    def report(self, unknowns: Array, jacobian: Array, origin: float) -> ForceFit:
         """Return the fit with its covariance, from the normal equations at the solution."""
         residuals = self.residuals(unknowns)
         freedom = residuals.size - unknowns.size
-        spread = math.sqrt(float(residuals @ residuals) / freedom) if noise is None else noise
+        spread = math.sqrt(float(residuals @ residuals) / freedom)
         covariance = spread**2 * self._inverse_normal(jacobian) * np.outer(self.units, self.units)
         curve, start, baseline = self.model(unknowns)
         values = unknowns * self.units
         if self.duration is None:
-            values[2 * self.terms] = curve.duration
+            values[2] = curve.duration
         if self.shifted:
             values[-2 if self.based else -1] = start + origin
         return ForceFit(curve, self.names, values, covariance, residuals, spread, start + origin, baseline)
@@ -165,17 +158,12 @@ class FitProblem:
         """Return (J^T J)^-1 through the singular values of J with its columns scaled to length one."""
         lengths = np.linalg.norm(jacobian, axis=0)
         if not lengths.all():
-            raise self._indistinct()
+            raise ValueError(INDISTINCT_WORDS)
         _, singular, rows = np.linalg.svd(jacobian / lengths, full_matrices=False)
         if singular[-1] < INDISTINCT * singular[0]:
-            raise self._indistinct()
+            raise ValueError(INDISTINCT_WORDS)
         scaled = rows.T / singular
         return np.asarray(scaled @ scaled.T / np.outer(lengths, lengths))
-
-    def _indistinct(self) -> ValueError:
-        if self.shifted and self.terms == 1:
-            return ValueError("force: no contact found in the record; there must be more points, or less noise")
-        return ValueError(f"terms = {self.terms}: the points do not tell so many terms apart; there must be fewer")
 
     @property
     def units(self) -> Array:
@@ -185,11 +173,10 @@ class FitProblem:
             *([self.unit] if self.shifted else []),
             *([self.peak_force] if self.based else []),
         ]
-        return np.array([1.0] * self.terms + [1.0 / self.unit] * self.terms + rest)
+        return np.array([1.0, 1.0 / self.unit, *rest])
 
     @property
     def names(self) -> tuple[str, ...]:
         """Return the names of the unknowns, in order."""
-        numbered = [f"{name} {i + 1}" for name in ("amplitude", "decay") for i in range(self.terms)]
         unknown = (("duration", self.duration is None), ("start", self.shifted), ("baseline", self.based))
-        return (*numbered, *(name for name, fitted in unknown if fitted))
+        return ("amplitude 1", "decay 1", *(name for name, fitted in unknown if fitted))

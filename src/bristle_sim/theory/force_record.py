@@ -11,13 +11,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
-
-__all__ = ["FoundContact", "find_contact"]
-
-Array = NDArray[np.float64]
 
 BINS = 16
 """Averages in a duration: the start is located to D/16, which is close enough for a least-squares fit to converge."""
@@ -26,7 +22,7 @@ LEVEL_BINS = 8
 """Averages before and after the pulse that fix the level on which it stands."""
 
 RATIO = 1.2
-"""Of successive durations: the best one is at most 10 % off."""
+"""Ratio of successive durations: the best one is at most 10 % off."""
 
 LEAST_BINS = 7
 """Averages of the pulse that the record must hold, i.e. nearly up to its peak."""

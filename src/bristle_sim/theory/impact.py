@@ -26,6 +26,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -188,8 +189,9 @@ def _resolve(
     """Check and unpack the arguments, then walk the four phases; long arrays in blocks that fit the cache."""
     if restitution_friction is None:
         restitution_friction = friction
-    extra = () if stick_compliance is None else (stick_compliance,)
-    values, shape = _unpack(inverse_mass, velocity, friction, restitution, restitution_friction, *extra)
+    coefficients: tuple[ArrayLike, ...] = (friction, restitution, restitution_friction)
+    coefficients += () if stick_compliance is None else (stick_compliance,)
+    values, shape = _single(inverse_mass, velocity, coefficients) or _unpack(inverse_mass, velocity, *coefficients)
     if shape is None:
         impact = walk(end, *values)
         _check_result(impact, values)
@@ -207,6 +209,22 @@ def _resolve(
     with np.errstate(over="ignore", invalid="ignore"):
         _check_result(impact, values)
     return impact
+
+
+def _single(inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...]) -> tuple[list[Number], None] | None:
+    """Return the floats of one impact that is given as floats and an array, as a scene does; None for all else."""
+    if type(inverse_mass) is not np.ndarray or inverse_mass.shape != (2, 2):
+        return None
+    if type(velocity) is np.ndarray and velocity.shape == (2,):
+        velocity = velocity.tolist()
+    elif not isinstance(velocity, tuple) or len(velocity) != 2:
+        return None
+    (k_nn, k_nt), (k_tn, k_tt) = inverse_mass.tolist()
+    values = [k_nn, k_nt, k_tt, *velocity, *coefficients]
+    if {*map(type, values)} != {float}:
+        return None
+    _check(values, k_tn)
+    return values, None
 
 
 def _unpack(

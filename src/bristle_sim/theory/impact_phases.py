@@ -85,6 +85,9 @@ class _Phase(NamedTuple):
     unfinished: Number
 
 
+_NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)
+"""A phase that a single impact does not have."""
+
 End = Callable[[Number, Number, Target], Number]
 """Normal impulse from (velocity, compliance) at which restitution ends."""
 
@@ -104,7 +107,8 @@ def walk(
     """Go through the four phases in order."""
     mass = _mass(k_nn, k_nt, k_tt, stick)
     approaching = normal < 0.0
-    state = _State(select(approaching, normal, 0.0), tangential, 0.0 * normal, 0.0 * normal)
+    none = magnitude(0.0 * normal)
+    state = _State(select(approaching, normal, 0.0), tangential, none, none)
     initial = _sign(tangential)
 
     first = _compress(state, mass, mu_1, initial, approaching & (initial != 0.0))
@@ -127,6 +131,7 @@ def walk(
     stuck = fourth.unfinished | ((state.normal <= 0.0) & (mass.stick == 0.0))
     parted = select(state.normal > 0.0, REBOUND, NO_REBOUND)
     ending = select(e == 0.0, NO_REBOUND, select(stuck, STICTION, parted))
+    impulses, slips, normal_works, tangential_works = _stack([row[:4] for row in rows])
     return Impact(
         impulse_normal=state.impulse,
         impulse_tangential=state.impulse_tangential,
@@ -135,10 +140,10 @@ def walk(
         compressive_impulse_normal=compressive,
         compressive_impulse_tangential=compressive_tangential,
         slip_stop_impulse=_slip_stop(initial, rows),
-        phase_impulse=_stack([row.impulse for row in rows]),
-        phase_slip=_stack([row.slip for row in rows]),
-        phase_work_normal=_stack([row.work_normal for row in rows]),
-        phase_work_tangential=_stack([row.work_tangential for row in rows]),
+        phase_impulse=impulses,
+        phase_slip=slips,
+        phase_work_normal=normal_works,
+        phase_work_tangential=tangential_works,
         outcome=select(approaching, select(jammed, JAM, ending), NO_CONTACT),
     )
 
@@ -168,6 +173,8 @@ def _slip_rates(mass: _Mass, mu: Number, slip: Number) -> tuple[Number, Number]:
 
 def _compress(state: _State, mass: _Mass, mu: Number, slip: Number, active: Number) -> _Phase:
     """Advance to the end of compression or of slip, whichever comes first."""
+    if active is False:
+        return _NOTHING
     sticks = slip == 0.0
     slip_rate, slip_tangential_rate = _slip_rates(mass, mu, slip)
     ratio = select(sticks, mass.stick_ratio, -mu * slip)
@@ -181,6 +188,8 @@ def _restitute(
     state: _State, mass: _Mass, mu: Number, slip: Number, active: Number, target: Target, end: End
 ) -> _Phase:
     """Advance to the end of restitution or of slip; slip that would turn v_n back keeps it at rest."""
+    if active is False:
+        return _NOTHING
     sticks = slip == 0.0
     drive = slip * mass.coupling
     slip_rate, slip_tangential_rate = _slip_rates(mass, mu, slip)
@@ -281,7 +290,9 @@ def quotient(value: Number, divisor: Number) -> Number:
     return quotient
 
 
-def _stack(columns: list[Number]) -> NDArray[np.float64]:
-    if isinstance(columns[0], float):
-        return np.array(columns)
-    return np.stack(columns, axis=-1)
+def _stack(rows: list[tuple[Number, ...]]) -> list[NDArray[np.float64]]:
+    """Return one array for each column of the rows, whose last axis is that of the rows."""
+    columns = zip(*rows, strict=True)
+    if isinstance(rows[0][0], float):
+        return list(np.array(list(columns)))
+    return [np.stack(column, axis=-1) for column in columns]

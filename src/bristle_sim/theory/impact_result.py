@@ -88,10 +88,10 @@ class Impact:
     @property
     def phases(self) -> tuple[str, ...]:
         """Return the phases of a single impact in order, e.g. ``("compression slip", "restitution reverse slip")``."""
-        initial = self.phase_slip[0]
+        slips = self.phase_slip.tolist()
         names = []
-        for name, impulse, slip in zip(PHASES, self.phase_impulse, self.phase_slip, strict=True):
+        for name, impulse, slip in zip(PHASES, self.phase_impulse.tolist(), slips, strict=True):
             if impulse > 0.0:
-                motion = "stick" if slip == 0.0 else "reverse slip" if slip == -initial else "slip"
+                motion = "stick" if slip == 0.0 else "reverse slip" if slip == -slips[0] else "slip"
                 names.append(f"{name.split()[0]} {motion}")
         return tuple(names)

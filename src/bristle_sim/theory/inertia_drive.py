@@ -18,13 +18,10 @@ import math
 
 import numpy as np
 
-from bristle_sim.theory.checks import require, single
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = ["hub_speed_for_tip_speed", "largest_retraction", "radial_tip_speed", "time_to_radial"]
+from bristle_sim.theory.checks import checked_arguments, require, single
 
 LEAST_SPEED = 1e-100
-"""In rad/s: the squares of smaller speeds vanish beside the least inertia."""
+"""Least speed, rad/s: the squares of smaller speeds vanish beside the least inertia."""
 
 _RULE = np.polynomial.legendre.leggauss(60)
 NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]

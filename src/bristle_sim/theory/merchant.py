@@ -21,33 +21,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import require
+from bristle_sim.arrays import Number
+from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = [
-    "API_5L",
-    "PRINTED_ANGLES",
-    "CuttingAngles",
-    "ShearAngleError",
-    "Surface",
-    "cutting_force",
-    "depth_of_cut",
-    "oblique_angles",
-    "orthogonal_angles",
-    "resultant_force",
-    "shear_angle",
-    "shear_constant",
-    "specific_cutting_energy",
-]
-
-Number = Any
-"""A float where the arguments are, else an array of their broadcast shape."""
 
 Surface = Literal["parallel", "inclined"]
 """How the surface lies to the path where the shear plane ends."""
@@ -110,35 +91,11 @@ def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) ->
 
 
 @checked_arguments
-def shear_constant(slope: ArrayLike) -> Number:
-    """Return the constant C of (4.45) for tau_s = tau_o + k sigma_s (4.44), k = ``slope``: C = arccot k.
-
-    With sigma_s = R sin(eta + beta - alpha)/A_s the resultant is tau_o b d_u/(sin(eta) [cos(x) - k sin(x)]),
-    x = eta + beta - alpha, and cos(x) - k sin(x) ~ cos(x + arctan k); its least value is at 2 eta + beta - alpha =
-    pi/2 - arctan k.
-    """
-    return LEAST_WORK - np.arctan(slope)
-
-
-@checked_arguments
-def orthogonal_angles(rake: ArrayLike, friction: ArrayLike, constant: ArrayLike = LEAST_WORK) -> CuttingAngles:
-    """Return the classical circle's angles for Coulomb's friction on the rake face, beta = arctan(friction) (4.25).
-
-    Raises:
-        ValueError: if friction < 0, rake is not within -pi/2 < rake < pi/2, or the tool cuts nothing.
-    """
-    require("rake", rake, np.abs(rake) < 0.5 * math.pi, "must be -pi/2 < rake < pi/2 (in rad)")
-    angle = np.arctan(friction)
-    return CuttingAngles(rake, angle, shear_angle(angle - rake, constant))
-
-
-@checked_arguments
 def oblique_angles(
     friction: ArrayLike,
     impact_angle: ArrayLike,
     *,
     constant: ArrayLike = LEAST_WORK,
-    rake_offset: ArrayLike = RAKE_OFFSET,
     check: bool = True,
 ) -> CuttingAngles:
     """Return the modified circle's angles, alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45).
@@ -147,7 +104,6 @@ def oblique_angles(
         friction: mu, ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives.
         impact_angle: gamma, rad.
         constant: C of (4.45).
-        rake_offset: alpha - gamma, rad.
         check: refuse eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but
             the shear plane does not come out of the surface.
 
@@ -158,7 +114,7 @@ def oblique_angles(
     gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
     require("impact_angle", gamma, gamma < 0.5 * math.pi, "must be below pi/2 (in rad)")
-    angles = CuttingAngles(gamma + rake_offset, rake_offset + upright, shear_angle(upright - gamma, constant))
+    angles = CuttingAngles(gamma + RAKE_OFFSET, RAKE_OFFSET + upright, shear_angle(upright - gamma, constant))
     # The rounding of arccot must not refuse mu = tan(gamma) itself.
     buried = angles.shear < gamma - 1e-12
     if check and np.any(buried):
@@ -176,24 +132,6 @@ def _least(impact_angle: Number, constant: ArrayLike) -> Number:
     """Return the least friction with eta >= gamma, cot(C - gamma), tan(gamma) for C = pi/2 (4.42); inf for gamma >= C."""
     room = np.maximum(np.asarray(constant, dtype=float) - impact_angle, 0.0)
     return np.divide(1.0, np.tan(room), out=np.full(np.shape(room), np.inf), where=room > 0.0)
-
-
-@checked_arguments
-def resultant_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Return the resultant R = tau_s b d_u/(sin(eta) cos(eta + beta - alpha)) (4.20, 4.30), N."""
-    return np.multiply(depth, width) * shear_yield_stress / angles.resultant_ratio
-
-
-@checked_arguments
-def cutting_force(depth: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Return the force along the cutting velocity, F_c = R cos(beta - alpha) (4.17a, 4.21, 4.31), N."""
-    return resultant_force(depth, width, shear_yield_stress, angles) * np.cos(angles.resultant_angle)
-
-
-@checked_arguments
-def depth_of_cut(force: ArrayLike, width: ArrayLike, shear_yield_stress: ArrayLike, angles: CuttingAngles) -> Number:
-    """Return the uncut depth d_u that a cutting force F_c shears off at a width b (4.46), m."""
-    return force * angles.cutting_ratio / np.multiply(width, shear_yield_stress)
 
 
 @checked_arguments

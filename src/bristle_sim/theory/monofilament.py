@@ -23,36 +23,15 @@ rotation. Every function raises ValueError for an argument outside its range, an
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from bristle_sim.theory.checks import require
+from bristle_sim.arrays import Number
+from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = [
-    "MonofilamentImpact",
-    "final_rate",
-    "monofilament_impact",
-    "normal_compressive_impulse",
-    "normal_compressive_work",
-    "normal_final_impulse",
-    "normal_work_in_compression",
-    "rate_in_compression",
-    "rate_in_restitution",
-    "rest_rate",
-    "stiction_friction",
-    "tangential_compressive_impulse",
-    "tangential_compressive_work",
-    "tip_speed",
-]
-
-Number = Any
-"""A float, or an array of the arguments' broadcast shape."""
 
 LEAST_ANGLE = 1e-150
-"""In rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
+"""Least impact angle, rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,52 +123,10 @@ def rest_rate(length: Number, hub_radius: Number, hub_speed: Number) -> Number:
 
 
 @checked_arguments
-def rate_in_compression(
-    impulse: Number,
-    initial_rate: Number,
-    mass: Number,
-    length: Number,
-    impact_angle: Number,
-    friction: Number,
-) -> Number:
-    """Return phi'(p) = R omega - 3 s_1 p/(m L), rad/s, after a normal impulse 0 <= p <= p_cy in N s (2.34)."""
-    inertia = mass * length
-    return initial_rate - 3.0 * _lever(impact_angle, friction) * impulse / inertia
-
-
-@checked_arguments
-def rate_in_restitution(
-    impulse: Number,
-    mass: Number,
-    length: Number,
-    hub_radius: Number,
-    hub_speed: Number,
-    impact_angle: Number,
-    restitution_friction: Number,
-) -> Number:
-    """Return phi' = -(r_h/L) omega - 3 s_2 p/(m L), rad/s, after a normal impulse p = p_y - p_cy in N s (2.43).
-
-    For mu_2 < tan gamma; beyond that the tip stays at rest whatever the impulse.
-    """
-    inertia = mass * length
-    lever = _later_lever(impact_angle, restitution_friction)
-    return rest_rate(length, hub_radius, hub_speed) - 3.0 * lever * impulse / inertia
-
-
-@checked_arguments
 def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """Return p_cy = m v_C/(3 s_1), N s (2.37)."""
     momentum = mass * np.maximum(tip_speed, 0.0)
     return momentum / (3.0 * _lever(impact_angle, friction))
-
-
-@checked_arguments
-def normal_work_in_compression(
-    impulse: Number, mass: Number, tip_speed: Number, impact_angle: Number, friction: Number
-) -> Number:
-    """Return W_y(p) = -v_C sin gamma p + 3 s_1 sin gamma p^2/(2 m), J, for 0 <= p <= p_cy in N s (2.40)."""
-    slowing = 3.0 * _lever(impact_angle, friction) * impulse / (2.0 * mass)
-    return (slowing - tip_speed) * np.sin(impact_angle) * impulse
 
 
 @checked_arguments

@@ -8,17 +8,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = ["RodImpact", "Rods", "compress", "restitute", "stick_friction"]
-
-Number = Any
-"""A float, or an array of the arguments' broadcast shape."""
+from bristle_sim.arrays import Number
+from bristle_sim.theory.checks import checked_arguments
 
 Speeds = NDArray[np.float64]
 """Generalized speeds (q_1, q_2), m/s."""

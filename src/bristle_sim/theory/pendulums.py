@@ -30,18 +30,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bristle_sim.theory.checks import require
+from bristle_sim.theory.checks import RANGES, checked_numbers, require
 from bristle_sim.theory.monofilament import LEAST_ANGLE
-from bristle_sim.theory.pendulum_phases import RodImpact, Rods, compress, restitute, stick_friction
-from bristle_sim.theory.ranges import RANGES, checked_numbers
-
-__all__ = [
-    "DoublePendulumImpact",
-    "SinglePendulumImpact",
-    "double_pendulum_impact",
-    "single_pendulum_impact",
-    "stick_friction",
-]
+from bristle_sim.theory.pendulum_phases import RodImpact, Rods, compress, restitute
 
 
 @dataclass(frozen=True, slots=True)

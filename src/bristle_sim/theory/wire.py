@@ -23,17 +23,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from bristle_sim.theory.checks import single, whole
-from bristle_sim.theory.ranges import checked_arguments
-
-__all__ = [
-    "beam_frequencies",
-    "chain_frequencies",
-    "chain_modes",
-    "hinge_damping",
-    "hinge_stiffness",
-    "second_moment_of_area",
-]
+from bristle_sim.theory.checks import checked_arguments, single, whole
 
 MOST_MODES = 50
 """The most modes that are computed: cosh(lambda) overflows beyond the 220th, and no contact here excites so many."""

@@ -7,14 +7,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from bristle_sim.arrays import Array
 
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["Motion", "motion_at"]
-
-Array = NDArray[np.float64]
 
 SAMPLES = 8
 """Samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15."""

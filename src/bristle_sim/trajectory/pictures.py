@@ -10,8 +10,6 @@ if TYPE_CHECKING:
 
     from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["animate", "plot"]
-
 
 def plot(run: Trajectory, *, until: float | None = None) -> Figure:
     """Draw tool, tip path, retraction, speed and energy; ``until`` is the last instant shown, s."""

@@ -5,12 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-__all__ = ["ContactAtEnd", "ContactHistory", "ContactRecord", "Cost", "Event", "InnerSamples"]
-
-Array = NDArray[np.float64]
+from bristle_sim.arrays import Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +75,7 @@ class ContactRecord:
     """One contact. Vectors are (normal, tangential); the normal points out of the obstacle.
 
     Attributes:
-        obstacle: ``bar`` or ``workpart``.
+        obstacle: ``bar``, ``workpart``, or ``wire`` for another bristle.
         law: ``energetic``, ``compliant``, ``engine`` (impacts) or ``sustained``.
         outcome: the impact law's word, or how a sustained contact ended.
         time, duration: start and length in s; an instantaneous impact lasts 0 s.
@@ -91,6 +86,9 @@ class ContactRecord:
         angles: absolute angle of every link when the contact began, rad.
         rates_before, rates_after: absolute rate of every link, rad/s.
         phases: in order, e.g. ``("compression slip", "restitution slip")``.
+        history: of a contact resolved in time.
+        link: number of the link in contact, from 1 at the root; None for a rigid bristle, and of the reference.
+        neighbour: number of the other bristle in its row, from 1 for the foremost one; None for other obstacles.
     """
 
     obstacle: str
@@ -109,6 +107,8 @@ class ContactRecord:
     rates_after: tuple[float, ...]
     phases: tuple[str, ...] = ()
     history: ContactHistory | None = None
+    link: int | None = None
+    neighbour: int | None = None
 
     def columns(self) -> dict[str, Array]:
         """Return the contact in time by names and units.

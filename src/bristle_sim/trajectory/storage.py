@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,8 +14,6 @@ from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, Contact
 
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
-
-__all__ = ["read", "write"]
 
 FORMAT = 2
 """Number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines."""
@@ -43,6 +40,8 @@ def write(run: Trajectory, path: str | Path) -> None:
     Raises:
         OSError: naming the file, if it cannot be written.
     """
+    import json
+
     arrays: dict[str, Any] = {name: getattr(run, name) for name in ARRAYS}
     if run.inner_samples is not None:
         for name in INNER:
@@ -77,6 +76,8 @@ def read(path: Path) -> dict[str, Any]:
         OSError: if there is no such file or it cannot be read.
         ValueError: for a file that holds something else.
     """
+    import json
+
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             meta = json.loads(str(stored["metadata"]))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import math
 from typing import TYPE_CHECKING
 
@@ -11,8 +10,6 @@ from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
-
-__all__ = ["summary", "summary_page"]
 
 SHOWN = 6
 """Events that are named."""
@@ -24,8 +21,9 @@ WIDTH = 260
 def summary(run: Trajectory) -> str:
     """Describe samples, strike, events, why the run stopped, and cost: one line each."""
     first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
-    events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in run.events[:SHOWN])
-    more = f" and {len(run.events) - SHOWN} more" if len(run.events) > SHOWN else ""
+    notable = run.notable_events
+    events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:SHOWN])
+    more = f" and {len(notable) - SHOWN} more" if len(notable) > SHOWN else ""
     cost, estimate = run.cost, run.cost.error_estimate
     error = "" if estimate is None else f", error estimate {estimate:.1e}"
     lines = (
@@ -50,7 +48,9 @@ def _strike(run: Trajectory) -> str:
 
 def summary_page(run: Trajectory) -> str:
     """Return the five lines with a drawing of tip path, wire, hub, bar and workpart, as HTML."""
-    words = html.escape(summary(run))
+    from html import escape
+
+    words = escape(summary(run))
     return f'<div style="display:flex;gap:1em;align-items:center">{_drawing(run)}<pre>{words}</pre></div>'
 
 

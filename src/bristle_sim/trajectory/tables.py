@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
     from bristle_sim.trajectory.trajectory import Trajectory
 
-__all__ = ["ascending", "to_dataframe", "to_xarray"]
-
 MISSING = "must be installed: pip install bristle-sim[sweep]"
 
 UNITS = {

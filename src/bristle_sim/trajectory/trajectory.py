@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.arrays import Array
+from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot
@@ -19,9 +19,8 @@ from bristle_sim.trajectory.storage import read, write
 from bristle_sim.trajectory.summary import summary, summary_page
 from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 
-__all__ = ["Trajectory"]
-
-Array = NDArray[np.float64]
+NOTABLE = 0.01
+"""Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""
 
 
 @dataclass(frozen=True, slots=True, repr=False)
@@ -109,6 +108,22 @@ class Trajectory:
         return (times[-1] if last else times[0]) if times else None
 
     @property
+    def notable_events(self) -> tuple[Event, ...]:
+        """Events but for extremes of the motion relative to the hub below a hundredth of the largest in the run.
+
+        A bent wire that the hub carries along swings by a tenth of a degree before it meets the bar.
+        """
+        extremes = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
+
+        def counts(event: Event) -> bool:
+            if event.name not in extremes:
+                return True
+            size = np.abs(extremes[event.name])
+            return bool(np.interp(event.time, self.time, size) >= NOTABLE * size.max())
+
+        return tuple(event for event in self.events if counts(event))
+
+    @property
     def stop_advice(self) -> str:
         """Say what would let the run go further, in terms of the obstacle touched last."""
         return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
@@ -143,7 +158,7 @@ class Trajectory:
         """
         try:
             parts = self.parameters["tool"]
-            built = {name: None if parts[name] is None else part(**parts[name]) for name, part in _PARTS.items()}
+            built = {name: None if parts[name] is None else kinds[0](**parts[name]) for name, kinds in PARTS.items()}
             return Tool(**{**parts, **built})
         except (KeyError, TypeError) as error:
             raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
@@ -167,7 +182,3 @@ class Trajectory:
             ValueError: for any other file.
         """
         return cls(**read(Path(path)))
-
-
-_PARTS = {"hub": Hub, "belt": Belt, "bristle": Bristle, "bar": Bar, "workpart": Workpart, "contact": Contact}
-"""Classes of a tool's parts by name."""

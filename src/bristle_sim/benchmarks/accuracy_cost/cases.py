@@ -19,18 +19,6 @@ from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import Trajectory
 
-__all__ = [
-    "Case",
-    "FlightCase",
-    "PassCase",
-    "StrikeCase",
-    "double_pendulum",
-    "release_flight",
-    "state_at_strike",
-    "strike",
-    "whole_pass",
-]
-
 REFERENCE_ACCURACY = 1e-12
 """Accuracy of the whole pass's reference, a hundredth or less of what any attempt requests."""
 
@@ -112,8 +100,7 @@ def release_flight(retraction: float = RETRACTION_AT_RELEASE) -> FlightCase:
 STRIKE_NOTES = (
     "energetic: the law, no steps in time; engine: Newton's restitution",
     "scipy: the compliant contact's equations, derived by hand",
-    "mujoco, exudyn, pybullet cannot express energetic restitution;",
-    "mujoco's soft contact: damping tuned to e* without friction",
+    "mujoco, exudyn cannot express energetic restitution",
 )
 
 
@@ -175,7 +162,7 @@ def whole_pass() -> PassCase:
         notes=(
             "scipy: this project's reference, derived by hand",
             "mujoco: the bar as a damped spring as stiff as the step allows",
-            "exudyn, pybullet: not attempted",
+            "exudyn: not attempted",
         ),
         tool=tool,
     )

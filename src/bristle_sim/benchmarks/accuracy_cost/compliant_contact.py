@@ -17,15 +17,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.impulse_course import tip_response, tip_velocity
 
-__all__ = ["ContactPhase", "TipContact"]
-
-Array = NDArray[np.float64]
 Ends = Callable[[float, Sequence[float]], float]
 
 
@@ -44,7 +41,6 @@ class TipContact:
     """A chain's contact, scaled; ``solve`` goes through its phases with a given integrator.
 
     Attributes:
-        normal_inverse_mass: K_nn, 1/kg.
         response: rates that a unit (normal, tangential) impulse gives the rods, shape (rods, 2), rad/s per N s.
         unit_impulse: unit of the scaled impulses, N s.
         k_nt, k_tt: entries of K over K_nn.
@@ -59,8 +55,7 @@ class TipContact:
         jacobian, response = tip_response(chain)
         inverse_mass, speeds = jacobian @ response, tip_velocity(chain)
         self.response = response / np.array(chain.lengths)[:, None]
-        self.normal_inverse_mass = float(inverse_mass[0, 0])
-        self.unit_impulse = -speeds[0] / self.normal_inverse_mass
+        self.unit_impulse = -speeds[0] / float(inverse_mass[0, 0])
         (_, self.k_nt), (_, self.k_tt) = (inverse_mass / inverse_mass[0, 0]).tolist()
         self.v_t = -speeds[1] / speeds[0]
 

@@ -16,13 +16,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
-from bristle_sim.quantity import choice, validate
+from bristle_sim.quantity import Declared, choice
 
-__all__ = ["Attempt", "Effort", "Point", "Run", "cheapest", "cpu_times", "measure", "package_of", "thinned"]
+OURS = "bristle_sim"
+"""This package among those that are measured."""
 
 
 @dataclass(frozen=True, slots=True)
-class Effort:
+class Effort(Declared):
     """How much to measure."""
 
     effort: str = choice(
@@ -39,9 +40,6 @@ class Effort:
         source="chosen: every installed peer takes part",
         meaning="whether other packages are timed too",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
     @property
     def rounds(self) -> int:
@@ -96,8 +94,27 @@ class Point:
     failure: str = ""
 
     def as_dict(self) -> dict[str, Any]:
-        """The point as plain values, None for what is not finite."""
+        """Return the point as plain values, None for what is not finite."""
         return {name: _plain(getattr(self, name)) for name in self.__slots__}
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """What was added to a scene, what it cost (CPU s) and how that compares with the first row of its kind.
+
+    ``what`` is ``engine step``, ``pass`` or ``strike``; ``holds`` counts what the scene has; ``steps`` are engine steps taken.
+    """
+
+    what: str
+    effect: str
+    cpu_s: float
+    ratio: float
+    holds: str
+    steps: int | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the row as plain values."""
+        return {name: getattr(self, name) for name in self.__slots__}
 
 
 def _plain(value: Any) -> Any:

@@ -12,13 +12,10 @@ from bristle_sim.parameters import Contact
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.stepping import SymmetricSteps
 from bristle_sim.scene.strike import strike
 from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.law_convergence import RIGID, strike_by
-
-__all__ = ["flight_attempts", "pass_attempts", "strike_attempts"]
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
@@ -35,7 +32,6 @@ def flight_attempts(case: FlightCase) -> list[Attempt]:
     return [
         *_attempts("simulate", "accuracy={:g}", functools.partial(_simulated_flight, case), ACCURACIES),
         *_attempts("extrapolation", "tolerance={:g}", flight.extrapolated, ACCURACIES),
-        *_attempts("symmetric steps", "steps={}", flight.symmetric, STEP_COUNTS),
         *_attempts("plain steps", "steps={}", flight.plain, STEP_COUNTS),
     ]
 
@@ -62,12 +58,6 @@ class _Flight:
             result = stepper.advance(self.scene, state, length)
             if stepper.accepts(result, length):
                 state = result.state
-        return self._run(state.angles[0], state.rates[0], before)
-
-    def symmetric(self, count: int) -> Run:
-        """Carry the scene in equal steps that start and end half a drift off."""
-        before = self.scene.steps
-        state = SymmetricSteps(self.end / count).advance(self.scene, self.start, self.end).state
         return self._run(state.angles[0], state.rates[0], before)
 
     def plain(self, count: int) -> Run:

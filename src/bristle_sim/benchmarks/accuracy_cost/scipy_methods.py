@@ -7,15 +7,13 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from scipy.integrate import ode, odeint, solve_ivp
+from scipy.integrate import ode, solve_ivp
 
 from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.compliant_contact import ContactPhase, TipContact
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.reference import simulate_reference
 from bristle_sim.theory.cueing import centrifugal_stiffness
-
-__all__ = ["flight_attempts", "pass_attempts", "strike_attempts"]
 
 TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
 """Relative tolerances, two to a decade, from 1e-2 to 1e-12."""
@@ -25,7 +23,7 @@ COMPILED = ("dopri5", "dop853")
 
 
 def flight_attempts(case: FlightCase) -> list[Attempt]:
-    """Return attempts by ``solve_ivp`` with its methods, and the older interfaces, whose loop over steps is compiled."""
+    """Return attempts by ``solve_ivp`` with its methods, and by ``ode``, whose loop over steps is compiled."""
     slope = _flight(case)
     attempts = []
     for method in ("RK45", "DOP853", "LSODA", "Radau"):
@@ -34,7 +32,7 @@ def flight_attempts(case: FlightCase) -> list[Attempt]:
         attempts += [
             _attempt(f"scipy ode {method}", each, _stepped_in_compiled_code, case, slope, method) for each in TOLERANCES
         ]
-    return attempts + [_attempt("scipy odeint", each, _lsoda, case, slope) for each in TOLERANCES]
+    return attempts
 
 
 def _attempt(method: str, tolerance: float, solve: Callable[..., Run], *arguments: Any) -> Attempt:
@@ -90,22 +88,8 @@ def _stepped_in_compiled_code(case: FlightCase, slope: Slope, method: str, toler
     return _flown(case, solver.integrate(case.duration), count)
 
 
-def _lsoda(case: FlightCase, slope: Slope, tolerance: float) -> Run:
-    values, report = odeint(
-        slope,
-        START,
-        (0.0, case.duration),
-        rtol=tolerance,
-        atol=tolerance,
-        tfirst=True,
-        full_output=True,
-        mxstep=100_000,
-    )
-    return _flown(case, values[-1], int(report["nfe"][-1]))
-
-
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """The bilinear compliant contact in contact sscale, phase by phase, each ended by an event."""
+    """Return attempts at the bilinear compliant contact in contact space, phase by phase, each ended by an event."""
     return [
         _attempt(f"scipy {method.lower()}", each, _struck, case, method)
         for method in ("RK45", "DOP853", "LSODA", "Radau")

@@ -7,16 +7,13 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
-from bristle_sim.benchmarks.accuracy_cost import cases, mujoco_methods, other_peers, own_methods, scipy_methods
+from bristle_sim.benchmarks.accuracy_cost import cases, exudyn_methods, mujoco_methods, own_methods, scipy_methods
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.effects import effects
-from bristle_sim.benchmarks.accuracy_cost.machine import PACKAGES, installed, surroundings
-from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point, measure, package_of, thinned
-from bristle_sim.benchmarks.accuracy_cost.results import OURS, AccuracyCost, comparisons
-from bristle_sim.benchmarks.accuracy_cost.tables import tables
+from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Effort, Point, measure, package_of, thinned
+from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, tables
+from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
 from bristle_sim.comparison import Quantity, Report, Unfinished
-
-__all__ = ["accuracy_cost"]
 
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 
@@ -24,14 +21,9 @@ FLIGHT: Offers = {
     OURS: own_methods.flight_attempts,
     "scipy": scipy_methods.flight_attempts,
     "mujoco": mujoco_methods.flight_attempts,
-    "exudyn": other_peers.exudyn_flight_attempts,
-    "pybullet": other_peers.pybullet_flight_attempts,
+    "exudyn": exudyn_methods.flight_attempts,
 }
-STRIKE: Offers = {
-    OURS: own_methods.strike_attempts,
-    "scipy": scipy_methods.strike_attempts,
-    "mujoco": mujoco_methods.strike_attempts,
-}
+STRIKE: Offers = {OURS: own_methods.strike_attempts, "scipy": scipy_methods.strike_attempts}
 PASS: Offers = {
     OURS: own_methods.pass_attempts,
     "scipy": scipy_methods.pass_attempts,

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-
-__all__ = ["Finding", "HardCase", "all_of", "refusal", "within", "worst"]
+from functools import partial
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +48,19 @@ class HardCase:
             return self.measure()
         except Exception as error:
             return Finding(f"{type(error).__name__}: {' '.join(str(error).split())}", False)
+
+
+def row(
+    theme: str,
+    name: str,
+    promise: str,
+    measure: Callable[..., Finding],
+    *arguments: Any,
+    quick: bool = True,
+    **named: Any,
+) -> HardCase:
+    """Return a case whose measure is called with the given arguments."""
+    return HardCase(theme, name, promise, partial(measure, *arguments, **named), quick)
 
 
 def within(value: float, limit: float, what: str, steps: int = 0) -> Finding:

@@ -1,34 +1,26 @@
-"""Measures of a whole run that cases of several themes share: compared with the reference, with a closed form, and a spent budget."""
+"""Measures of a run or of a strike, which cases of several themes share: compared with the reference, a closed form, a budget."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, TypedDict
 
 import numpy as np
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, all_of, within, worst
-from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
+from bristle_sim.parameters import RETRACTION_AT_RELEASE, Contact, Surface, Tool
 from bristle_sim.scene.repetitions import CLOSE
+from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.cueing import stiffened_cue
+from bristle_sim.theory.monofilament import monofilament_impact
+from bristle_sim.theory.pendulums import double_pendulum_impact
 from bristle_sim.trajectory import ContactRecord, Trajectory
-
-__all__ = [
-    "ACCURACY",
-    "ONE_INTERVAL",
-    "Start",
-    "agrees_with_energy_integral",
-    "agrees_with_reference",
-    "end_difference",
-    "impacts_of",
-    "is_finite",
-    "spends_budget",
-    "sustained_contacts_of",
-]
 
 ACCURACY = Settings().accuracy
 """Requested accuracy where a case says nothing else; a result must be right to it, relative to the motion's size."""
@@ -48,6 +40,9 @@ class Start(TypedDict, total=False):
     start_hub_angle: float
     start_relative_angle: float
     start_relative_rate: float
+
+
+RELEASED: Start = {"start_relative_angle": -RETRACTION_AT_RELEASE}
 
 
 def impacts_of(run: Trajectory, obstacle: str | None = None) -> list[ContactRecord]:
@@ -145,3 +140,95 @@ def spends_budget(
     said = run.stop_reason is StopReason.STEP_BUDGET
     told = f"{excess} beyond" + ("" if said else f", {run.stop_reason}") + ("" if is_finite(run) else ", not finite")
     return Finding(told, said and 0 <= excess <= beyond and is_finite(run), run.cost.steps)
+
+
+def meets(
+    tool: Tool, settings: Settings, event: str, expected: float, unit: float, start: Start | None = None
+) -> Finding:
+    """Return whether an event happens at its instant to a unit, both in s."""
+    run = simulate(tool, settings, stop_after=event, **(start or {}))
+    at = run.event_time(event)
+    late = math.inf if at is None else (at - expected) / unit
+    return within(late, 1.0, "instant off by, of the limit,", run.cost.steps)
+
+
+def scaled(tool: Tool, scale: Units) -> Tool:
+    """Return the similar tool, its lengths, masses and times multiplied."""
+
+    def times(part: Any, **factors: float) -> Any:
+        values = {name: getattr(part, name) for name in factors}
+        return replace(part, **{name: value and value * factors[name] for name, value in values.items()})
+
+    length, time = scale.length, scale.time
+    return Tool(
+        hub=times(tool.hub, speed=1.0 / time, radius=length),
+        belt=times(tool.belt, stiffness=scale.energy),
+        bristle=times(tool.bristle, length=length, mass=scale.mass, wire_diameter=length),
+        bar=tool.bar and times(tool.bar, radius=length, horizontal=length, vertical=length),
+        workpart=tool.workpart and times(tool.workpart, penetration=length),
+        contact=times(tool.contact, duration=time),
+        gravity=tool.gravity * scale.acceleration,
+    )
+
+
+STRIKE_ACCURACY = 1e-6
+"""Requested accuracy of contacts resolved in time; their outcome is the rigid-body limit to ten times that."""
+
+LEAST_DIGIT = 0.1
+"""Relative error that leaves no digit: where it is expected, a contact in time may also refuse in one line."""
+
+
+def struck(chain: Chain, friction: float, restitution: float, law: str = "energetic") -> ChainStrike:
+    """Return a chain's strike with equal friction in compression and restitution."""
+    return strike(chain, Surface(friction, None, restitution), Contact(law), Settings(accuracy=STRIKE_ACCURACY))
+
+
+def rate_difference(found: Sequence[float], expected: Sequence[float], before: Sequence[float]) -> float:
+    """Return the largest difference of rates over the largest rate."""
+    size = max(map(abs, (*before, *expected)))
+    return worst((one - two) / size for one, two in zip(found, expected, strict=True))
+
+
+def agrees_in_time(
+    chain: Chain, friction: float, restitution: float, limit: float, *, may_refuse: bool = False
+) -> Finding:
+    """Compare a contact resolved in time with the rigid-body limit: its outcome, and its rates to a limit.
+
+    Where the limit leaves no digit, any end by name that gains no energy is right, and a refusal in one line.
+    """
+    rigid = struck(chain, friction, restitution).contact
+    may_refuse |= limit > LEAST_DIGIT
+    try:
+        timed = struck(chain, friction, restitution, "compliant")
+    except ValueError as error:
+        return Finding("refused in one line", may_refuse and "\n" not in str(error))
+    outcome, after = timed.contact.outcome, timed.contact.rates_after
+    if limit > LEAST_DIGIT:
+        lossy = (timed.kinetic_energy_ratio or 0.0) <= 1.0 and bool(np.isfinite(after).all())
+        return Finding(outcome, lossy and outcome in ("rebound", "no rebound", "stiction"), timed.steps)
+    off = rate_difference(after, rigid.rates_after, rigid.rates_before)
+    return all_of(Finding(outcome, outcome == rigid.outcome), within(off, limit, "off by", timed.steps))
+
+
+def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: float) -> Finding:
+    """Compare strikes of one or two rods, each with friction and restitution, with Zhang's closed forms (2020, ch. 2)."""
+    off, alike = [], True
+    for chain, friction, e in strikes:
+        contact = struck(chain, friction, e).contact
+        rates, impulse, outcome = _closed_form(chain, friction, e)
+        alike &= contact.outcome == outcome
+        off += [rate_difference(contact.rates_after, rates, chain.rates), contact.impulse[0] / impulse - 1.0]
+    return all_of(within(worst(off), limit, "off by"), Finding(f"outcomes {'equal' if alike else 'different'}", alike))
+
+
+def _closed_form(chain: Chain, friction: float, restitution: float) -> tuple[tuple[float, ...], float, str]:
+    """Return rates after the impact (rad/s), normal impulse (N s) and outcome."""
+    mass, length = chain.masses[-1], chain.lengths[0]
+    if len(chain.masses) == 1:
+        (rate,), (angle,) = chain.rates, chain.angles
+        one = monofilament_impact(mass, length, 0.0, rate, 1.0, -angle, friction, restitution)
+        return (float(one.final_bristle_rate),), float(one.normal_final_impulse), one.outcome_name
+    (first, second), rates = chain.angles, (-chain.rates[0], -chain.rates[1])
+    ratio = chain.masses[0] / mass
+    two = double_pendulum_impact(mass, ratio, length, -first, -second, *rates, friction, restitution)
+    return (-float(two.final_rate_1), -float(two.final_rate_2)), float(two.normal_final_impulse), two.outcome

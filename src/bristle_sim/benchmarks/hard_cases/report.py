@@ -10,31 +10,29 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
-from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.quantity import choice, validate
-
-__all__ = ["TABLES", "HardCaseChoice", "cases_of", "hard_cases"]
+from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
+from bristle_sim.quantity import Declared, choice
 
 TABLES = {
-    "mass_ratio": "mass_ratio",
+    "mass_ratio": "impacts",
     "belt_stiffness": "motion",
     "damping": "motion",
-    "jam": "jam",
-    "grazing": "grazing",
+    "jam": "impacts",
+    "grazing": "impacts",
     "limits": "impacts",
-    "size": "similarity",
+    "size": "motion",
     "hub_speed": "motion",
-    "tunnelling": "tunnelling",
-    "long_run": "long_run",
-    "chatter": "chatter",
-    "touching": "touching",
-    "budget": "budget",
+    "tunnelling": "motion",
+    "long_run": "motion",
+    "chatter": "contact",
+    "touching": "contact",
+    "budget": "contact",
 }
-"""Module of this package with the table of each theme, which the function of the theme's name returns."""
+"""Module of this package with the rows of each theme, which the function of the theme's name returns."""
 
 
 @dataclass(frozen=True, slots=True)
-class HardCaseChoice:
+class HardCaseChoice(Declared):
     """Which cases to try."""
 
     theme: str = choice(
@@ -47,9 +45,6 @@ class HardCaseChoice:
         source="chosen: quick leaves out what takes long",
         meaning="whether the cases that take long are tried too",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
@@ -110,29 +105,18 @@ def _row(case: HardCase, finding: Finding) -> dict[str, object]:
     }
 
 
-CASE, PROMISE, REACHED = 30, 30, 31
+WIDTHS = (30, 30, 31, 3)
 """Widths of the columns of the table, which fits a terminal of 100."""
 
 
 def _table(tried: Tried) -> list[str]:
-    lines = [_line("case", "promise", "reached", "ok"), "-" * 100]
+    lines = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100]
     theme = ""
     for case, finding in tried:
         if case.theme != theme:
             theme = case.theme
             lines.append(theme.replace("_", " "))
-        cells = (
-            textwrap.wrap(case.name, CASE - 2),
-            textwrap.wrap(case.promise, PROMISE),
-            textwrap.wrap(finding.reached, REACHED),
-        )
-        for number in range(max(map(len, cells))):
-            words = [cell[number] if number < len(cell) else "" for cell in cells]
-            lines.append(
-                _line(f"  {words[0]}", words[1], words[2], ("yes" if finding.ok else "NO") if not number else "")
-            )
+        name, promise, reached = map(textwrap.wrap, (case.name, case.promise, finding.reached), (28, 30, 31))
+        cells = ([f"  {each}" for each in name], promise, reached, ["yes" if finding.ok else "NO"])
+        lines += side_by_side(cells, WIDTHS)
     return lines
-
-
-def _line(case: str, promise: str, reached: str, verdict: str) -> str:
-    return f"{case:<{CASE}}  {promise:<{PROMISE}}  {reached:<{REACHED}}  {verdict}".rstrip()

@@ -1,0 +1,69 @@
+"""Neighbours: from what spacing do the bristles of one plane touch each other, and what does a touch do to the strike?
+
+A row of bristles on one hub, each a pitch behind the one before, is simulated together: wires touch each other, bar and
+workpart. Bristles that touch no other one are copies of a single pass, from which theory finds the least pitch.
+"""
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Neighbours, Tool, Workpart
+from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.settings import Settings
+
+
+def run(values: Mapping[str, Any]) -> Report:
+    """Build the tool and its row from the keys, and simulate them."""
+    from bristle_sim.studies.neighbours import neighbours
+
+    tool = Tool(
+        hub=build(Hub, values),
+        belt=build(Belt, values),
+        bristle=build(Bristle, values),
+        bar=build(Bar, values),
+        workpart=build(Workpart, values),
+    )
+    with_reference = values["reference"] == "yes"
+    return neighbours(tool, build(Neighbours, values), build(Settings, values), with_reference=with_reference)
+
+
+def plot(report: Report, path: Path) -> None:
+    """Draw the row at its first touch, and the strike over the pitch with the least pitches."""
+    from bristle_sim.render.neighbours_figure import neighbours_figure, pitches_to_draw
+    from bristle_sim.render.style import save_figure
+    from bristle_sim.studies.neighbours import over_pitch
+
+    pitches = pitches_to_draw(report.subject)
+    save_figure(neighbours_figure(report.subject, pitches, over_pitch(report.subject, pitches)), path)
+
+
+def video(report: Report, path: Path) -> None:
+    """Film the row, in slow motion where wires touch."""
+    from bristle_sim.render.row_video import row_video
+
+    row_video(report.subject, path)
+
+
+def series(report: Report) -> dict[str, Any]:
+    """Return the motion of every bristle."""
+    from bristle_sim.studies.neighbours import row_series
+
+    return row_series(report.subject)
+
+
+SCENARIO = Scenario(
+    name="neighbours",
+    question="From what pitch do bristles of one plane touch each other, and what does a touch do?",
+    parts=(Hub, Belt, Bristle, Bar, Workpart, Neighbours, Settings, Comparison),
+    run=run,
+    plot=plot,
+    video=video,
+    series=series,
+    without=("knee_position", "knee_angle_deg", *WIRE_KEYS, "step"),
+)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))

@@ -1,0 +1,195 @@
+"""Parameters of the contact's force history and of the crater (Zhang 2020, chapters 3 and 4)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
+from bristle_sim.quantity import ANY, Declared, Range, count, quantity, shown
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A declared text, such as the name of a file or a column; None where there is none."""
+
+    key: str
+    source: str
+    unit: str
+    allowed: str
+    holds: Callable[[str], bool]
+    optional: bool = True
+    meaning: str = ""
+    needs: str = ""
+
+    def parse(self, text: str) -> str:
+        """Take typed text; raises ValueError in one line."""
+        return self.check(text)
+
+    def check(self, value: Any) -> str:
+        """Return the text, or raise ValueError with key, value and what it must be."""
+        if not isinstance(value, str) or not self.holds(value):
+            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
+        return str(value)
+
+
+def _is_file(name: str) -> bool:
+    try:
+        return bool(name) and Path(name).is_file()
+    except (OSError, ValueError):  # a name too long, a null character
+        return False
+
+
+def _is_name(name: str) -> bool:
+    return bool(name.strip())
+
+
+_HEADING = "the heading of a column, or its number from 1 on"
+
+_FORCE_CSV = Text(
+    "force_csv",
+    "none: the measured points are not in print",
+    "file",
+    "a readable file",
+    _is_file,
+    meaning="measured force history: columns of time and force as an oscilloscope exports them",
+)
+_TIME_COLUMN = Text(
+    "time_column",
+    "the one that the file marks as time, else the first",
+    "column",
+    _HEADING,
+    _is_name,
+    meaning="column of the time in the file",
+)
+_FORCE_COLUMN = Text(
+    "force_column",
+    "the one that the file marks as force, or the only other one",
+    "column",
+    _HEADING,
+    _is_name,
+    meaning="column of the force in the file",
+)
+_FORCE_PER_VOLT = Range(
+    "force_per_volt",
+    "N/V",
+    -1e12,
+    1e12,
+    True,
+    "none: the file holds a force, not a voltage",
+    optional=True,
+    meaning="calibration of a force that was recorded as a voltage",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """A measured force history that takes the place of the published curve."""
+
+    force_csv: str | None = field(default=None, metadata={"declaration": _FORCE_CSV})
+    time_column: str | None = field(default=None, metadata={"declaration": _TIME_COLUMN})
+    force_column: str | None = field(default=None, metadata={"declaration": _FORCE_COLUMN})
+    force_per_volt: float | None = field(default=None, metadata={"declaration": _FORCE_PER_VOLT})
+
+    def __post_init__(self) -> None:
+        for declared in (_FORCE_CSV, _TIME_COLUMN, _FORCE_COLUMN, _FORCE_PER_VOLT):
+            value = getattr(self, declared.key)
+            if value is None:
+                continue
+            declared.check(value)
+            if self.force_csv is None:
+                raise ValueError(f"{declared.key} = {shown(value)}: must be given with force_csv, which it describes")
+        if self.force_per_volt == 0.0:
+            raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
+
+
+@dataclass(frozen=True, slots=True)
+class ForceHistory(Declared):
+    """The contact compared with a force curve, and the points on which the fit is tried.
+
+    ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse needs, as long as
+    its force rises.
+    """
+
+    speed_ratio: float | None = quantity(
+        None,
+        "speed_ratio",
+        "1",
+        above=0.0,
+        at_most=1e6,
+        source="the one that gives the curve's compressive impulse",
+        meaning="bristle's rate over the hub's speed when it strikes, R; none: from the curve's impulse",
+    )
+    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 3.9: gamma")
+    compression_time: float | None = quantity(
+        None,
+        "compression_time",
+        "s",
+        at_least=1e-9,
+        at_most=1.0,
+        source="the curve's: Zhang 2020, eq. 3.20, 5e-5",
+        meaning="time from first touch to the highest force; none: the curve's",
+    )
+    points: int = count(
+        101,
+        "points",
+        at_least=10,
+        at_most=100_000,
+        source="chosen: on which the fit is tried",
+        meaning="number of points of the curve on which the fit is tried",
+    )
+    noise: float = quantity(
+        1.0,
+        "noise",
+        "N",
+        at_least=0.0,
+        at_most=1e6,
+        source="chosen: standard deviation of a noisy point",
+        meaning="standard deviation of the noise added to the points",
+        usual=ANY,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Crater(Declared):
+    """A bristle's tip that cuts."""
+
+    speed_ratio: float = speed_ratio_at_strike()
+    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
+    friction: float = quantity(
+        0.5,
+        "friction",
+        "1",
+        at_least=1e-6,
+        at_most=1e9,
+        source="Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
+        meaning="coefficient of friction between tip and workpart while it cuts",
+    )
+    shear_yield_stress: float = quantity(
+        1.2e8,
+        "shear_yield_stress",
+        "Pa",
+        at_least=1.0,
+        at_most=1e15,
+        source="Zhang 2020, eq. 4.53: steel API 5L",
+        meaning="shear yield stress of the workpart's steel",
+    )
+    plies: int = count(
+        300,
+        "plies",
+        at_least=1,
+        at_most=100_000,
+        source="Zhang 2020, below fig. 4.13: n, of equal time",
+        meaning="number of layers into which the cut is divided",
+    )
+    compression_time: float = quantity(
+        5e-5,
+        "compression_time",
+        "s",
+        at_least=1e-8,
+        at_most=1e-4,
+        source="Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
+        meaning="time from first touch to deepest penetration, t_c",
+    )

@@ -1,8 +1,0 @@
-"""Colours of the pictures, by Okabe and Ito: they are distinguished with any common colour blindness."""
-
-__all__ = ["BLACK", "BLUE", "GREEN", "GREY", "LIGHT", "ORANGE", "PURPLE", "SERIES", "SKY", "VERMILION"]
-
-BLACK, GREY, LIGHT = "#1a1a1a", "#6b6b6b", "#e4e4e4"
-BLUE, ORANGE, GREEN, VERMILION = "#0072b2", "#e69f00", "#009e73", "#d55e00"
-PURPLE, SKY = "#b8578e", "#56b4e9"
-SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)

@@ -1,0 +1,144 @@
+"""Draw a row of bristles where its wires touch, and the last bristle's strike over the pitch with the least pitches."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from bristle_sim.parameters import Tool
+from bristle_sim.render.drawing import View, draw_scale_bar
+from bristle_sim.render.panels import note, panel_title, say
+from bristle_sim.render.style import BLACK, BLUE, SERIES, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_tool, name_parts
+from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
+from bristle_sim.trajectory.sampled_motion import SampledMotion
+
+__all__ = ["neighbours_figure", "pitches_to_draw", "row_view", "touch_place"]
+
+Array = NDArray[np.float64]
+
+WIDTH, HEIGHT = 16.0, 13.4
+"""Printed size, cm."""
+
+BELOW = 4e-3
+"""How far below the workpart's surface a drawing shows, m."""
+
+BESIDE = 0.02
+"""How far beside a least pitch the strike is computed, deg."""
+
+AXES = {
+    "relative_speed_at_contact": ("speed at its strike", "relative rate (rad/s)", 1.0),
+    "lag_deg_at_contact": ("lag at its strike", "short of radial (deg)", 1.0),
+    "normal_final_impulse": ("impulse of its strike", "normal impulse (mN s)", 1e3),
+}
+"""Titles, labels and scales of what is drawn over the pitch."""
+
+LEAST = {
+    "least_pitch_to_strike_deg": ("no touch until the one in front strikes", (1, 1)),
+    "least_pitch_to_own_strike_deg": ("no touch until its own strike", (4, 2)),
+    "least_pitch_whole_pass_deg": ("no touch in the whole pass", (9, 2)),
+}
+"""What the pitches right of a line are, and the line's dashes."""
+
+
+def pitches_to_draw(row: Row) -> list[float]:
+    """Return pitches, deg, from close beside each other to beyond the least pitch of the whole pass."""
+    least = [each.by_theory for each in row.least if each.by_theory is not None]
+    if not least:
+        return [fraction * row.neighbours.pitch_deg for fraction in (0.5, 0.75, 1.0, 1.5, 2.0)]
+    close = 2.5 * root_pitch(row.tool)
+    even = [*np.linspace(close, 1.2 * min(least), 17), *np.linspace(1.2 * min(least), 1.1 * max(least), 6)]
+    return sorted([*even, *(each + side for each in least for side in (-BESIDE, BESIDE))])
+
+
+@styled()
+def neighbours_figure(row: Row, pitches: Sequence[float], strikes: Mapping[str, Array]) -> Figure:
+    """Draw a row at two instants, and its last bristle's strike over the pitch in degrees."""
+    figure = blank_figure(WIDTH, HEIGHT)
+    for letter, left, (title, time) in zip("ab", (0.2, 8.2), instants(row), strict=True):
+        axes = axes_at(figure, left, 6.4, 7.6, 5.8)
+        panel_title(axes, letter, title, f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms")
+        _draw_row(axes, row, time, 7.6 / 5.8)
+    alone = strike_values(row.tool, row.lone)
+    for letter, left, name in zip("cde", (1.5, 6.8, 12.0), AXES, strict=True):
+        axes = axes_at(figure, left, 1.9, 3.7, 3.2)
+        title, label, factor = AXES[name]
+        if (value := alone[name]) is not None:
+            axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
+        _draw_over_pitch(axes, row, pitches, factor * strikes[name])
+        axes.set(xlabel="pitch (deg)", ylabel=label, xlim=(0.0, None))
+        panel_title(axes, letter, title)
+        if np.isnan(strikes[name]).all():
+            say(axes, "no strike at any pitch")
+    handles, names = axes.get_legend_handles_labels()
+    figure.legend(handles, names, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4)
+    return figure
+
+
+def instants(row: Row) -> list[tuple[str, float]]:
+    """Return two instants to draw, each with words: the first touch, and the last one before the last bristle's strike."""
+    strike = row.bristles[-1].event_time("strike")
+    until = float(row.bristles[-1].time[-1]) if strike is None else strike
+    touches = [each for each in row.touches if each <= until]
+    name = f"bristle {len(row.bristles)}"
+    own = (f"{name} strikes" if strike is not None else "end of the pass", until)
+    if not touches:
+        front = row.bristles[0].event_time("strike")
+        return [("bristle 1 strikes" if front is not None else "start", front or 0.0), own]
+    if len(touches) == 1:
+        return [("first touch", touches[0]), own]
+    return [("first touch", touches[0]), (f"last touch before {name} strikes" if strike else "last touch", touches[-1])]
+
+
+def touch_place(first: Array, second: Array, diameter: float) -> Array | None:
+    """Return where two straight wires touch, from the hub's centre; None if they do not. Centre lines of shape (2, 2), m."""
+    for line, other in ((first, second), (second, first)):
+        along = other[1] - other[0]
+        fraction = np.clip(along @ (line[1] - other[0]) / (along @ along), 0.0, 1.0)
+        foot = other[0] + fraction * along
+        if np.hypot(*(line[1] - foot)) < diameter * (1.0 + 1e-3):
+            return np.asarray(0.5 * (line[1] + foot))
+    return None
+
+
+def row_view(tool: Tool, lines: Sequence[Array], aspect: float) -> View:
+    """Return the view of wires, shape (..., 2) in m, with the bar and some of the workpart."""
+    points = list(lines)
+    if tool.bar is not None:
+        points.append(np.array(tool.bar.centre) - tool.bar.radius)
+    if tool.workpart is not None:
+        points.append(np.array([0.0, -tool.workpart_depth - BELOW]))
+    return View.around([MILLIMETRES * each for each in points], aspect, 0.06)
+
+
+def _draw_row(axes: Axes, row: Row, time: float, aspect: float) -> None:
+    lines = [SampledMotion(run).centre_line(time) for run in row.bristles]
+    view = row_view(row.tool, lines, aspect)
+    view.apply(axes)
+    axes.set_axis_off()
+    draw_tool(axes, row.tool, view)
+    name_parts(axes, row.tool, 7.0)
+    for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
+        WireDrawing(axes, row.tool, color=color).place(line)
+        note(axes, str(number), tuple(0.9 * MILLIMETRES * line[0]), (0.0, 0.0), ha="center", va="center", color=color)
+    for first, second in itertools.pairwise(lines):
+        place = touch_place(first, second, row.tool.bristle.wire_diameter)
+        if place is not None:
+            axes.plot(*(MILLIMETRES * place), "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
+    draw_scale_bar(axes, 1.0 / MILLIMETRES, (view.right - 1.0, view.bottom + 1.5), 7.0, leftwards=True)
+
+
+def _draw_over_pitch(axes: Axes, row: Row, pitches: Sequence[float], values: Array) -> None:
+    axes.plot(
+        pitches, values, "o", color=VERMILION, markersize=2.6, zorder=3, label=f"bristle {len(row.bristles)} of the row"
+    )
+    for each in row.least:
+        words, dashes = LEAST[each.name]
+        if each.by_theory is not None:
+            label = f"{each.by_theory:.2f}°: {words}"
+            axes.axvline(each.by_theory, color=BLACK, linewidth=0.8, dashes=dashes, zorder=1, label=label)

@@ -1,0 +1,101 @@
+"""The forces of the engine's own contacts, as a load that adds them up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.event_functions import Slip
+from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.sustained_contact import Sustained
+
+__all__ = ["ContactForces"]
+
+
+class ContactForces:
+    """The engine's own contacts as a load: they act by themselves, and are lost once their forces are gone.
+
+    Attributes:
+        scene: of the contacts.
+        obstacles: the pairs in contact.
+        reached: totals of the last interval.
+    """
+
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
+        """Nothing has been added up yet."""
+        self.scene = scene
+        self.obstacles = tuple(obstacles)
+        self.reached: Sequence[float] = ()
+        self._last: list[tuple[float, float, float]] = []
+        self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
+        self._sums: list[float] = []
+        self._step = 0.0
+        self._due = False
+
+    def begin(self) -> None:
+        """Forget what was added up."""
+        self._sums, self._last, self._due = [0.0] * (3 * len(self.obstacles)), [], False
+
+    def apply(self, step: float) -> None:
+        """Add up what the engine, which acts by itself, did in the step before."""
+        if self._due:
+            self._add()
+        elif step != self._step:
+            self.scene.warm_up(step)
+        self._due, self._step = True, step
+        if self._pushes_back:
+            for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=False):
+                if obstacle.partner is not None:
+                    # The partner's shape is larger than it, which lengthens the lever of friction on it.
+                    self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
+
+    def totals(self, step: float) -> list[float]:
+        """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
+
+        Of several links the tangential forces in the last step follow: friction may make a contact stick.
+        """
+        if self._due:
+            self._add()
+        found = [each[0] / step for each in self._last] + self._sums
+        return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
+
+    def fails(self, totals: list[float]) -> bool:
+        """Return whether a contact would have to pull."""
+        return min(self.forces(totals)) <= 0.0
+
+    def forces(self, totals: Sequence[float]) -> Sequence[float]:
+        """Return the contacts' normal forces from the totals."""
+        return totals[: len(self.obstacles)]
+
+    def spare_friction(self, totals: Sequence[float], index: int) -> float:
+        """Return by how much friction's limit exceeds the tangential force of a contact."""
+        return self.obstacles[index].friction * totals[index] - abs(totals[4 * len(self.obstacles) + index])
+
+    def driven(self, totals: Sequence[float], index: int) -> int:
+        """Return the sense in which a contact that sticks would slip."""
+        return -1 if totals[4 * len(self.obstacles) + index] > 0.0 else 1
+
+    def breaks_away(self, totals: Sequence[float], slips: Sequence[int | None]) -> Slip | None:
+        """Return the slip of a contact that cannot stick, if there is one."""
+        for index, obstacle in enumerate(self.obstacles):
+            if slips[index] == 0 and self.spare_friction(totals, index) < 0.0:
+                return Slip(obstacle, self.driven(totals, index))
+        return None
+
+    def share_out(self, totals: Sequence[float], sustained: Sequence[Sustained], length: float) -> None:
+        """Add what was added up in an interval to the contacts' own sums."""
+        count, self.reached = len(self.obstacles), totals
+        for index, each in enumerate(sustained):
+            each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
+
+    def _add(self) -> None:
+        alone, sums = len(self.obstacles) == 1, self._sums
+        self._last = []
+        for index, obstacle in enumerate(self.obstacles):
+            totals = self.scene.contacts.totals(obstacle, alone)
+            self._last.append(totals)
+            sums[3 * index] += totals[0]
+            if obstacle.friction:
+                sums[3 * index + 1] += totals[1]
+                sums[3 * index + 2] += totals[1] * totals[2]
+        self._due = False

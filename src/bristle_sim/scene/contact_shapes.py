@@ -1,0 +1,145 @@
+"""The engine's own contacts between pairs of a scene: their shapes, which are ignored until a pair is engaged, and what they do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import pymunk
+
+from bristle_sim.scene.arbiters import impulse_reader
+from bristle_sim.scene.mechanism import Mechanism, Vector
+from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
+from bristle_sim.scene.wire_pair import WirePair
+
+__all__ = ["ContactShapes"]
+
+FAST_SLIP, STICKING = 10.0, 1e9
+"""A slip beyond what slip turns back by within an interval, in the scene's units, and a friction beyond any. The slip's rounding
+disturbs the normal velocity."""
+
+_NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
+
+
+Key = tuple[str, int, int | None, int]
+"""Tells pairs apart, whatever their surfaces."""
+
+
+def _key(obstacle: Obstacle) -> Key:
+    pieces = 8 * obstacle.own_piece + obstacle.partner_piece if isinstance(obstacle, WirePair) else 0
+    return obstacle.name, obstacle.link, obstacle.partner, pieces
+
+
+class ContactShapes:
+    """Shapes of pairs in a space.
+
+    Attributes:
+        space, mechanism, links: of the scene.
+        in_flight: iterations of the engine's solver where nothing is engaged.
+    """
+
+    def __init__(
+        self,
+        space: pymunk.Space,
+        mechanism: Mechanism,
+        links: Sequence[pymunk.Body],
+        obstacles: Sequence[Obstacle],
+        set_iterations: Callable[[int], None],
+    ) -> None:
+        """Add the shapes of what is fixed; those of two wires are added when they touch first."""
+        self.space, self.mechanism, self.links = space, mechanism, links
+        self.in_flight, self._set_iterations = space.iterations, set_iterations
+        self._impulses = [impulse_reader(space, each) for each in links]
+        self._shapes = {_key(each): self._add(each) for each in obstacles if not isinstance(each, WirePair)}
+        self._engaged: dict[Key, tuple[pymunk.Shape, pymunk.Shape]] = {}
+
+    def engage(
+        self, obstacle: Obstacle, *, friction: float, elasticity: float, iterations: int, piece: int = 0
+    ) -> None:
+        """Let the engine's own contact act between a straight piece of a link and an obstacle from now on."""
+        key = _key(obstacle)
+        if key not in self._shapes:
+            self._shapes[key] = self._add(obstacle)
+        shapes = self._shapes[key]
+        # An obstacle's shape, larger than the obstacle, would touch a neighbouring piece before its time.
+        touching = (
+            obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
+        )
+        self._engaged[key] = touching
+        bit = 1 << list(self._engaged).index(key)
+        own = pymunk.ShapeFilter(categories=bit, mask=bit)
+        for shape in shapes:
+            shape.filter = own if shape in touching else _NOWHERE
+        touching[0].friction, touching[0].elasticity = friction, elasticity
+        self._set_iterations(iterations)
+
+    def direct_friction(self, obstacle: Obstacle, slip: int, tangent: Vector) -> None:
+        """Let friction of an engaged pair act against slip of that sense, whatever it is; with 0 let it stick, come what may.
+
+        Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, or a
+        friction without end, until the run changes it.
+        """
+        shape = self._engaged[_key(obstacle)][0]
+        shape.surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
+        if slip == 0:
+            shape.friction = STICKING
+
+    def release(self) -> None:
+        """Let the engine ignore all obstacles again."""
+        for key in self._engaged:
+            for shape in self._shapes[key]:
+                shape.filter = _NOWHERE
+        self._engaged = {}
+        self._set_iterations(self.in_flight)
+
+    def totals(self, obstacle: Obstacle, alone: bool) -> tuple[float, float, float]:
+        """Return (normal, tangential) impulse of the last step on an engaged pair's link, and its slip if there is friction.
+
+        ``alone`` says that nothing else is engaged, so that the link has no other contact.
+        """
+        if alone and not obstacle.friction:
+            return (*self._impulses[obstacle.link](), 0.0)
+        body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
+        shape = None if alone else self._engaged[_key(obstacle)][0]
+
+        def look(arbiter: pymunk.Arbiter) -> None:
+            nonlocal found
+            if shape is not None and shape not in arbiter.shapes:
+                return
+            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
+            # the engine; a contact only pushes, which settles both.
+            normal, impulse = arbiter.normal, arbiter.total_impulse
+            push = impulse.dot(normal)
+            rub = math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
+            found = (abs(push), rub, self._slip(arbiter, body, obstacle) if obstacle.friction else 0.0)
+
+        body.each_arbiter(look)
+        return found
+
+    def _slip(self, arbiter: pymunk.Arbiter, body: pymunk.Body, obstacle: Obstacle) -> float:
+        """Return the tangential velocity of a link where it touches, relative to its partner, as the bodies are."""
+        points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
+        found = 0.0
+        for each in points.points:
+            place = each.point_a if first else each.point_b
+            velocity = body.velocity_at_world_point(place)
+            if obstacle.partner is not None:
+                velocity -= self.links[obstacle.partner].velocity_at_world_point(place)
+            outwards = -1.0 if first else 1.0
+            found = outwards * velocity.dot((points.normal.y, -points.normal.x))
+        return found
+
+    def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
+        """Add the shapes of a pair, which the engine ignores until they are engaged."""
+        if isinstance(obstacle, WirePair):
+            shapes = obstacle.shapes(self.links, self.mechanism)
+        elif isinstance(obstacle, BarObstacle | WorkpartObstacle):
+            link = self.mechanism.links[obstacle.link]
+            corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
+            shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
+        for shape in shapes:
+            shape.filter = _NOWHERE
+            shape.friction = 1.0
+            shape.elasticity = 1.0
+        self.space.add(*shapes)
+        return shapes

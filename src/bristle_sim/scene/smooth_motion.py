@@ -1,0 +1,210 @@
+"""The smooth motion between two changes of contact: in flight, separating, in sustained contact, or several of these at once.
+
+It integrates one interval up to its first event, and says what that changes about the contacts. What follows a change is in
+:mod:`bristle_sim.scene.transitions`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+
+from bristle_sim.scene.contact_forces import ContactForces
+from bristle_sim.scene.engine_contact import EngineContacts
+from bristle_sim.scene.event_functions import (
+    Change,
+    EventFunction,
+    Release,
+    Slip,
+    Touch,
+)
+from bristle_sim.scene.gaps import GAP_ROUNDING
+from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.progress import Progress
+from bristle_sim.scene.stepping import Advance
+from bristle_sim.scene.sustained_contact import SHY, Sustained, at_work, extremes, inner_states, limits
+from bristle_sim.scene.touch_search import SHORTEST, Interval, search_touch
+from bristle_sim.stop_reason import StopReason
+
+__all__ = ["SmoothMotion"]
+
+LONGEST = 1.0
+"""Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
+cubic through the ends is good to 1/384 of the motion."""
+
+Resolve = Callable[[], Change | None]
+"""Resolves the event at an interval's end; returns what it changes about the contacts."""
+
+
+class SmoothMotion:
+    """One smooth motion of the links, up to the next change of contact.
+
+    Attributes:
+        progress: of the run.
+        sustained: contacts that the engine keeps closed, until their forces have fallen to zero.
+        separating: pairs that have left each other but whose gaps are not open yet.
+        contacts, load: the engine's contacts, and their forces as a load; None where there is none.
+        before: the last interval of this motion, if there is one.
+        limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
+        ending: whether a force is known to vanish within the next interval of full length.
+    """
+
+    def __init__(
+        self,
+        progress: Progress,
+        limit: float | None,
+        sustained: Sequence[Sustained] = (),
+        separating: Sequence[Obstacle] = (),
+    ) -> None:
+        """Begin a motion: accelerations and signs of the last one are forgotten."""
+        self.progress = progress
+        self.sustained, self.separating = tuple(sustained), tuple(separating)
+        self.before: Advance | None = None
+        self.limit = limit
+        self.ending = False
+        self.contacts: EngineContacts | None = None
+        self.load: ContactForces | None = None
+        for each in self.sustained:
+            each.look_up_slip(progress.gaps, progress.state)
+        self._extremes = extremes(progress, self.sustained)
+        progress.changes.begin(progress.state, [*self._extremes, *limits(self.progress)])
+        if self.sustained:
+            self._extremes += self._begin_contact()
+
+    def proceed(self) -> Change | None:
+        """Integrate to the next event, and return what that changes about the contacts, if anything."""
+        progress, plan = self.progress, self.progress.plan
+        left = plan.end - progress.state.time
+        limit = math.inf if self.limit is None else self.limit
+        length = min(progress.stepper.propose(left), plan.longest_interval, limit, LONGEST * plan.time_scale)
+        result = self.advance(length)
+        if self.load is not None and (result.failed or min(self.load.forces(result.totals)) <= 0.0):
+            return self._approach_release(result, length)
+        if self.contacts is not None and self.load is not None and self.before is None:
+            slip = self.load.breaks_away(result.totals, self.contacts.slips)
+            if slip is not None:
+                return slip
+        if not progress.stepper.accepts(result, length):
+            if not math.isfinite(result.error) or length < SHORTEST:
+                progress.stop(StopReason.ACCURACY)
+            return None
+        result, resolve = self.first_event(result)
+        self.commit(result)
+        return None if resolve is None else resolve()
+
+    def advance(self, length: float) -> Advance:
+        """Integrate over an interval from the state that was reached."""
+        return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, self.load)
+
+    def _approach_release(self, result: Advance, length: float) -> Change | None:
+        """Come closer to where a force vanishes, or release what it was on; stick that would pull is no stick."""
+        for each in self.sustained:
+            if self.before is None and each.stopped:
+                return Slip(each.obstacle, -each.stopped)
+        at_once = self.before is None and len(self.progress.mechanism.links) == 1
+        if at_once or length <= self._shortest:
+            assert self.load is not None
+            forces = zip(self.sustained, self.load.forces(result.totals), strict=True)
+            return Release(tuple(each.obstacle for each, force in forces if force <= 0.0))
+        self.ending = True
+        predicted = min(each.vanishes_in() for each in self.sustained)
+        nearer = max(SHY * predicted if predicted < math.inf else 0.0, length / 16.0)
+        self.limit = max(min(0.5 * length, nearer), 0.5 * self._shortest)
+        return None
+
+    @property
+    def _shortest(self) -> float:
+        """Length of an interval within which a force that vanishes has vanished at once."""
+        return max(1e-9, 0.1 * self.progress.plan.accuracy) * self.progress.plan.time_scale
+
+    def commit(self, result: Advance) -> None:
+        """Take over an interval's end; links in sustained contact are set back onto what they touch."""
+        progress, start = self.progress, self.progress.state
+        length = result.state.time - start.time
+        force: float | tuple[float, ...] = 0.0
+        progress.state = result.state
+        if self.contacts is not None and self.load is not None:
+            self.load.share_out(result.totals, self.sustained, length)
+            progress.state = self.contacts.set_back(progress.gaps, result.state)
+            progress.recording.inner += inner_states(progress, self.contacts, start)
+        self.before = result
+        if self.load is not None:
+            self._engage()
+            force = progress.force_of_wires(self.load.forces(result.totals), self.load.obstacles)
+        progress.recording.error += result.error
+        progress.sample(force)
+        if self.limit is not None:
+            self.limit = self._next_limit(length)
+        if self.separating:
+            gaps, state = progress.gaps, progress.state
+            self.separating = tuple(each for each in self.separating if gaps.gap(each, state) <= GAP_ROUNDING)
+
+    def _next_limit(self, length: float) -> float:
+        """Return the longest interval after one of a length: they grow after a contact, but not towards a release."""
+        if self.ending and (left := min(each.vanishes_in() for each in self.sustained)) < 4.0 * length:
+            # Close to the release; once less than the shortest interval is left, that one passes it.
+            return max(SHY * left, self._shortest)
+        return max(2.0 * length, 0.0 if self.ending else self.progress.first_interval)
+
+    def _begin_contact(self) -> list[EventFunction]:
+        """Let the engine's contacts act from here on, if they can; return the events that end them."""
+        progress = self.progress
+        obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
+        self.contacts, self.load = (
+            EngineContacts(progress.scene, obstacles, slips),
+            ContactForces(progress.scene, obstacles),
+        )
+        progress.state = self.contacts.set_back(progress.gaps, progress.state)
+        for each in self.sustained:
+            each.begin(progress.state)
+        self._engage()
+        return at_work(progress, self.contacts, self.load)
+
+    def _engage(self) -> None:
+        """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
+        progress = self.progress
+        assert self.contacts is not None
+        grip = self.contacts.engage(progress.gaps, progress.state)
+        if grip <= 0.0:
+            progress.event("jam", progress.state.time)
+            progress.stop(StopReason.JAM)
+        elif not self.contacts.solvable:
+            progress.stop(StopReason.FRICTION)
+
+    def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
+        """Return the interval up to its first event, and how that is resolved."""
+        at_start = self.before is None and self.limit is None and self.load is None
+        if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
+            # Signs at the very start of a run are looked at exactly, which moves the bodies.
+            result = self.advance(self.interval_to(result).length)
+        resolve: Resolve | None = None
+        active = [each.obstacle for each in self.sustained]
+        for obstacle in self.progress.obstacles:
+            if obstacle not in active and result.state.time > self.progress.state.time:
+                found = search_touch(self.progress, self.interval_to(result), obstacle, active, self.separating)
+                if found is not None:
+                    result, touch = found
+                    resolve = None if touch is None else partial(Touch, *touch)
+        for function in self.event_functions():
+            changed = self.progress.changes.find(function, self.interval_to(result), self.before)
+            if changed is not None:
+                result, resolve = changed, partial(self.note, function)
+        return result, resolve
+
+    def interval_to(self, end: Advance) -> Interval:
+        """Return the interval from the state that was reached to its end."""
+        return Interval(self.progress.state, end, self.advance)
+
+    def event_functions(self) -> list[EventFunction]:
+        """Return functions whose change of sign is an event of this motion, besides touches."""
+        return [*self._extremes, *limits(self.progress)]
+
+    def note(self, function: EventFunction) -> Change | None:
+        """Record what an event function found, and return what it changes about the contacts."""
+        progress = self.progress
+        if function.event is not None:
+            progress.event(function.event, progress.state.time, (function.wire,))
+        if function.final is not None:
+            progress.stop(function.final)
+        return None if function.act is None else function.act()

@@ -1,0 +1,97 @@
+"""Where a run starts: bristles at rest relative to the hub, or at an angle and a rate of their own, or as another run has ended."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from bristle_sim.parameters import Tool
+from bristle_sim.quantity import count, quantity, validate
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.mechanism import State
+from bristle_sim.trajectory import ContactAtEnd
+
+__all__ = ["LONE", "RETRACTION_LIMIT", "Radial", "Row", "Start", "check_start"]
+
+RETRACTION_LIMIT = math.pi / 2.0
+"""Angle of the bristle from the radial direction at which it lies on the hub, rad."""
+
+OVERLAP = 1e-11
+"""Fraction of the bristle's length by which rounding lets it overlap what it touches at the start."""
+
+PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}
+"""Keys that say where an obstacle stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """Bristles of one plane on one hub, each a pitch behind the one before it, and how they rub and rebound on each other."""
+
+    bristles: int = count(1, "bristles", at_least=1, at_most=100, source="requested", meaning="number of bristles")
+    pitch: float = quantity(0.0, "pitch", "rad", at_least=0.0, at_most=2.0 * math.pi, source="requested")
+    friction: float = quantity(0.0, "neighbour_friction", "1", at_least=0.0, at_most=1e6, source="requested")
+    restitution: float = quantity(0.0, "neighbour_restitution", "1", at_least=0.0, at_most=1.0, source="requested")
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+LONE = Row()
+"""One bristle."""
+
+
+@dataclass(frozen=True, slots=True)
+class Radial:
+    """Angles of the hub, and of all links relative to it, and their relative rate, checked."""
+
+    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
+    relative_angle: float = quantity(
+        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="requested"
+    )
+    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested")
+
+    def __post_init__(self) -> None:
+        validate(self)
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """The start of a run.
+
+    Attributes:
+        hub_angle: of the first root, rad.
+        angles: absolute ones of every link, rad.
+        relative_rates: of every link relative to the hub, rad/s.
+        contact: state of contact that the run resumes; None where touches at the start are fresh.
+        touched: names of what the bristle has touched before.
+        described: what a result's parameters say of it.
+    """
+
+    hub_angle: float
+    angles: tuple[float, ...]
+    relative_rates: tuple[float, ...]
+    contact: ContactAtEnd | None = None
+    touched: frozenset[str] = frozenset()
+    described: dict[str, Any] = field(default_factory=dict)
+
+
+def check_start(scene: Scene, tool: Tool, start: State) -> None:
+    """Refuse a start in which a bristle stands in an obstacle, or in another bristle."""
+    poses = scene.mechanism.poses(start)
+    for obstacle in scene.effects.obstacles:
+        gap = obstacle.touch_between(poses, start.rates).gap
+        if gap >= -OVERLAP:
+            continue
+        overlap = -gap * tool.bristle.length
+        if obstacle.partner is not None:
+            raise ValueError(
+                f"pitch = {scene.mechanism.pitch:g}: must be one at which bristles are clear of each other at the start,"
+                f" these overlap by {overlap:.3g} m (in rad)"
+            )
+        part = getattr(tool, obstacle.name)
+        given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACES[obstacle.name])
+        raise ValueError(
+            f"{given}: the {obstacle.name} must be clear of the bristle at the start, this one overlaps it by"
+            f" {overlap:.3g} (in m)"
+        )

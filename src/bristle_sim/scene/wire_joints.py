@@ -1,0 +1,41 @@
+"""Where neighbouring links of a wire touch the same obstacle at their joint: a touch there belongs to one of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from bristle_sim.scene.obstacles import Obstacle
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.progress import Progress
+
+__all__ = ["at_joint", "behind_joint", "neighbour"]
+
+AT_JOINT = 1e-9
+"""Fraction of a link within which a foot on it is at its end."""
+
+
+def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> Obstacle | None:
+    """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
+    link, size = obstacle.link + step, progress.mechanism.wire_links
+    if obstacle.link < 0 or obstacle.partner is not None or link // size != obstacle.link // size:
+        return None
+    return next((each for each in progress.obstacles if (each.name, each.link) == (obstacle.name, link)), None)
+
+
+def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle]) -> bool:
+    """Whether a link is nearest to what its neighbour is in contact with at the joint that both have."""
+    if not active or progress.mechanism.wire_links == 1:
+        return False
+    start, end = obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])
+    lower, upper = (neighbour(progress, obstacle, step) for step in (-1, 1))
+    return (lower in active and start <= AT_JOINT) or (upper in active and end >= -AT_JOINT)
+
+
+def at_joint(progress: Progress, obstacle: Obstacle) -> Obstacle:
+    """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
+    lower = neighbour(progress, obstacle, -1)
+    if lower is None or obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])[0] > 0.0:
+        return obstacle
+    return lower

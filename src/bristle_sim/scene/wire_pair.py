@@ -1,0 +1,132 @@
+"""Pairs of links of two wires: capsules, of which the end of one touches the other's flank or end."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import pymunk
+
+from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
+from bristle_sim.scene.obstacles import MARGIN, Touch
+
+__all__ = ["WirePair", "wire_pairs"]
+
+Line = tuple[Vector, Vector]
+
+
+@dataclass(frozen=True, slots=True)
+class WirePair:
+    """A straight piece of a link and one of a link of another wire, ``partner``; both have the radius ``wire_radius``.
+
+    The normal points from the partner to the link. A touch's ``piece`` tells which end touches: 0 and 1 are the start and the
+    end of the link's own piece, 2 and 3 those of the partner's.
+    """
+
+    link: int
+    own_piece: int
+    partner: int
+    partner_piece: int
+    wire_radius: float
+    friction: float
+    restitution: float
+    name: str = "wire"
+
+    @property
+    def restitution_friction(self) -> float:
+        """Friction in restitution is that in compression."""
+        return self.friction
+
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+        """Return the closest approach of the two pieces, or of one named end and the other piece."""
+        own, other = _piece(poses[self.link], self.own_piece), _piece(poses[self.partner], self.partner_piece)
+        found = [_nearest(own, other, each) for each in (range(4) if piece is None else (piece,))]
+        ends = min(found, key=lambda each: math.dist(*each))
+        piece = found.index(ends) if piece is None else piece
+        (x, y), (u, v) = ends
+        distance = math.dist(*ends) or 1.0
+        normal = ((x - u) / distance, (y - v) / distance)
+        point = (x - self.wire_radius * normal[0], y - self.wire_radius * normal[1])
+        arms = [
+            (point[0] - poses[link].joint[0], point[1] - poses[link].joint[1]) for link in (self.link, self.partner)
+        ]
+        parts = zip((self.link, self.partner), arms, (1.0, -1.0), strict=True)
+        velocity = [0.0, 0.0]
+        for link, arm, sign in parts:
+            moving = (
+                poses[link].joint_velocity[0] - rates[link] * arm[1],
+                poses[link].joint_velocity[1] + rates[link] * arm[0],
+            )
+            velocity[0] += sign * (moving[0] * normal[0] + moving[1] * normal[1])
+            velocity[1] += sign * (moving[0] * normal[1] - moving[1] * normal[0])
+        gap = (-1.0 if _crossed(own, other) else 1.0) * distance - 2.0 * self.wire_radius
+        return Touch(gap, arms[0], normal, (velocity[0], velocity[1]), (), piece, arms[1])
+
+    def gap_beside(self, pose: Pose, piece: int) -> float:
+        """Other pieces have pairs of their own."""
+        del pose, piece
+        return math.inf
+
+    def foot(self, pose: Pose) -> tuple[float, float]:
+        """A touch at a joint is found by the pair of either link."""
+        del pose
+        return math.inf, 0.0
+
+    def shapes(self, bodies: Sequence[pymunk.Body], mechanism: Mechanism) -> list[pymunk.Shape]:
+        """Return the engine's shapes: flank, start and end of the partner's piece, then of the link's own."""
+        found: list[pymunk.Shape] = []
+        for link, number, margin in ((self.partner, self.partner_piece, MARGIN), (self.link, self.own_piece, 0.0)):
+            each, body, radius = mechanism.links[link], bodies[link], self.wire_radius + margin
+            corners = [(x - each.centre[0], y - each.centre[1]) for x, y in ((0.0, 0.0), *each.knees, each.tip)]
+            start, end = corners[number : number + 2]
+            found += [pymunk.Segment(body, start, end, radius)]
+            found += [pymunk.Circle(body, radius, start), pymunk.Circle(body, radius, end)]
+        return found
+
+    @staticmethod
+    def touching(shapes: Sequence[pymunk.Shape], piece: int) -> tuple[pymunk.Shape, pymunk.Shape]:
+        """Return the two shapes of a touch by one end, the partner's first: one that is parallel has one point of contact."""
+        return (shapes[0], shapes[4 + piece]) if piece < 2 else (shapes[piece - 1], shapes[3])
+
+
+def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restitution: float) -> Iterator[WirePair]:
+    """Yield every pair of straight pieces of links of two wires."""
+    numbered = [(link, piece) for link, each in enumerate(mechanism.links) for piece in range(len(each.knees) + 1)]
+    for (link, own), (partner, other) in itertools.combinations(numbered, 2):
+        if link // mechanism.wire_links != partner // mechanism.wire_links:
+            yield WirePair(link, own, partner, other, wire_radius, friction, restitution)
+
+
+def _piece(pose: Pose, number: int) -> Line:
+    if not pose.knees:
+        return pose.joint, pose.tip
+    corners = (pose.joint, *pose.knees, pose.tip)
+    return corners[number], corners[number + 1]
+
+
+def _nearest(own: Line, other: Line, piece: int) -> tuple[Vector, Vector]:
+    """Return an end of one piece and its foot on the other, the own piece's point first."""
+    if piece < 2:
+        return own[piece], _foot(own[piece], other)
+    return _foot(other[piece - 2], own), other[piece - 2]
+
+
+def _foot(point: Vector, line: Line) -> Vector:
+    (x, y), (u, v) = line
+    along = (u - x, v - y)
+    fraction = ((point[0] - x) * along[0] + (point[1] - y) * along[1]) / (along[0] ** 2 + along[1] ** 2)
+    fraction = min(max(fraction, 0.0), 1.0)
+    return x + fraction * along[0], y + fraction * along[1]
+
+
+def _crossed(first: Line, second: Line) -> bool:
+    """Whether two straight pieces cross."""
+
+    def sides(line: Line, points: Line) -> float:
+        along = (line[1][0] - line[0][0], line[1][1] - line[0][1])
+        one, other = (cross(along, (each[0] - line[0][0], each[1] - line[0][1])) for each in points)
+        return one * other
+
+    return sides(first, second) < 0.0 and sides(second, first) < 0.0

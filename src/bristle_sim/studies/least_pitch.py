@@ -1,0 +1,162 @@
+"""The least pitch of bristles in one plane by the motion of one alone: from what spacing do two wires touch each other?
+
+On a hub of constant speed each bristle that touches no other one does what the one before it did, a pitch beta of the hub's
+turn later. So two wires touch where the capsules (the centre line with half the wire's diameter about it) of A(t) and of its
+follower A(t - beta/omega) do, A being the motion of a lone bristle.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from bristle_sim.arrays import Array
+from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.sampled_motion import SampledMotion
+
+PITCH_STEP = math.radians(0.25)
+"""Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
+
+PITCH_TOLERANCE = 1e-9
+"""Tolerance of the least pitch, rad: 6e-8 deg."""
+
+INSTANTS = 1500
+"""Even instants of a pass at which the distance is looked at, besides the samples; 0.2 deg of the hub's turn in a pass."""
+
+DEEPEST = 2
+"""Local minima of the distance over time that are refined, beginning with the least."""
+
+
+class LonePass:
+    """A bristle that touches no other one, at any instant of its pass; before its start it turns with the hub."""
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        self.trajectory = trajectory
+        self._motion = SampledMotion(trajectory)
+
+    def centre_line(self, time: Array) -> Array:
+        """Return root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
+        line, start = self._motion.centre_line(time), self._motion.start
+        turned = self.trajectory.hub_speed * (time - np.maximum(time, start))
+        cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
+        x, y = line[..., 0], line[..., 1]
+        return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+
+
+def polyline_distance(first: Array, second: Array) -> Array:
+    """Return the least distance of two polylines, 0 where they cross; shapes (n, corners, 2) to (n,)."""
+    found = np.full(len(first), np.inf)
+    for i in range(first.shape[1] - 1):
+        for j in range(second.shape[1] - 1):
+            found = np.minimum(found, _segment_distance(first[:, i : i + 2], second[:, j : j + 2]))
+    return found
+
+
+def _segment_distance(first: Array, second: Array) -> Array:
+    """Return the least distance of two segments: of an end from the other one, unless they cross; shape (n,)."""
+    ends = [
+        _point_distance(point, segment)
+        for points, segment in ((first, second), (second, first))
+        for point in (points[:, 0], points[:, 1])
+    ]
+    sides = [
+        _cross(segment[:, 1] - segment[:, 0], points[:, 0] - segment[:, 0])
+        * _cross(segment[:, 1] - segment[:, 0], points[:, 1] - segment[:, 0])
+        for points, segment in ((first, second), (second, first))
+    ]
+    return np.where((sides[0] < 0.0) & (sides[1] < 0.0), 0.0, np.min(ends, axis=0))
+
+
+def _point_distance(point: Array, segment: Array) -> Array:
+    along, to_point = segment[:, 1] - segment[:, 0], point - segment[:, 0]
+    fraction = np.clip((along * to_point).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(to_point - fraction[:, np.newaxis] * along, axis=-1))
+
+
+def _cross(first: Array, second: Array) -> Array:
+    return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+def nearest_approach(lone: LonePass, pitch: float, until: float) -> tuple[float, float]:
+    """Return the least distance of the centre lines of a bristle and its follower up to an instant, and when; m and s."""
+    run = lone.trajectory
+    delay = pitch / run.hub_speed
+    begin = float(run.time[0])
+
+    def distance(time: Array) -> Array:
+        return polyline_distance(lone.centre_line(time), lone.centre_line(time - delay))
+
+    samples = np.concatenate([run.time, run.time + delay])
+    even = np.linspace(begin, until, INSTANTS)
+    instants = np.unique(np.concatenate([even, samples[(samples > begin) & (samples < until)]]))
+    values = distance(instants)
+    best = int(values.argmin())
+    least, when = float(values[best]), float(instants[best])
+    inner = np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:])) + 1
+    for at in inner[np.argsort(values[inner])][:DEEPEST]:
+        found = _minimum(lambda time: float(distance(np.array([time]))[0]), instants[at - 1], instants[at + 1])
+        if found[0] < least:
+            least, when = found
+    return least, when
+
+
+def _minimum(function: Callable[[float], float], low: float, high: float) -> tuple[float, float]:
+    """Return the least value of a function of one minimum between bounds, and where it is."""
+    found = minimize_scalar(function, bounds=(low, high), method="bounded", options={"xatol": 1e-7 * (high - low)})
+    return float(found.fun), float(found.x)
+
+
+def least_pitch(
+    trajectory: Trajectory,
+    wire_diameter: float,
+    *,
+    until: float | None = None,
+    of_follower: bool = False,
+    largest: float = math.pi / 2.0,
+) -> float:
+    """Return the pitch above which no wire touches its neighbour, by the motion of a lone bristle, rad.
+
+    Args:
+        trajectory: of a lone bristle, from a start at which it turns with the hub.
+        wire_diameter: at which distance of their centre lines two wires touch, m.
+        until: instant of the pass of the bristle in front up to which touches count, s; by default the end of the run.
+        of_follower: whether that is an instant of the follower's own pass, a pitch later.
+        largest: pitch from which the search goes down, rad.
+
+    Raises:
+        ValueError: if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.
+    """
+    if not trajectory.hub_speed:
+        raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
+    if not wire_diameter > 0.0:
+        raise ValueError(
+            f"wire_diameter = {wire_diameter:g}: must be above 0, or wires have no surface to touch (in m)"
+        )
+    lone, last = LonePass(trajectory), float(trajectory.time[-1])
+    end = last if until is None else until
+
+    def gap(pitch: float) -> float:
+        delay = pitch / trajectory.hub_speed if of_follower else 0.0
+        return nearest_approach(lone, pitch, min(end + delay, last))[0] - wire_diameter
+
+    pitch, open_gap, wider, before = largest, gap(largest), math.inf, largest
+    # m/rad: the follower lags by pitch/omega, and no point of it moves faster.
+    steepest = float(np.linalg.norm(trajectory.centre_line_velocity, axis=-1).max()) / trajectory.hub_speed
+    if open_gap <= 0.0:
+        raise ValueError(
+            f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
+        )
+    # Ends at the latest where the next wire would stand in this one.
+    while True:
+        narrower = max(pitch - max(PITCH_STEP, open_gap / steepest), 0.0)
+        closed = gap(narrower)
+        if closed > 0.0 and wider > open_gap < closed:
+            depth, deepest = _minimum(gap, narrower, before)
+            if depth <= 0.0:
+                return float(brentq(gap, deepest, before, xtol=PITCH_TOLERANCE))
+        if closed <= 0.0:
+            return float(brentq(gap, narrower, pitch, xtol=PITCH_TOLERANCE))
+        pitch, before, wider, open_gap = narrower, pitch, open_gap, closed

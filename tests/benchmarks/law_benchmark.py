@@ -1,0 +1,66 @@
+"""Measure what one impact costs: the law on arrays, on floats, and through a scene. ``python tests/benchmarks/law_benchmark.py``
+
+CPU time of one process, the least of several rounds that take turns, so that a noisy machine disturbs all alike.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from bristle_sim.benchmarks.machine import surroundings
+from bristle_sim.parameters import Surface
+from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.strike import Chain, build_strike
+from bristle_sim.theory.impact import energetic_impact
+
+SINGLE = Chain((1.0,), (1.0,), (-0.41,), (3.0,))
+DOUBLE = Chain((1.0, 1.0), (1.0, 1.0), (-0.35, -0.52), (0.1, 0.2))
+SURFACE = Surface(0.3, None, 0.5)
+
+
+def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
+    """Return CPU seconds of one impact by each way, the least of ``rounds``; arrays hold ``size`` impacts."""
+    rng = np.random.default_rng(0)
+    roots, velocity = rng.normal(size=(size, 2, 2)), rng.normal(size=(size, 2))
+    masses = roots @ roots.transpose(0, 2, 1)
+    velocity[:, 0] = -np.abs(velocity[:, 0])
+    friction, restitution = rng.uniform(0.0, 2.0, size), rng.uniform(0.0, 1.0, size)
+    one = (masses[0], velocity[0], 0.3, 0.5)
+    ways: dict[str, tuple[Callable[[], object], int, int]] = {
+        "law, arrays": (lambda: energetic_impact(masses, velocity, friction, restitution), 1, size),
+        "law, one impact": (lambda: energetic_impact(*one), 500, 1),
+        "scene, one rod": (_through_scene(SINGLE), 200, 1),
+        "scene, two rods": (_through_scene(DOUBLE), 200, 1),
+    }
+    least = dict.fromkeys(ways, float("inf"))
+    for _ in range(rounds):
+        for name, (act, times, impacts) in ways.items():
+            begin = time.process_time()
+            for _ in range(times):
+                act()
+            least[name] = min(least[name], (time.process_time() - begin) / (times * impacts))
+    return least
+
+
+def _through_scene(chain: Chain) -> Callable[[], object]:
+    """Return a call that places the bodies, builds K from them, solves, and sets their velocities."""
+    scene, start, obstacle, _ = build_strike(chain, SURFACE)
+    law, coefficients = EnergeticLaw(), Coefficients.of(obstacle)
+    return lambda: law.resolve(scene, start, obstacle, coefficients)
+
+
+def main() -> None:
+    """Print what was measured, on what, and how to measure it again."""
+    found = costs()
+    for name, seconds in found.items():
+        print(f"{name:<18} {1e6 * seconds:10.3f} us an impact {1.0 / seconds:14.3g} impacts/s")
+    for name, value in surroundings().items():
+        print(f"{name}: {value}")
+    print("command: python tests/benchmarks/law_benchmark.py")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,199 @@
+"""The reference's row of bristles: Jacobians, balances of impacts and of a sustained contact, and the least pitch."""
+
+import functools
+import math
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.reference import simulate_reference, simulate_row_reference
+from bristle_sim.reference.contacts import Point, Surface
+from bristle_sim.reference.row import Row
+from bristle_sim.reference.wires import Wires
+from bristle_sim.studies.least_pitch import least_pitch
+
+DIAMETER = Tool().bristle.wire_diameter
+
+TOOLS = {
+    "operating point": Tool(),
+    "touched at the bar": Tool(
+        hub=Hub(speed=288.8, radius=0.0276),
+        belt=Belt(stiffness=0.0194, damping_ratio=0.024),
+        bristle=Bristle(length=0.0248, mass=9.8e-5, wire_diameter=8.7e-4),
+        bar=Bar(horizontal=0.0506, vertical=0.0216),
+    ),
+    "touched in flight": Tool(
+        hub=Hub(speed=326.0, radius=0.0283),
+        belt=Belt(stiffness=0.031, damping_ratio=0.042),
+        bristle=Bristle(mass=8.1e-5, wire_diameter=7.5e-4),
+        bar=Bar(horizontal=0.05, vertical=0.021),
+    ),
+}
+
+
+@functools.cache
+def row(pitch_deg, friction=0.31, restitution=0.42, hub_turn=1.3):
+    return simulate_row_reference(
+        Tool(),
+        bristles=2,
+        pitch=math.radians(pitch_deg),
+        neighbour_friction=friction,
+        neighbour_restitution=restitution,
+        hub_turn=hub_turn,
+        accuracy=1e-8,
+        sample_interval=2e-5,
+    )
+
+
+def cross(first, second):
+    return first[0] * second[1] - first[1] * second[0]
+
+
+def touching(lines):
+    """Place of contact and normal, from the second wire to the first, of two capsules: an end is on the other's flank."""
+    for sign, (line, other) in ((1.0, lines), (-1.0, lines[::-1])):
+        along = other[1] - other[0]
+        foot = other[0] + along * np.clip(along @ (line[1] - other[0]) / (along @ along), 0.0, 1.0)
+        if np.hypot(*(line[1] - foot)) == pytest.approx(DIAMETER, rel=1e-6):
+            return 0.5 * (line[1] + foot), sign * (line[1] - foot) / np.hypot(*(line[1] - foot))
+    raise AssertionError("the wires do not touch")
+
+
+class TestTouch:
+    @pytest.mark.parametrize("angles", [(-1.0, -1.6), (-1.6, -1.0), (-1.3, -1.05)], ids=["end", "flank", "ends"])
+    def test_rows_and_biases_are_derivatives(self, angles):
+        """Central differences over 1e-7 s, as for the contacts of the lone wire, of a contact that does not open."""
+        chain = Row(Tool(), [-1.0, -1.3])
+        wires, point = Wires(chain, DIAMETER, Surface(0.0, 0.0, 1.0)), Point("wire", 0, False)
+        accelerations, rates = np.array([7e4, -1e5]), np.array([400.0, 250.0])
+        at_rest = wires.touch(chain, chain.kinematics(1e-3, np.array(angles), rates), point)
+        rates = rates - at_rest.normal_row * at_rest.velocity[0] / (at_rest.normal_row @ at_rest.normal_row)
+        # The surfaces must be in touch, or the place of contact is not one.
+        wires.diameter += at_rest.gap
+
+        def after(step):
+            moved = np.array(angles) + rates * step + 0.5 * accelerations * step**2
+            return wires.touch(chain, chain.kinematics(1e-3 + step, moved, rates + accelerations * step), point)
+
+        before, touch, later = after(-1e-7), after(0.0), after(1e-7)
+        assert (later.gap - before.gap) / 2e-7 == pytest.approx(touch.velocity[0], abs=1e-5)
+        for i, jacobian in enumerate((touch.normal_row, touch.tangential_row)):
+            change = (later.velocity[i] - before.velocity[i]) / 2e-7
+            assert change == pytest.approx(jacobian @ accelerations + touch.bias[i], rel=1e-6, abs=0.1)
+
+
+class TestImpact:
+    @pytest.mark.parametrize("pitch_deg", [15.0, 17.0])
+    def test_moments_and_energy_balance(self, pitch_deg):
+        """About its own root, which the hub carries, each rod gets I dphi' = r x P, the other one with -P.
+
+        So the impulse works I d(phi'^2)/2 on each rod relative to its root, and P.(v_1 - v_2) in all. Angles at the touch
+        are good to 1e-8, and 1e-10 of the impacts is left out where many follow each other at one instant.
+        """
+        first, second = row(pitch_deg)
+        records = [[each for each in run.contacts if each.obstacle == "wire"] for run in (first, second)]
+        assert len(records[0]) == len(records[1]) > 0
+        inertia = Tool().bristle.inertia_about_root
+        for front, behind in zip(*records, strict=True):
+            assert (front.time, front.impulse) == (behind.time, behind.impulse)
+            at = int(abs(first.time - front.time).argmin())
+            lines = [run.centre_line[at] for run in (first, second)]
+            place, normal = touching(lines)
+            impulse = front.impulse[0] * normal + front.impulse[1] * np.array([normal[1], -normal[0]])
+            size = inertia * max(abs(front.rates_after[0] - front.rates_before[0]), 1.0)
+            for sign, record, line in ((1.0, front, lines[0]), (-1.0, behind, lines[1])):
+                change = inertia * (record.rates_after[0] - record.rates_before[0])
+                assert change == pytest.approx(sign * cross(place - line[0], impulse), abs=1e-6 * size)
+            works = front.compressive_work[0] + front.compressive_work[1] + sum(front.restitutive_work)
+            gained = sum(
+                0.5 * inertia * (each.rates_after[0] ** 2 - each.rates_before[0] ** 2) for each in (front, behind)
+            )
+            turn = np.array([[0.0, -1.0], [1.0, 0.0]]) * Tool().hub.speed
+            carried = impulse @ (turn @ (lines[0][0] - lines[1][0]))
+            assert works == pytest.approx(gained + carried, abs=1e-10 * inertia * front.rates_before[0] ** 2)
+            # Stronge's coefficient: what restitution returns of the normal work.
+            assert front.restitutive_work[0] == pytest.approx(-(0.42**2) * front.compressive_work[0], rel=1e-9)
+
+
+class TestSustained:
+    def test_the_follower_under_the_push_of_the_wire_in_front(self):
+        """I alpha'' + k alpha + m r_h (L/2) omega^2 sin alpha = M, the moment of the wires' force, frictionless.
+
+        Integrated over the contact by cubic splines through samples 2e-5 s apart: (2e-5 s 1e3 rad/s)^4 = 2e-7.
+        """
+        first, second = row(5.0, friction=0.0, hub_turn=0.9)
+        lasting = next(each for each in second.contacts if each.obstacle == "wire" and each.duration > 5e-4)
+        begin, end = lasting.time, lasting.time + lasting.duration
+        # Between the sample after the impact that begins the contact and that before the one that ends it.
+        inside = np.arange(*np.searchsorted(second.time, [begin, end], side="right") - (1, 0))
+        inside = [*inside[second.time[inside] < end].tolist(), int(np.searchsorted(second.time, end))]
+        time = second.time[inside]
+        tool, alpha, moments = Tool(), second.relative_angle[inside], []
+        for at in inside:
+            lines = [run.centre_line[at] for run in (first, second)]
+            place, normal = touching(lines)
+            moments.append(cross(place - lines[1][0], -second.normal_force[at] * normal))
+        spring = tool.belt.stiffness * alpha + tool.bristle.mass * tool.hub.radius * 0.5 * tool.bristle.length * (
+            tool.hub.speed**2
+        ) * np.sin(alpha)
+        inertia = tool.bristle.inertia_about_root
+        gained = inertia * (second.rates[inside[-1], 0] - second.rates[inside[0], 0])
+        given = CubicSpline(time, moments).integrate(time[0], time[-1])
+        assert gained + CubicSpline(time, spring).integrate(time[0], time[-1]) == pytest.approx(given, rel=1e-4)
+
+
+class TestRow:
+    def test_above_the_least_pitch_each_bristle_passes_as_if_alone(self):
+        """All but the follower's delay; ten times the accuracy requested."""
+        lone = simulate_reference(Tool(), accuracy=1e-8, stop_after="strike").first_contact("workpart")
+        for number, run in enumerate(row(20.0)):
+            strike = run.first_contact("workpart")
+            delay = number * math.radians(20.0) / Tool().hub.speed
+            assert strike.time - delay == pytest.approx(lone.time, rel=1e-7)
+            assert strike.rates_before == pytest.approx(lone.rates_before, rel=1e-7)
+            assert strike.impulse == pytest.approx(lone.impulse, rel=1e-7)
+            assert run.stop_reason == "end of the planned time"
+
+    @pytest.mark.parametrize("name", TOOLS)
+    def test_wires_touch_below_the_least_pitch_by_theory_and_not_above(self, name):
+        """Within 0.05 deg."""
+        tool = TOOLS[name]
+        lone = simulate_reference(tool, accuracy=1e-7, stop_after="strike")
+        strike = lone.first_contact("workpart").time
+        theory = math.degrees(least_pitch(lone, tool.bristle.wire_diameter, until=strike, largest=0.5))
+        touched = []
+        for pitch in np.radians([theory - 0.05, theory + 0.05]):
+            turn = tool.hub.speed * strike - pitch
+            runs = simulate_row_reference(tool, bristles=2, pitch=pitch, hub_turn=turn, accuracy=1e-5)
+            touched.append(any(each.name == "wire touch" for each in runs[1].events))
+        assert touched == [True, False]
+
+    def test_a_spoilt_strike_spares_the_bristle_behind_it(self):
+        """The wire that was kept from striking does not rebound into the path of the next one, which strikes as if alone."""
+        runs = simulate_row_reference(
+            Tool(),
+            bristles=3,
+            pitch=math.radians(17.0),
+            neighbour_friction=0.31,
+            neighbour_restitution=0.42,
+            hub_turn=1.3,
+            accuracy=1e-6,
+        )
+        first, second, third = (run.first_contact("workpart").rates_before[0] for run in runs)
+        assert third == pytest.approx(first, rel=1e-5)
+        assert second < 0.5 * first
+
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            ({"bristles": 0}, "bristles = 0: must be a whole number of at least 1"),
+            ({"pitch": 0.02}, "pitch = 0.02: must be one at which the roots are more than wire_diameter apart"),
+            ({"tool": Tool(bristle=Bristle(links=2))}, "wire_links = 2: must be 1, without a knee, in a row"),
+            ({"stop_after": "largest retraction"}, "stop_after = 'largest retraction': must be a touch or a release"),
+        ],
+    )
+    def test_bad_input_in_one_line(self, change, message):
+        with pytest.raises(ValueError, match=f"^{message}"):
+            simulate_row_reference(**({"tool": Tool(), "bristles": 2, "pitch": 0.3} | change))

@@ -1,0 +1,179 @@
+"""Pairs of links of two wires: distances and velocities by hand, impacts of free chains, and what the engine touches."""
+
+import math
+
+import numpy as np
+import pymunk
+import pytest
+
+from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
+from bristle_sim.scene.contact_space import contact_space
+from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.wire_pair import WirePair, wire_pairs
+from bristle_sim.theory.impact import energetic_impact
+
+ROW = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)), hub_radius=1.0, hub_speed=0.3, wires=2, pitch=0.4)
+PAIR = WirePair(0, 0, 1, 0, 0.05, 0.0, 0.5)
+
+CROSSING = State(0.0, (-0.6, 0.2), (0.1, 0.7))
+"""The first rod has fallen back, the second come forward: its end is near the first one's flank."""
+
+
+def finely(state: State) -> tuple[float, tuple[float, float]]:
+    """Least distance of points of the two rods, sampled, and how far along each rod they are."""
+    along = np.linspace(0.0, 1.0, 4001)
+    lines = []
+    for root, angle in zip((0.0, -0.4), state.angles, strict=True):
+        start = np.array([math.sin(root), -math.cos(root)])
+        lines.append(start + along[:, None] * np.array([math.sin(angle), -math.cos(angle)]))
+    best = (math.inf, (0.0, 0.0))
+    for number, point in enumerate(lines[0][::20]):
+        distances = np.hypot(*(lines[1] - point).T)
+        best = min(best, (float(distances.min()), (along[::20][number], along[int(distances.argmin())])))
+    return best
+
+
+@pytest.mark.parametrize("angles", [(-0.1, 0.0), (-0.3, -0.1), (0.0, -0.4), (-0.25, -0.02)])
+def test_gap_is_the_least_distance(angles: tuple[float, float]) -> None:
+    state = State(0.0, angles, (0.0, 0.0))
+    found = PAIR.touch_between(ROW.poses(state), state.rates)
+    # Samples 0.005 apart; the distance is at a minimum.
+    assert found.gap + 0.1 == pytest.approx(finely(state)[0], abs=2e-3)
+    named = [PAIR.touch_between(ROW.poses(state), state.rates, piece).gap for piece in range(4)]
+    assert found.gap == min(named) == named[found.piece]
+
+
+def test_rods_that_cross_overlap() -> None:
+    touch = PAIR.touch_between(ROW.poses(CROSSING), CROSSING.rates)
+    assert touch.gap < -0.1
+
+
+def test_velocity_is_the_gaps_rate() -> None:
+    """Normal velocity by the difference of gaps of states a little before and after."""
+    step = 1e-6
+    middle = State(0.0, (-0.3, -0.1), (-0.4, 0.9))
+    gaps = []
+    for time in (-step, step):
+        angles = tuple(a + time * r for a, r in zip(middle.angles, middle.rates, strict=True))
+        state = State(time, angles, middle.rates)
+        gaps.append(PAIR.touch_between(ROW.poses(state), state.rates).gap)
+    found = PAIR.touch_between(ROW.poses(middle), middle.rates)
+    assert found.velocity[0] == pytest.approx((gaps[1] - gaps[0]) / (2.0 * step), rel=1e-8)
+
+
+def touching() -> State:
+    """The second rod's end on the first one's flank, by bisection of its angle."""
+    low, high = -0.3, 0.3
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        state = State(0.0, (-0.35, middle), (0.0, 0.0))
+        low, high = (middle, high) if PAIR.touch_between(ROW.poses(state), state.rates).gap > 0.0 else (low, middle)
+    return State(0.0, (-0.35, low), (-0.2, 1.5))
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_impact_of_two_rods_on_a_hub(friction: float) -> None:
+    """Each rod's rate changes by the moment of its impulse about its root over 1/3; the partner's impulse is the opposite."""
+    pair = WirePair(0, 0, 1, 0, 0.05, friction, 0.5)
+    scene, state = Scene(ROW, Effects(obstacles=(pair,))), touching()
+    touch = pair.touch_between(ROW.poses(state), state.rates)
+    assert touch.velocity[0] < 0.0
+    after, record = EnergeticLaw().resolve(scene, state, pair, Coefficients.of(pair))
+    impulse = record.impulse[0] * np.array(touch.normal) + record.impulse[1] * np.array(touch.tangent)
+    assert touch.partner_arm is not None
+    for number, (arm, sign) in enumerate(((touch.arm, 1.0), (touch.partner_arm, -1.0))):
+        moment = sign * (arm[0] * impulse[1] - arm[1] * impulse[0])
+        assert after.rates[number] - state.rates[number] == pytest.approx(3.0 * moment, rel=1e-11)
+    if not friction:
+        assert record.velocity_after[0] == pytest.approx(-0.5 * record.velocity_before[0], rel=1e-12)
+    assert record.velocity_before == pytest.approx(touch.velocity, rel=1e-12)
+
+
+def test_inverse_mass_of_both_chains() -> None:
+    """K_nn = sum of lever^2/(1/3) over both rods."""
+    scene, state = Scene(ROW, Effects(obstacles=(PAIR,))), touching()
+    touch, space = contact_at(scene, state, PAIR)
+    assert touch.partner_arm is not None
+    levers = [arm[0] * touch.normal[1] - arm[1] * touch.normal[0] for arm in (touch.arm, touch.partner_arm)]
+    assert space.inverse_mass[0, 0] == pytest.approx(3.0 * sum(each**2 for each in levers), rel=1e-11)
+
+
+def test_the_engine_touches_one_end_only() -> None:
+    """A circle on the end and the other's flank, both added when they are engaged for the first time."""
+    scene, state = Scene(ROW, Effects(obstacles=(PAIR,))), touching()
+    assert len(scene.space.shapes) == 0
+    scene.place(State(0.0, state.angles, (0.0, 0.3)))
+    piece = PAIR.touch_between(ROW.poses(state), state.rates).piece
+    scene.contacts.engage(PAIR, friction=0.0, elasticity=0.0, iterations=200, piece=piece)
+    scene.step(1e-9, 1)
+    push, rub, _ = scene.contacts.totals(PAIR, alone=True)
+    touch, space = contact_at(scene, State(0.0, state.angles, (0.0, 0.3)), PAIR)
+    # The impulse that stops the approach.
+    assert push == pytest.approx(-touch.velocity[0] / space.inverse_mass[0, 0], rel=1e-6)
+    assert rub == pytest.approx(0.0, abs=1e-9 * push)
+
+
+def test_pairs_are_of_different_wires() -> None:
+    bent = Link(0.5, 0.01, (0.0, -0.2), (0.1, -0.5), ((0.0, -0.3),))
+    row = Mechanism((Link.rod(0.5, 0.5), bent) * 2, wires=2, pitch=0.3, hub_radius=1.0)
+    pairs = list(wire_pairs(row, 0.01, 0.1, 0.2))
+    # One piece of the straight link and two of the bent one, on either side.
+    assert len(pairs) == 9
+    assert {(each.link // 2, each.partner // 2) for each in pairs} == {(0, 1)}
+
+
+def free_chain(space: pymunk.Space, rng: np.random.Generator, links: int) -> list[pymunk.Body]:
+    """Rods of random masses and places, hinged end to end, with random velocities that the hinges allow."""
+    bodies: list[pymunk.Body] = []
+    end, velocity = rng.normal(size=2), rng.normal(size=2)
+    for _ in range(links):
+        mass, length, angle, rate = 10.0 ** rng.uniform(-1, 1), rng.uniform(0.2, 2.0), rng.uniform(-3, 3), rng.normal()
+        body = pymunk.Body(mass, mass * length**2 / 12.0)
+        half = 0.5 * length * np.array([math.sin(angle), -math.cos(angle)])
+        turned = np.array([-half[1], half[0]])
+        body.angle, body.position = angle, tuple(end + half)
+        body.velocity, body.angular_velocity = tuple(velocity + rate * turned), float(rate)
+        space.add(body)
+        if bodies:
+            space.add(pymunk.PivotJoint(bodies[-1], body, tuple(end)))
+        bodies.append(body)
+        end, velocity = end + 2.0 * half, velocity + 2.0 * rate * turned
+    return bodies
+
+
+def momenta(bodies: list[pymunk.Body]) -> np.ndarray:
+    """Momentum and angular momentum about the origin."""
+    found = np.zeros(3)
+    for body in bodies:
+        (x, y), (u, v) = body.position, body.velocity
+        found += body.mass * np.array([u, v, x * v - y * u]) + np.array([0.0, 0.0, body.moment * body.angular_velocity])
+    return found
+
+
+def energy(bodies: list[pymunk.Body]) -> float:
+    return sum(0.5 * (b.mass * b.velocity.dot(b.velocity) + b.moment * b.angular_velocity**2) for b in bodies)
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_free_chains_that_collide_keep_their_momentum(seed: int) -> None:
+    """And never gain energy, with any friction and restitution."""
+    rng = np.random.default_rng(seed)
+    space = pymunk.Space()
+    first, second = (free_chain(space, rng, int(rng.integers(1, 6))) for _ in range(2))
+    angle = rng.uniform(0.0, math.tau)
+    point, normal = tuple(rng.normal(size=2)), (math.cos(angle), math.sin(angle))
+    contact = contact_space(first[-1], point, normal, second[int(rng.integers(len(second)))])
+    if contact.velocity[0] > 0.0:
+        normal = (-normal[0], -normal[1])
+        contact = contact_space(first[-1], point, normal, second[-1])
+    before, kinetic = momenta(first + second), energy(first + second)
+    friction, restitution = rng.uniform(0.0, 1.0, 2)
+    impact = energetic_impact(
+        contact.inverse_mass, contact.velocity, friction, restitution, friction, contact.stick_compliance
+    )
+    contact.apply((impact.impulse_normal, impact.impulse_tangential))
+    size = float(np.abs(before).max()) + abs(impact.impulse_normal) * (1.0 + math.hypot(*point))
+    # Rounding of the sum over up to ten bodies, whose joints' impulses are larger than the contact's by mass ratios up to 100.
+    assert momenta(first + second) == pytest.approx(before, abs=1e-12 * size)
+    assert energy(first + second) <= kinetic * (1.0 + 1e-12)

@@ -1,0 +1,163 @@
+"""Wires of several links: the pymunk scene compared with the integration in generalized coordinates, which shares no code.
+
+Touches, releases and the state at the strike. The tolerance is ten times the requested accuracy, of angles in rad and of rates
+relative to the largest; a release, where the force falls to zero at a small slope, and the taps of a bar that throws the wire
+back, which magnify an error, get a hundred times that.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Tool, Workpart
+from bristle_sim.reference import simulate_reference
+from bristle_sim.scene.resume import resume
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Trajectory
+
+ACCURACY = 1e-6
+
+MANY = Settings(accuracy=ACCURACY, maximum_steps=5_000_000)
+
+
+def wire(
+    links: int,
+    modulus: float = 2e11,
+    damping: float = 0.0,
+    knee: float = 0.0,
+    nearness: float = 1.0,
+    friction: float = 0.0,
+    restitution: float = 0.0,
+) -> Tool:
+    """The operating point with a wire of links; ``nearness`` scales the bar's distance from the hub."""
+    return Tool(
+        bristle=Bristle(links=links, modulus=modulus, bending_damping_ratio=damping, knee_angle_deg=knee),
+        belt=Belt(damping_ratio=damping),
+        bar=Bar(horizontal=0.05037 * nearness, vertical=0.0225 * nearness, friction=friction, restitution=restitution),
+    )
+
+
+def times(run: Trajectory, ending: str) -> list[float]:
+    return [each.time for each in run.events if each.name.endswith(ending) or each.name == "strike"]
+
+
+def compare_up_to_the_strike(
+    tool: Tool, settings: Settings = MANY, magnified: float = 1.0, touches: int | None = None
+) -> None:
+    """Compare touches, or the first few of them, and the strike."""
+    scene = simulate(tool, settings, stop_after="strike")
+    reference = simulate_reference(tool, stop_after="strike", accuracy=1e-10)
+    tolerance = 10.0 * settings.accuracy * magnified
+    assert scene.stop_reason == reference.stop_reason == "requested event"
+    assert times(scene, " touch")[:touches] == pytest.approx(times(reference, " touch")[:touches], rel=tolerance)
+    found, expected = scene.contacts[-1], reference.contacts[-1]
+    assert found.angles == pytest.approx(expected.angles, abs=tolerance)
+    largest = float(np.abs(expected.rates_before).max())
+    assert found.rates_before == pytest.approx(expected.rates_before, abs=tolerance * largest)
+    assert found.impulse == pytest.approx(expected.impulse, abs=10.0 * tolerance * abs(expected.impulse[0]))
+    sustained = [[each for each in run.contacts if each.law == "sustained"] for run in (scene, reference)]
+    assert sum(each.impulse[0] for each in sustained[0]) == pytest.approx(
+        sum(each.impulse[0] for each in sustained[1]), rel=100.0 * tolerance
+    )
+
+
+@pytest.mark.parametrize("damping", [0.0, 0.05])
+@pytest.mark.parametrize("links", [1, 2, 3])
+def test_operating_point(links: int, damping: float) -> None:
+    compare_up_to_the_strike(wire(links, damping=damping))
+
+
+def test_four_links() -> None:
+    compare_up_to_the_strike(wire(4, modulus=2e10))
+
+
+def test_finer_accuracy_comes_nearer() -> None:
+    compare_up_to_the_strike(wire(2), Settings(accuracy=1e-9, maximum_steps=5_000_000))
+
+
+@pytest.mark.parametrize("knee", [-25.0, 20.0])
+def test_wire_with_a_knee(knee: float) -> None:
+    compare_up_to_the_strike(wire(3, modulus=5e10, knee=knee, damping=0.05))
+
+
+def test_sliding_over_joints_with_friction() -> None:
+    """The bar stands at the joint of the third link and the fourth: the contact passes over it, to and fro."""
+    tool = wire(4, modulus=2.92e10, knee=-24.35, nearness=0.7863, friction=0.2395)
+    compare_up_to_the_strike(tool)
+    run = simulate(tool, MANY, stop_after="strike")
+    assert {3, 4} <= {each.link for each in run.contacts if each.obstacle == "bar"}
+    assert run.contacts[-1].link == 4
+
+
+def test_slip_turns_back_and_stops() -> None:
+    compare_up_to_the_strike(wire(3, modulus=2.1e10, nearness=0.82, friction=0.44))
+
+
+def test_bar_that_throws_the_wire_back() -> None:
+    """The last of ever smaller taps is where each solution takes them for rest."""
+    compare_up_to_the_strike(wire(3, modulus=1.3e10, restitution=0.42), magnified=100.0, touches=9)
+
+
+def test_two_links_on_the_bar_at_once() -> None:
+    """A limp wire wraps around a bar in the middle of it: neighbouring links are in contact at a time."""
+    tool = wire(4, modulus=8.5e7, nearness=0.7528, friction=0.3)
+    assert tool.bar is not None
+    tool = replace(tool, bar=replace(tool.bar, radius=0.005557), workpart=None)
+    scene = simulate(tool, replace(MANY, hub_turn=1.2))
+    reference = simulate_reference(tool, hub_turn=1.2, accuracy=1e-9)
+    for run in (scene, reference):
+        lasting = [each for each in run.contacts if each.law == "sustained"]
+        assert any(a.time < b.time < a.time + a.duration for a in lasting for b in lasting)
+    assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * ACCURACY)
+    blows = [
+        [each for each in run.contacts if each.impulse[0] > 1e-5 and not each.duration] for run in (scene, reference)
+    ]
+    assert [each.time for each in blows[0]] == pytest.approx([each.time for each in blows[1]], rel=10.0 * ACCURACY)
+    assert [each.impulse[0] for each in blows[0]] == pytest.approx([each.impulse[0] for each in blows[1]], rel=1e-4)
+
+
+def test_whole_pass_of_two_links() -> None:
+    """Strike, ever smaller rebounds, drag along the workpart with friction, release and swing."""
+    tool = wire(2, damping=0.05)
+    scene, reference = simulate(tool, MANY), simulate_reference(tool, accuracy=1e-9)
+    touches = [times(run, " touch") for run in (scene, reference)]
+    assert touches[0][:8] == pytest.approx(touches[1][:8], rel=10.0 * ACCURACY)
+    assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=100.0 * ACCURACY)
+    assert scene.total_energy[-1] == pytest.approx(reference.total_energy[-1], rel=1e3 * ACCURACY)
+
+
+def test_a_run_of_several_links_is_not_resumed() -> None:
+    run = simulate(wire(2), stop_after="bar touch")
+    with pytest.raises(ValueError, match=r"^trajectory of a wire of 2 links: must be one of a rigid bristle"):
+        resume(run)
+
+
+class TestDent:
+    """A contact resolved in time may end inside the workpart; the tip stays there until it comes out by itself."""
+
+    @pytest.mark.parametrize(("knee", "friction"), [(0.0, 0.31), (30.0, 0.5), (-30.0, 0.5)])
+    def test_no_jump(self, knee: float, friction: float) -> None:
+        """Between two samples the tip moves no further than its largest speed takes it, but for curvature."""
+        bristle = Bristle(knee_angle_deg=knee)
+        contact = Tool().contact.__class__(law="compliant", duration=1e-4)
+        run = simulate(Tool(bristle=bristle, workpart=Workpart(friction=friction), contact=contact))
+        depth = run.tool.workpart_depth
+        assert run.tip[:, 1].min() < -depth - 1e-4
+        way, time = np.linalg.norm(np.diff(run.tip, axis=0), axis=1), np.diff(run.time)
+        speed = np.linalg.norm(run.tip_velocity, axis=1)
+        # An interval of sustained contact turns a belt's radian at most: the speed between its ends is less than twice theirs.
+        assert (way <= 2.0 * np.maximum(speed[1:], speed[:-1]) * time + 1e-12 * math.hypot(*run.tip[0])).all()
+
+    def test_out_of_the_dent_the_surface_counts_again(self) -> None:
+        """After the tip has risen above the surface, its next touch is at the surface."""
+        contact = Tool().contact.__class__(law="compliant", duration=1e-4)
+        run = simulate(Tool(contact=contact))
+        first, second = [each for each in run.contacts if each.obstacle == "workpart"][:2]
+        left = run.time > first.time + first.duration
+        height = run.tip[:, 1] + run.tool.workpart_depth
+        assert height[left].max() > 0.0
+        at_touch = int(np.flatnonzero(run.time >= second.time)[0])
+        assert height[at_touch] == pytest.approx(0.0, abs=1e-11)
