@@ -85,6 +85,11 @@ def test_refusals(links: int, strike: Strike, message: str) -> None:
         flexible_wire(Hub(), Belt(), Bristle(links=links), strike, SMOOTH, ContactStiffness(), Settings())
 
 
+def test_a_wire_without_thickness_is_refused() -> None:
+    with pytest.raises(ValueError, match="wire_diameter = 0: must be larger than 0"):
+        flexible_wire(Hub(), Belt(), Bristle(wire_diameter=0.0), Strike(), SMOOTH, ContactStiffness(), Settings())
+
+
 def test_study(short: Report) -> None:
     """Ratios at the requested stiffness are those of the report, to the study's accuracy; one link is the rigid bristle."""
     study = wire_study(short.subject.strike, stiffnesses=(1.0, 20.0))

@@ -42,7 +42,7 @@ CUTTING_FRICTION = 0.5
 REFERENCE_ACCURACY = 1e-9
 
 REFERENCE_FRICTION = 10.0
-"""Largest friction of a strike that the independent solution is asked for: its steps shrink with the time that slip lasts."""
+"""Largest friction of a strike for which the independent solution is computed: its steps shrink with the time that slip lasts."""
 
 LONGEST = 10.0
 """Times the contact of the rigid bristle that a contact may last."""
@@ -156,6 +156,8 @@ def flexible_wire(
             f"wire_links = {bristle.links}: must be at most {MOST_LINKS}, as one strike would take the scene minutes"
             " (dimensionless)"
         )
+    if not bristle.wire_diameter:
+        raise ValueError("wire_diameter = 0: must be larger than 0, or the wire has no stiffness (in m)")
     tool = _tool(hub, belt, bristle, surface, math.radians(strike.impact_angle_deg))
     struck = FlexibleStrike(
         tool, math.radians(strike.impact_angle_deg), strike.speed_ratio * hub.speed, contact, settings
@@ -163,7 +165,7 @@ def flexible_wire(
     wire, rigid = (each.run(FLIGHT * contact.duration) for each in (struck, struck.of(1)))
     own, stiff = (measures(struck, each.contact) for each in (wire, rigid))
     reference: dict[str, float] = {}
-    if with_reference and surface.friction <= REFERENCE_FRICTION:
+    if with_reference and max(surface.friction, surface.friction_in_restitution) <= REFERENCE_FRICTION:
         reference = _reference(struck, rigid.contact.outcome)
     simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
