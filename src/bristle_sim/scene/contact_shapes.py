@@ -62,11 +62,12 @@ class ContactShapes:
         touching = (
             obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
         )
-        self._engaged[key] = touching
-        bit = 1 << list(self._engaged).index(key)
-        own = pymunk.ShapeFilter(categories=bit, mask=bit)
-        for shape in shapes:
-            shape.filter = own if shape in touching else _NOWHERE
+        if self._engaged.get(key) != touching:
+            self._engaged[key] = touching
+            bit = 1 << list(self._engaged).index(key)
+            own = pymunk.ShapeFilter(categories=bit, mask=bit)
+            for shape in shapes:
+                shape.filter = own if shape in touching else _NOWHERE
         touching[0].friction, touching[0].elasticity = friction, elasticity
         self.space.iterations = iterations
 
@@ -89,13 +90,11 @@ class ContactShapes:
         self._engaged = {}
         self.space.iterations = self.in_flight
 
-    def totals(self, obstacle: Obstacle, alone: bool) -> tuple[float, float, float]:
-        """Return (normal, tangential) impulse of the last step on an engaged pair's link, and its slip if there is friction.
-
-        ``alone`` says that nothing else is engaged, so that the link has no other contact.
-        """
+    def totals(self, obstacle: Obstacle) -> tuple[float, float, float]:
+        """Return (normal, tangential) impulse of the last step on a pair's link, and its slip if there is friction."""
         body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
-        shape = None if alone else self._engaged[_key(obstacle)][0]
+        # Where nothing else is engaged, a link has no other contact.
+        shape = None if len(self._engaged) < 2 else self._engaged[_key(obstacle)][0]
 
         def look(arbiter: pymunk.Arbiter) -> None:
             nonlocal found
