@@ -250,7 +250,7 @@ class TestContact:
         scene = self.resting(Effects(obstacles=(bar, floor)), 0.3)
         scene.place(State(0.0, (0.3,), (2.0,)))
         scene.step(0.01, 1)
-        assert scene.contacts.totals(floor, alone=True) == (0.0, 0.0, 0.0)
+        assert scene.contacts.totals(floor) == (0.0, 0.0, 0.0)
         # The rod swings freely: the joint's force turns it at a rate that stays, to the order of the step.
         assert scene.rates()[0] == pytest.approx(2.0, rel=1e-3)
 
@@ -260,7 +260,7 @@ class TestContact:
         scene = self.resting(Effects(gravity=9.0, obstacles=(floor,)), 0.25 * math.pi)
         scene.contacts.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
         scene.step(1e-3, 3)
-        normal, tangential, _ = scene.contacts.totals(floor, alone=True)
+        normal, tangential, _ = scene.contacts.totals(floor)
         # Eighty iterations leave 0.4^80; the state moves by 1e-6 in three steps of 1e-3.
         assert normal == pytest.approx(4.5e-3, rel=1e-5)
         assert tangential == 0.0
@@ -285,7 +285,7 @@ class TestContact:
         scene.place(State(0.0, (-0.6,), (1.0,)))
         scene.contacts.engage(floor, friction=friction, elasticity=0.0, iterations=200)
         scene.step(1e-9, 1)
-        normal, tangential, _ = scene.contacts.totals(floor, alone=True)
+        normal, tangential, _ = scene.contacts.totals(floor)
         # One degree of freedom: v_n = -L sin 0.6, K = (s (s + mu c)) 3/m with friction helping to stop the tip.
         s, c = math.sin(0.6), math.cos(0.6)
         assert normal == pytest.approx(s / (3.0 * s * (s + friction * c)), rel=1e-6)

@@ -107,7 +107,7 @@ def test_the_engine_touches_one_end_only() -> None:
     piece = PAIR.touch_between(ROW.poses(state), state.rates).piece
     scene.contacts.engage(PAIR, friction=0.0, elasticity=0.0, iterations=200, piece=piece)
     scene.step(1e-9, 1)
-    push, rub, _ = scene.contacts.totals(PAIR, alone=True)
+    push, rub, _ = scene.contacts.totals(PAIR)
     touch, space = contact_at(scene, State(0.0, state.angles, (0.0, 0.3)), PAIR)
     # The impulse that stops the approach.
     assert push == pytest.approx(-touch.velocity[0] / space.inverse_mass[0, 0], rel=1e-6)

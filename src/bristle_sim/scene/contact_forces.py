@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.sustained_contact import Sustained
 
@@ -26,7 +25,8 @@ class ContactForces:
         self.scene = scene
         self.obstacles = tuple(obstacles)
         self.reached: Sequence[float] = ()
-        self._last: list[tuple[float, float, float]] = []
+        self._numbered = tuple(enumerate(self.obstacles))
+        self._last = [(0.0, 0.0, 0.0)] * len(self.obstacles)
         self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
         self._sums: list[float] = []
         self._step = 0.0
@@ -34,7 +34,8 @@ class ContactForces:
 
     def begin(self) -> None:
         """Forget what was added up."""
-        self._sums, self._last, self._due = [0.0] * (3 * len(self.obstacles)), [], False
+        count = len(self.obstacles)
+        self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
 
     def apply(self, step: float) -> None:
         """Add up what the engine, which acts by itself, did in the step before."""
@@ -44,7 +45,7 @@ class ContactForces:
             self.scene.warm_up(step)
         self._due, self._step = True, step
         if self._pushes_back:
-            for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=False):
+            for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=True):
                 if obstacle.partner is not None:
                     # The partner's shape is larger than it, which lengthens the lever of friction on it.
                     self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
@@ -61,9 +62,9 @@ class ContactForces:
 
     def fails(self, totals: list[float]) -> bool:
         """Return whether a contact would have to pull."""
-        return min(self.forces(totals)) <= 0.0
+        return min(self.normal(totals)) <= 0.0
 
-    def forces(self, totals: Sequence[float]) -> Sequence[float]:
+    def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
         return totals[: len(self.obstacles)]
 
@@ -75,13 +76,6 @@ class ContactForces:
         """Return the sense in which a contact that sticks would slip."""
         return -1 if totals[4 * len(self.obstacles) + index] > 0.0 else 1
 
-    def breaks_away(self, totals: Sequence[float], slips: Sequence[int | None]) -> Slip | None:
-        """Return the slip of a contact that cannot stick, if there is one."""
-        for index, obstacle in enumerate(self.obstacles):
-            if slips[index] == 0 and self.spare_friction(totals, index) < 0.0:
-                return Slip(obstacle, self.driven(totals, index))
-        return None
-
     def share_out(self, totals: Sequence[float], sustained: Sequence[Sustained], length: float) -> None:
         """Add what was added up in an interval to the contacts' own sums."""
         count, self.reached = len(self.obstacles), totals
@@ -89,13 +83,11 @@ class ContactForces:
             each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
 
     def _add(self) -> None:
-        alone, sums = len(self.obstacles) == 1, self._sums
-        self._last = []
-        for index, obstacle in enumerate(self.obstacles):
-            totals = self.scene.contacts.totals(obstacle, alone)
-            self._last.append(totals)
-            sums[3 * index] += totals[0]
+        sums, last, totals = self._sums, self._last, self.scene.contacts.totals
+        for index, obstacle in self._numbered:
+            push, rub, slip = last[index] = totals(obstacle)
+            sums[3 * index] += push
             if obstacle.friction:
-                sums[3 * index + 1] += totals[1]
-                sums[3 * index + 2] += totals[1] * totals[2]
+                sums[3 * index + 1] += rub
+                sums[3 * index + 2] += rub * slip
         self._due = False

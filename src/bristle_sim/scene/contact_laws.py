@@ -126,7 +126,7 @@ class EngineLaw:
             iterations=self.iterations,
         )
         scene.step(INSTANT, 1)
-        impulse = scene.contacts.totals(obstacle, alone=True)[:2]
+        impulse = scene.contacts.totals(obstacle)[:2]
         scene.contacts.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)

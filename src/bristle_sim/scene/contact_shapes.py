@@ -65,11 +65,12 @@ class ContactShapes:
         touching = (
             obstacle.touching(shapes, piece) if isinstance(obstacle, WirePair) else (shapes[0], shapes[1 + piece])
         )
-        self._engaged[key] = touching
-        bit = 1 << list(self._engaged).index(key)
-        own = pymunk.ShapeFilter(categories=bit, mask=bit)
-        for shape in shapes:
-            shape.filter = own if shape in touching else _NOWHERE
+        if self._engaged.get(key) != touching:
+            self._engaged[key] = touching
+            bit = 1 << list(self._engaged).index(key)
+            own = pymunk.ShapeFilter(categories=bit, mask=bit)
+            for shape in shapes:
+                shape.filter = own if shape in touching else _NOWHERE
         touching[0].friction, touching[0].elasticity = friction, elasticity
         self._set_iterations(iterations)
 
@@ -92,15 +93,13 @@ class ContactShapes:
         self._engaged = {}
         self._set_iterations(self.in_flight)
 
-    def totals(self, obstacle: Obstacle, alone: bool) -> tuple[float, float, float]:
-        """Return (normal, tangential) impulse of the last step on an engaged pair's link, and its slip if there is friction.
-
-        ``alone`` says that nothing else is engaged, so that the link has no other contact.
-        """
-        if alone and not obstacle.friction:
+    def totals(self, obstacle: Obstacle) -> tuple[float, float, float]:
+        """Return (normal, tangential) impulse of the last step on a pair's link, and its slip if there is friction."""
+        if len(self._engaged) < 2 and not obstacle.friction:
             return (*self._impulses[obstacle.link](), 0.0)
         body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
-        shape = None if alone else self._engaged[_key(obstacle)][0]
+        # Where nothing else is engaged, a link has no other contact.
+        shape = None if len(self._engaged) < 2 else self._engaged[_key(obstacle)][0]
 
         def look(arbiter: pymunk.Arbiter) -> None:
             nonlocal found

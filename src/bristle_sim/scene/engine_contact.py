@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact_forces import ContactForces
+from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector, cross
 from bristle_sim.scene.obstacles import Obstacle, Touch
@@ -42,6 +44,7 @@ class EngineContacts:
         slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks. A single
             link's follows from its geometry, and is left to the engine.
         solvable: whether the engine's iterations tend to a solution.
+        forces: of the contacts, as a load.
     """
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None] = (None,)) -> None:
@@ -51,6 +54,7 @@ class EngineContacts:
         self.pieces: list[int | None] = [None] * len(obstacles)
         self.slips = list(slips)
         self.solvable = True
+        self.forces = ContactForces(scene, obstacles)
 
     def grip(self, gaps: Gaps, state: State, index: int = 0) -> float:
         """Return the fraction of a free link's response that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
@@ -105,6 +109,13 @@ class EngineContacts:
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
         later = State(state.time + MOMENT, angles, state.rates)
         return obstacle.touch_between(self.scene.mechanism.poses(later), later.rates).piece
+
+    def breaks_away(self, totals: Sequence[float]) -> Slip | None:
+        """Return the slip of a contact that cannot stick, by the totals of the forces, if there is one."""
+        for index, obstacle in enumerate(self.obstacles):
+            if self.slips[index] == 0 and self.forces.spare_friction(totals, index) < 0.0:
+                return Slip(obstacle, self.forces.driven(totals, index))
+        return None
 
     def set_back(self, gaps: Gaps, state: State) -> State:
         """Return the nearest state in which all contacts are closed and stay so."""

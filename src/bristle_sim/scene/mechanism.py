@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import deque
 from collections.abc import Sequence
@@ -77,13 +76,15 @@ class Mechanism:
     wires: int = 1
     pitch: float = 0.0
     wire_links: int = field(init=False)
+    _lengths: tuple[float, ...] = field(init=False, repr=False)
     _kept: deque[tuple[State, list[Pose]]] = field(
         default_factory=lambda: deque(maxlen=3), init=False, repr=False, compare=False
     )
 
     def __post_init__(self) -> None:
-        """Count the links of a wire."""
+        """Count the links of a wire, and take down from joint to joint how long each is."""
         object.__setattr__(self, "wire_links", len(self.links) // self.wires)
+        object.__setattr__(self, "_lengths", tuple(math.hypot(*link.tip) for link in self.links))
 
     def hub_angle(self, time: float) -> float:
         """Return the angle of the first root, rad."""
@@ -109,17 +110,21 @@ class Mechanism:
         return poses
 
     def _poses(self, state: State) -> list[Pose]:
-        poses, rows = [], zip(self.links, state.angles, state.rates, strict=True)
-        for wire in range(self.wires):
-            turn = _turn(self.hub_angle(state.time) - wire * self.pitch)
-            joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
-            for link, angle, rate in itertools.islice(rows, self.wire_links):
-                turn = _turn(angle)
-                centre, centre_velocity = _carried(joint, joint_velocity, link.centre, turn, rate)
-                tip, tip_velocity = _carried(joint, joint_velocity, link.tip, turn, rate)
-                knees = tuple([_carried(joint, joint_velocity, knee, turn, rate)[0] for knee in link.knees])
-                poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
-                joint, joint_velocity = tip, tip_velocity
+        if self.wires > 1:
+            size = self.wire_links
+            parts = (slice(first, first + size) for first in range(0, len(self.links), size))
+            alone = (State(state.time, state.angles[part], state.rates[part]) for part in parts)
+            return [pose for wire, own in enumerate(alone) for pose in self.wire(wire).poses(own)]
+        turn = _turn(self.hub_angle(state.time))
+        joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
+        poses = []
+        for link, angle, rate in zip(self.links, state.angles, state.rates, strict=True):
+            turn = _turn(angle)
+            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, turn, rate)
+            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, turn, rate)
+            knees = tuple([_carried(joint, joint_velocity, knee, turn, rate)[0] for knee in link.knees])
+            poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
+            joint, joint_velocity = tip, tip_velocity
         return poses
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
@@ -155,10 +160,9 @@ class Mechanism:
         )
 
     def speed_bound(self, state: State) -> float:
-        """Return a speed that no point of the mechanism exceeds while no link's rate exceeds the state's."""
-        reaches = (math.hypot(*link.tip) * abs(rate) for link, rate in zip(self.links, state.rates, strict=True))
-        reach = max(sum(itertools.islice(reaches, self.wire_links)) for _ in range(self.wires))
-        return self.hub_radius * abs(self.hub_speed) + reach
+        """Return a speed that no point exceeds, nor two wires' points relative to each other, while no rate exceeds the state's."""
+        reach = sum(length * abs(rate) for length, rate in zip(self._lengths, state.rates, strict=True))
+        return min(self.wires, 2) * self.hub_radius * abs(self.hub_speed) + reach
 
     def row(self, poses: Sequence[Pose], link: int, arm: Vector, direction: Vector) -> Array:
         """Return d(velocity along a direction)/d(rates) of a link's point at ``arm`` from its joint, shape (links,)."""

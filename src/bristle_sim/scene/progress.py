@@ -119,7 +119,7 @@ class Progress:
 
     def cubic_error(self, length: float) -> float:
         """Return how far the cubic through the ends of an interval may be off a motion of the shortest time scale."""
-        return 0.0 if self.plan.time_scale == 1.0 else VIBRATION * length * (length / self.plan.time_scale) ** 3
+        return VIBRATION * length * (length / self.plan.time_scale) ** 3
 
     def sample(self, force: float | tuple[float, ...]) -> None:
         """Record the state that was reached, with the normal force, of each wire if there are several."""

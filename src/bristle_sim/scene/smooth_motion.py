@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from bristle_sim.scene.contact_forces import ContactForces
 from bristle_sim.scene.engine_contact import EngineContacts
 from bristle_sim.scene.event_functions import (
     Change,
@@ -44,7 +43,7 @@ class SmoothMotion:
         progress: of the run.
         sustained: contacts that the engine keeps closed, until their forces have fallen to zero.
         separating: pairs that have left each other but whose gaps are not open yet.
-        contacts, load: the engine's contacts, and their forces as a load; None where there is none.
+        contacts: the engine's contacts; None where there is none.
         before: the last interval of this motion, if there is one.
         limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
         ending: whether a force is known to vanish within the next interval of full length.
@@ -64,7 +63,6 @@ class SmoothMotion:
         self.limit = limit
         self.ending = False
         self.contacts: EngineContacts | None = None
-        self.load: ContactForces | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
         self._extremes = extremes(progress, self.sustained)
@@ -79,11 +77,11 @@ class SmoothMotion:
         limit = math.inf if self.limit is None else self.limit
         length = min(progress.stepper.propose(left), plan.longest_interval, limit, LONGEST * plan.time_scale)
         result = self.advance(length)
-        if self.load is not None and (result.failed or min(self.load.forces(result.totals)) <= 0.0):
-            return self._approach_release(result, length)
-        if self.contacts is not None and self.load is not None and self.before is None:
-            slip = self.load.breaks_away(result.totals, self.contacts.slips)
-            if slip is not None:
+        if self.contacts is not None:
+            forces = self.contacts.forces.normal(result.totals)
+            if result.failed or min(forces) <= 0.0:
+                return self._approach_release(forces, length)
+            if self.before is None and (slip := self.contacts.breaks_away(result.totals)) is not None:
                 return slip
         if not progress.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
@@ -95,18 +93,18 @@ class SmoothMotion:
 
     def advance(self, length: float) -> Advance:
         """Integrate over an interval from the state that was reached."""
-        return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, self.load)
+        load = None if self.contacts is None else self.contacts.forces
+        return self.progress.stepper.advance(self.progress.scene, self.progress.state, length, load)
 
-    def _approach_release(self, result: Advance, length: float) -> Change | None:
+    def _approach_release(self, forces: Sequence[float], length: float) -> Change | None:
         """Come closer to where a force vanishes, or release what it was on; stick that would pull is no stick."""
         for each in self.sustained:
             if self.before is None and each.stopped:
                 return Slip(each.obstacle, -each.stopped)
         at_once = self.before is None and len(self.progress.mechanism.links) == 1
         if at_once or length <= self._shortest:
-            assert self.load is not None
-            forces = zip(self.sustained, self.load.forces(result.totals), strict=True)
-            return Release(tuple(each.obstacle for each, force in forces if force <= 0.0))
+            lost = zip(self.sustained, forces, strict=True)
+            return Release(tuple(each.obstacle for each, force in lost if force <= 0.0))
         self.ending = True
         predicted = min(each.vanishes_in() for each in self.sustained)
         nearer = max(SHY * predicted if predicted < math.inf else 0.0, length / 16.0)
@@ -124,14 +122,14 @@ class SmoothMotion:
         length = result.state.time - start.time
         force: float | tuple[float, ...] = 0.0
         progress.state = result.state
-        if self.contacts is not None and self.load is not None:
-            self.load.share_out(result.totals, self.sustained, length)
+        if self.contacts is not None:
+            self.contacts.forces.share_out(result.totals, self.sustained, length)
             progress.state = self.contacts.set_back(progress.gaps, result.state)
             progress.recording.inner += inner_states(progress, self.contacts, start)
         self.before = result
-        if self.load is not None:
-            self._engage()
-            force = progress.force_of_wires(self.load.forces(result.totals), self.load.obstacles)
+        if self.contacts is not None:
+            _engage(progress, self.contacts)
+            force = progress.force_of_wires(self.contacts.forces.normal(result.totals), self.contacts.obstacles)
         progress.recording.error += result.error
         progress.sample(force)
         if self.limit is not None:
@@ -151,30 +149,16 @@ class SmoothMotion:
         """Let the engine's contacts act from here on, if they can; return the events that end them."""
         progress = self.progress
         obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
-        self.contacts, self.load = (
-            EngineContacts(progress.scene, obstacles, slips),
-            ContactForces(progress.scene, obstacles),
-        )
+        self.contacts = EngineContacts(progress.scene, obstacles, slips)
         progress.state = self.contacts.set_back(progress.gaps, progress.state)
         for each in self.sustained:
             each.begin(progress.state)
-        self._engage()
-        return at_work(progress, self.contacts, self.load)
-
-    def _engage(self) -> None:
-        """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
-        progress = self.progress
-        assert self.contacts is not None
-        grip = self.contacts.engage(progress.gaps, progress.state)
-        if grip <= 0.0:
-            progress.event("jam", progress.state.time)
-            progress.stop(StopReason.JAM)
-        elif not self.contacts.solvable:
-            progress.stop(StopReason.FRICTION)
+        _engage(progress, self.contacts)
+        return at_work(progress, self.contacts)
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
-        at_start = self.before is None and self.limit is None and self.load is None
+        at_start = self.before is None and self.limit is None and self.contacts is None
         if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
             # Signs at the very start of a run are looked at exactly, which moves the bodies.
             result = self.advance(self.interval_to(result).length)
@@ -208,3 +192,13 @@ class SmoothMotion:
         if function.final is not None:
             progress.stop(function.final)
         return None if function.act is None else function.act()
+
+
+def _engage(progress: Progress, contacts: EngineContacts) -> None:
+    """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
+    grip = contacts.engage(progress.gaps, progress.state)
+    if grip <= 0.0:
+        progress.event("jam", progress.state.time)
+        progress.stop(StopReason.JAM)
+    elif not contacts.solvable:
+        progress.stop(StopReason.FRICTION)

@@ -170,14 +170,14 @@ def _out_of_dent(progress: Progress, number: int) -> EventFunction:
     return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
 
 
-def at_work(progress: Progress, contacts: EngineContacts, forces: ContactForces) -> list[EventFunction]:
+def at_work(progress: Progress, contacts: EngineContacts) -> list[EventFunction]:
     """Return what ends or changes sustained contacts besides their forces."""
     found = []
     for index, obstacle in enumerate(contacts.obstacles):
         found += [locking(contacts, progress.gaps, index), elbow(contacts, progress.gaps, index)]
         if len(progress.mechanism.links) > 1:
             found += _hand_overs(progress, obstacle)
-            found += [_sticking(forces, index)] if contacts.slips[index] == 0 else []
+            found += [_sticking(contacts.forces, index)] if contacts.slips[index] == 0 else []
     return found
 
 

@@ -67,9 +67,11 @@ def search_touch(
         return _search_return(progress, interval, obstacle)
     if sustained and progress.gaps.rests(obstacle, interval.start, end.state):
         return None
-    if behind_joint(progress, obstacle, [*separating, *sustained]):
-        return None
-    error = progress.stepper.interpolation_error(interval.start, end.state) + progress.cubic_error(interval.length)
+    error = progress.stepper.interpolation_error(interval.start, end.state)
+    if progress.mechanism.wire_links > 1:
+        if behind_joint(progress, obstacle, [*separating, *sustained]):
+            return None
+        error += progress.cubic_error(interval.length)
     found = find_touch(interval, progress.gaps, obstacle, error)
     return None if found is None else (found[0], Touch(obstacle) if found[1] else None)
 

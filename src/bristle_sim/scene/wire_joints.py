@@ -26,7 +26,7 @@ def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> Obstacle | N
 
 def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle]) -> bool:
     """Whether a link is nearest to what its neighbour is in contact with at the joint that both have."""
-    if not active or progress.mechanism.wire_links == 1:
+    if not active:
         return False
     start, end = obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])
     lower, upper = (neighbour(progress, obstacle, step) for step in (-1, 1))
