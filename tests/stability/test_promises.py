@@ -214,7 +214,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["touching: wedge that closes, restitution 0.5"],
     ),
     "starts that are not checked": (
-        (scene_tool, "_check_start", lambda *_: None),
+        (scene_tool, "check_start", lambda *_: None),
         [f"touching: starts 0.001 of its length inside the {obstacle}" for obstacle in ("bar", "workpart")],
     ),
     "a budget that is not kept": ((scene_tool, "Plan", later), ["budget: flight; 1, 10, 1000 steps"]),

@@ -8,7 +8,7 @@ import pymunk
 import pytest
 
 from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.joints import joint_rows
+from bristle_sim.scene.joints import MassCentres, joint_rows
 
 UP = (0.0, 1.0)
 ROUNDING = 1e-13
@@ -288,7 +288,7 @@ class TestJointsThatTurn:
         gears = pymunk.GearJoint(space.static_body, wheel, 0.0, 1.3), pymunk.GearJoint(wheel, body, 0.0, 0.9)
         ratchets = [pymunk.RatchetJoint(wheel, body, 0.0, tooth) for tooth in (-0.3, 0.3)]
         space.add(body, wheel, *gears, *ratchets)
-        limits = [row for each in ratchets for row in joint_rows(each)]
+        limits = [row for each in ratchets for row in joint_rows(each, MassCentres())]
         for angle in np.linspace(0.0, 3.0, 10):
             found = contact_space(body, (0.3, math.cos(angle)), UP, released=ratchets)
             assert not any(found.passes(limit, (1.0, math.sin(angle))) for limit in limits)

@@ -60,20 +60,24 @@ class TestBelt:
 class TestInertia:
     def test_no_centrifugal_term(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """A torque on the link that takes away what the rotating root exerts, m r_h (L/2) w^2 sin a."""
-        true = Scene.step
+        true = Scene.__init__
 
-        def without(scene: Scene, length: float, count: int, act=None) -> None:
-            hub, link, mechanism = scene.hub, scene.links[0], scene.mechanism
+        def built(scene: Scene, *given) -> None:
+            true(scene, *given)
+            hub, link, mechanism, step = scene.hub, scene.links[0], scene.mechanism, scene.step
 
-            def push(step: float) -> None:
-                if act is not None:
-                    act(step)
-                relative = link.angle - hub.angle
-                link.torque += 0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
+            def without(length: float, count: int, act=None) -> list[float]:
+                def push(step: float) -> None:
+                    if act is not None:
+                        act(step)
+                    relative = link.angle - hub.angle
+                    link.torque += 0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
 
-            true(scene, length, count, push)
+                return step(length, count, push)
 
-        monkeypatch.setattr(Scene, "step", without)
+            scene.step = without
+
+        monkeypatch.setattr(Scene, "__init__", built)
         assert {check_strike, check_retraction} <= failing()
 
     @pytest.mark.parametrize("share", [0.98, 1.02])
@@ -139,9 +143,9 @@ class TestImpact:
         """A contact-space mass of a rod a thousandth shorter."""
         true = contact_laws.contact_space
 
-        def off(body, point, normal, other=None):
+        def off(body, point, *given, **named):
             nearer = (0.999 * point[0] + 0.001 * body.position.x, 0.999 * point[1] + 0.001 * body.position.y)
-            return true(body, nearer, normal, other)
+            return true(body, nearer, *given, **named)
 
         monkeypatch.setattr(contact_laws, "contact_space", off)
         assert check_strike_ledger in failing()
