@@ -20,7 +20,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -231,14 +231,18 @@ SIDES = ("simulated", "theory", "reference", "printed")
 TIMINGS = ("wall_s", "cpu_s")
 SIGNATURES = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF", ".gif": b"GIF89a"}
 
-each_script = pytest.mark.parametrize("name", SCRIPTS)
-
 
 def promise(name: str) -> Promise:
     return PROMISES.get(name, Promise())
 
 
-run_in_full = pytest.mark.parametrize("name", [name for name in SCRIPTS if not promise(name).quick])
+def of_scripts(names: Iterable[str]) -> pytest.MarkDecorator:
+    """A case for each script; those of one script share a process, which keeps what it has run."""
+    return pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in names])
+
+
+each_script = of_scripts(SCRIPTS)
+run_in_full = of_scripts(name for name in SCRIPTS if not promise(name).quick)
 
 
 @functools.cache
@@ -354,7 +358,7 @@ def test_the_table_fits_a_terminal_and_has_no_empty_column(name: str):
     assert not [title for title, *cells in zip(titles, *rows, strict=True) if set(cells) == {"-"}]
 
 
-@pytest.mark.parametrize("name", [name for name in SCRIPTS if name != "accuracy_cost"])
+@of_scripts(name for name in SCRIPTS if name != "accuracy_cost")
 def test_all_lines_fit_a_terminal(name: str):
     """Those of the benchmark, a column a decade of error, do not."""
     assert max(map(len, ran(name, *promise(name).quick).stdout.splitlines())) <= 100
@@ -563,7 +567,7 @@ SERIES = [name for name in SCRIPTS if scenario(name).series]
 def test_a_time_series_has_one_row_a_sample(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     target = tmp_path / "run.csv"
     law = ["--set", "contact=compliant"] if scenario(name).keys().get("contact") else []
-    assert main(scenario(name), ["--csv", str(target), "--json", "-", *law]) == 0
+    assert main(scenario(name), ["--csv", str(target), "--json", "-", *law, *promise(name).quick]) == 0
     assert capsys.readouterr().err == f"--csv: wrote {target}\n"
     with target.open(newline="") as stream:
         head, *rows = csv.reader(stream)
@@ -730,7 +734,7 @@ def test_a_video_is_rendered_when_asked_for(name: str, suffix: str, tmp_path: Pa
     offered = {option: value for option, value in small.items() if option in inspect.signature(function).parameters}
     monkeypatch.setattr(module, film[1], functools.partial(function, **offered))
     target = tmp_path / f"film{suffix}"
-    assert main(scenario(name), ["--video", str(target), "--json", "-"]) == 0
+    assert main(scenario(name), ["--video", str(target), "--json", "-", *promise(name).quick]) == 0
     out, err = capsys.readouterr()
     assert parsed(out)["scenario"] == name
     assert err == f"--video: wrote {target}\n"

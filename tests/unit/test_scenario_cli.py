@@ -564,10 +564,11 @@ sys.exit(main(fake.SCENARIO, sys.argv[1:]))
 
 
 SLOW = f"""
-import dataclasses, importlib.util, sys, time
+import dataclasses, importlib.util, sys, time, signal
 from pathlib import Path
 from bristle_sim.files import complete_or_absent
 from bristle_sim.scenario_cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 spec = importlib.util.spec_from_file_location("fake", {__file__!r})
 fake = importlib.util.module_from_spec(spec)
 sys.modules["fake"] = fake
@@ -604,6 +605,7 @@ IN_CALLBACK = f"""
 import dataclasses, importlib.util, os, signal, sys
 import pymunk
 from bristle_sim.scenario_cli import main
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 spec = importlib.util.spec_from_file_location("fake", {__file__!r})
 fake = importlib.util.module_from_spec(spec)
 sys.modules["fake"] = fake
