@@ -119,6 +119,34 @@ def test_two_links_on_the_bar_at_once() -> None:
     assert [each.impulse[0] for each in blows[0]] == pytest.approx([each.impulse[0] for each in blows[1]], rel=1e-4)
 
 
+def test_bar_and_workpart_at_once() -> None:
+    """A bar low over the workpart: it meets the wire's last link while the tip drags along the surface."""
+    tool = wire(3, modulus=3.1996e10, damping=0.3)
+    bar = Bar(radius=0.00272879, horizontal=0.00957196, vertical=0.045664, friction=0.2)
+    tool = replace(tool, bar=bar, workpart=Workpart(penetration=0.00277574, friction=0.0, restitution=0.0))
+    scene = simulate(tool, replace(MANY, hub_turn=1.9))
+    reference = simulate_reference(tool, hub_turn=1.9, accuracy=1e-9)
+    for run in (scene, reference):
+        lasting = [each for each in run.contacts if each.law == "sustained"]
+        assert any(a.time < b.time < a.time + a.duration and a.obstacle != b.obstacle for a in lasting for b in lasting)
+    assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * ACCURACY)
+    first, second = (times(run, " touch") for run in (scene, reference))
+    assert first[:5] == pytest.approx(second[:5], rel=10.0 * ACCURACY)
+
+
+def test_tip_that_sticks() -> None:
+    """An inelastic strike with friction stops the tip of a straight wire, where stick and the root's pivot repeat each other."""
+    tool = wire(3, modulus=3.2e10, damping=0.3)
+    bar = Bar(radius=0.0015, horizontal=0.0096, vertical=0.0465, friction=0.2)
+    tool = replace(tool, bar=bar, workpart=Workpart(penetration=0.0035, friction=0.2, restitution=0.0))
+    scene = simulate(tool, replace(MANY, hub_turn=1.9))
+    reference = simulate_reference(tool, hub_turn=1.9, accuracy=1e-9)
+    assert scene.stop_reason == reference.stop_reason == "end of the planned time"
+    assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * ACCURACY)
+    dragged = [next(each for each in run.contacts if each.law == "sustained") for run in (scene, reference)]
+    assert dragged[0].impulse == pytest.approx(dragged[1].impulse, rel=10.0 * ACCURACY)
+
+
 def test_whole_pass_of_two_links() -> None:
     """Strike, ever smaller rebounds, drag along the workpart with friction, release and swing."""
     tool = wire(2, damping=0.05)
