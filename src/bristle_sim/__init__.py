@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
     from bristle_sim.reference import simulate_reference
     from bristle_sim.scene.energetic_contact import EnergeticContact
-    from bristle_sim.scene.tool import simulate
+    from bristle_sim.scene.tool import simulate, simulate_row
     from bristle_sim.settings import Settings
     from bristle_sim.studies.sweep import sweep
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
@@ -47,6 +47,7 @@ __all__ = [
     "read_tool",
     "simulate",
     "simulate_reference",
+    "simulate_row",
     "sweep",
     "write_tool",
 ]
@@ -61,6 +62,7 @@ _MODULES = {
     "read_tool": "parameter_file",
     "simulate": "scene.tool",
     "simulate_reference": "reference",
+    "simulate_row": "scene.tool",
     "sweep": "studies.sweep",
     "write_tool": "parameter_file",
 }

@@ -75,7 +75,7 @@ class ContactShapes:
         self._set_iterations(iterations)
 
     def direct_friction(self, obstacle: Obstacle, slip: int, tangent: Vector) -> None:
-        """Let friction of an engaged pair act against slip of that sense, whatever it is; with 0 let it stick, come what may.
+        """Let friction of an engaged pair act against slip of that sense; with 0 let it stick, whatever force that takes.
 
         Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, or a
         friction without end, until the run changes it.
@@ -87,7 +87,8 @@ class ContactShapes:
 
     def release(self) -> None:
         """Let the engine ignore all obstacles again."""
-        for key in self._engaged:
+        for key, (obstacles, _) in self._engaged.items():
+            obstacles.surface_velocity = (0.0, 0.0)
             for shape in self._shapes[key]:
                 shape.filter = _NOWHERE
         self._engaged = {}

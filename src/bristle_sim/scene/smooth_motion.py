@@ -198,7 +198,8 @@ def _engage(progress: Progress, contacts: EngineContacts) -> None:
     """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
     grip = contacts.engage(progress.gaps, progress.state)
     if grip <= 0.0:
-        progress.event("jam", progress.state.time)
+        wires = {wire for each in contacts.obstacles for wire in progress.wires_of(each)}
+        progress.event("jam", progress.state.time, sorted(wires))
         progress.stop(StopReason.JAM)
     elif not contacts.solvable:
         progress.stop(StopReason.FRICTION)

@@ -190,7 +190,9 @@ def locking(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
     def spare(at: Advance) -> float:
         return contacts.grip(gaps, at.state, index) - LEAST_GRIP
 
-    return EventFunction(f"locking of {_label(obstacle)}", spare, True, "jam" if jams else None, final=final)
+    wire = obstacle.link % len(gaps.mechanism.links) // gaps.mechanism.wire_links
+    event = "jam" if jams else None
+    return EventFunction(f"locking of {_label(obstacle)}", spare, True, event, final=final, wire=wire)
 
 
 def elbow(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
@@ -238,7 +240,7 @@ def _sticking(forces: ContactForces, index: int) -> EventFunction:
 
 
 def _label(obstacle: Obstacle) -> str:
-    return f"{obstacle.name} at link {obstacle.link}"
+    return f"{obstacle.name} at link {obstacle.link}" + ("" if obstacle.partner is None else f" and {obstacle.partner}")
 
 
 def inner_states(progress: Progress, contacts: EngineContacts, start: State) -> list[State]:
