@@ -91,7 +91,8 @@ def value(chance: random.Random, declared: Range | Choice, default: object) -> s
         found = size * (chance.choice((-1.0, 1.0)) if low < 0.0 else 1.0)
     else:
         found = chance.uniform(low, high)
-    return f"{min(max(found, low), high):.4g}"
+    found = min(max(found, low), high)
+    return f"{found:.0f}" if declared.whole else f"{found:.4g}"
 
 
 def command_line(scenario: Scenario, number: int) -> list[str]:
