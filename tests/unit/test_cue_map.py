@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 import time
 from collections.abc import Callable
 
@@ -16,6 +17,7 @@ from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_plac
 from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
 from bristle_sim.studies.strike_point import (
     STRIKE_UNITS,
+    GivenUpError,
     NotCuedError,
     keys_of,
     strike_measures,
@@ -129,6 +131,27 @@ def test_a_rise_through_zero_is_passed_over():
     assert turn == pytest.approx(-22.5, abs=1e-8) or turn == pytest.approx(22.5, abs=1e-8)
 
 
+def test_passes_that_are_given_up_end_a_search_that_has_no_answer_yet():
+    """Three are tried; but if one has an answer, no pass that is given up ends the search."""
+    tried = []
+
+    def strike(tool: Tool):
+        tried.append(tool)
+        raise GivenUpError("step budget spent")
+
+    with pytest.raises(GivenUpError, match=r"^step budget spent$"):
+        radial_place(Tool(), strike)
+    assert len(tried) == 3
+
+    def some(tool: Tool):
+        direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
+        if direction < math.radians(65.0):
+            raise GivenUpError("step budget spent")
+        return {"lag_deg_at_contact": 80.0 - math.degrees(direction)}
+
+    assert math.degrees(radial_place(Tool(), some, math.radians(66.0)).direction) == pytest.approx(80.0, abs=1e-8)
+
+
 @pytest.mark.parametrize("peak", [0.3, 1.15, 2.9])
 def test_a_maximum_is_found_uphill(peak: float):
     found = fastest_place(Tool(), by_direction(lambda _: 0.0, lambda direction: 2.0 - (direction - peak) ** 2), 1.2)
@@ -142,8 +165,10 @@ def test_how_the_answer_moves_agrees_with_asking_again(
     monkeypatch.setattr(module, "MOVES", {"hub_speed": (0.9,), "belt_stiffness": (0.8, 1.25)})
     with caplog.at_level("INFO"):
         report = cue_map(Tool(), Settings(), with_reference=False)
-    assert [each.split(",")[0] for each in caplog.messages] == [f"{done} of 5 searches done" for done in range(1, 6)]
-    assert caplog.messages[-1].endswith("about 0 s left")
+    done = [each.split(", ")[1] for each in caplog.messages]
+    assert list(dict.fromkeys(done)) == [f"{number} of 5 searches done" for number in range(6)]
+    assert caplog.messages[0].startswith("pass 1, 0 of 5")
+    assert all(re.search(r", about \d+ s left$", each) for each in caplog.messages)
     row = next(each for each in report.extra["moves"] if each["key"] == "hub_speed")
     again = radial_place(Tool(hub=Hub(speed=row["value"])), simulation(Settings()))
     # Both are roots of one lag, good to 1e-6 of some rad.

@@ -55,6 +55,13 @@ def test_without_the_reference_nothing_is_judged() -> None:
     assert {each.ok for each in struck(2, with_reference=False).quantities} == {None}
 
 
+@pytest.mark.parametrize("surface", [Surface(11.0), Surface(0.0, 1e9)])
+def test_friction_that_takes_the_reference_too_long_leaves_it_out(surface: Surface) -> None:
+    report = struck(2, surface=surface)
+    assert {each.ok for each in report.quantities if "bending" not in each.name} == {None}
+    assert any(each.startswith("reference: none") for each in report.remarks)
+
+
 def test_a_soft_contact_takes_the_wire_for_rigid() -> None:
     """At T = 10 ms, 30 periods of the bending mode, the part that vibrates is of order (0.34/10)^2, 1e-3: ten times that."""
     belt, strike = Belt(stiffness=0.0), Strike(speed_ratio=1e-3)
@@ -85,9 +92,13 @@ def test_refusals(links: int, strike: Strike, message: str) -> None:
         flexible_wire(Hub(), Belt(), Bristle(links=links), strike, SMOOTH, ContactStiffness(), Settings())
 
 
-def test_a_wire_without_thickness_is_refused() -> None:
-    with pytest.raises(ValueError, match="wire_diameter = 0: must be larger than 0"):
-        flexible_wire(Hub(), Belt(), Bristle(wire_diameter=0.0), Strike(), SMOOTH, ContactStiffness(), Settings())
+@pytest.mark.parametrize("key", ["hub_speed", "wire_diameter"])
+def test_nothing_that_moves_or_bends_is_refused(key: str) -> None:
+    hub, bristle = (
+        (Hub(speed=0.0), Bristle(links=2)) if key == "hub_speed" else (Hub(), Bristle(wire_diameter=0.0, links=2))
+    )
+    with pytest.raises(ValueError, match=rf"^{key} = 0: must be above 0"):
+        flexible_wire(hub, Belt(), bristle, Strike(), SMOOTH, ContactStiffness(), Settings())
 
 
 def test_study(short: Report) -> None:

@@ -146,3 +146,5 @@ def test_without_a_strike_there_is_nothing_to_equal():
     assert "no strike" in found.remarks[0]
     with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
         values(Tool(hub=Hub(speed=0.0)))
+    with pytest.raises(ValueError, match=r"^hub_speed = 1e-12: must be faster, or the belt softer"):
+        values(Tool(hub=Hub(speed=1e-12), belt=Belt(stiffness=1e8)))

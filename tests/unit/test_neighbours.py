@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Neighbours, Tool, Workpart
+from bristle_sim.parameters import Belt, Bristle, Neighbours, Tool, Workpart
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_place
 from bristle_sim.render.row_video import RowScene
 from bristle_sim.settings import Settings
@@ -78,6 +78,16 @@ def test_a_pass_without_a_strike():
     assert values["least_pitch_to_strike_deg"].theory is None
     assert values["least_pitch_whole_pass_deg"].theory > 0.0
     assert [words for words, _ in instants(found.subject)] == ["first touch", "last touch"]
+
+
+def test_a_row_that_the_foremost_bristle_stops_leaves_the_last_one_unjudged():
+    """Friction in restitution locks the first strike: the second bristle, a pitch behind it, is on the bar then."""
+    surface = Workpart(restitution_friction=1e8)
+    tool = Tool(belt=Belt(stiffness=0.094), bristle=Bristle(wire_diameter=1e-9), workpart=surface)
+    found = neighbours(tool, Neighbours(search="no"), Settings())
+    assert found.outcome == "no contact"
+    assert all(each.ok is None for each in found.quantities if each.name in ALONE)
+    assert any("(jam)" in each for each in found.remarks)
 
 
 def test_bad_input_in_one_line():

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Surface, Tool, Workpart
-from bristle_sim.reference import strike_reference
+from bristle_sim.parameters import Belt, Bristle, Contact, ContactStiffness, Hub, Surface, Tool, Workpart
+from bristle_sim.reference import TooStiffError, strike_reference
 from bristle_sim.reference.mechanics import Chain as Links
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.wire_strike import strike_wire, wire_frequencies
@@ -106,6 +106,32 @@ def test_a_spring_that_is_loaded_again_returns_its_part_of_the_work() -> None:
         for record in (scene, reference):
             assert record.restitutive_work[0] == pytest.approx(-(0.6**2) * record.compressive_work[0], rel=1e-6)
     assert scene.phases.count("compression slip") + scene.phases.count("compression reverse slip") > 1
+
+
+@pytest.mark.parametrize("accuracy", [3e-6, 1e-6])
+def test_a_spring_that_lets_go_for_a_moment_within_an_interval(accuracy: float) -> None:
+    """The wire leaves with a tenth of the speed at which it vibrates: 0.06 of 3.5 us later it would be back.
+
+    At e* = 0.078 restitution is 166 times as stiff as compression; at an accuracy a hundred times as fine the contact lasts
+    100.6282 us, and by the independent solution.
+    """
+    angle, links = math.radians(10.09), 8
+    tool = radial(Bristle(links=links), Surface(0.0, None, 0.07754), -angle, [-angle] * links)
+    impact = (tool, -angle, [-angle] * links, [RATE] * links)
+    inverse_mass = 3.0 * math.sin(angle) ** 2 / tool.bristle.mass
+    spring = ContactStiffness().stiffness(inverse_mass, 0.07754)
+    reference = strike_reference(*impact, spring, longest=1e-3)
+    scene = strike_wire(*impact, spring, Settings(accuracy=accuracy), duration=ContactStiffness().duration).contact
+    assert scene.impulse[0] == pytest.approx(reference.impulse[0], rel=10.0 * accuracy)
+    assert scene.duration == pytest.approx(reference.duration, rel=10.0 * accuracy)
+
+
+def test_too_many_evaluations_are_refused() -> None:
+    """A step of the integrator takes twelve, and a contact some steps."""
+    tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)
+    impact = (tool, -GAMMA, [-GAMMA] * 2, [RATE] * 2, stiffness(tool, DURATION))
+    with pytest.raises(TooStiffError, match=r"stiffness = .*: must be less for the independent solution"):
+        strike_reference(*impact, longest=10.0 * DURATION, most_evaluations=24)
 
 
 def test_one_link_without_a_belt_is_the_lone_rod() -> None:

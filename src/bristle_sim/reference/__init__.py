@@ -12,6 +12,6 @@ contacts with each other, ``simulate_row`` their pass.
 
 from bristle_sim.reference.simulate import simulate_reference
 from bristle_sim.reference.simulate_row import simulate_row_reference
-from bristle_sim.reference.strike import strike_reference
+from bristle_sim.reference.strike import TooStiffError, strike_reference
 
-__all__ = ["simulate_reference", "simulate_row_reference", "strike_reference"]
+__all__ = ["TooStiffError", "simulate_reference", "simulate_row_reference", "strike_reference"]

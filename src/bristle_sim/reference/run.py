@@ -31,14 +31,20 @@ Reals = NDArray[np.float64]
 
 
 class Run:
-    """One run of a system from a state up to a time, s; ``tolerance`` is the integrator's relative tolerance."""
+    """One run of a system from a state up to a time, s.
 
-    def __init__(self, system: System, log: Log, start: State, end: float, tolerance: float) -> None:
+    ``tolerance`` is the integrator's relative tolerance; ``most_evaluations`` of the right-hand side stop the run.
+    """
+
+    def __init__(
+        self, system: System, log: Log, start: State, end: float, tolerance: float, most_evaluations: float = math.inf
+    ) -> None:
         self.system = system
         self.log = log
         self.state = start
         self.end = end
         self.tolerance = tolerance
+        self.most_evaluations = most_evaluations
         self.evaluations = 0
 
     def run(self) -> StopReason:
@@ -65,6 +71,8 @@ class Run:
         events = events_of(self.system, self.log, self.state)
         solver = self._solver()
         while solver.status == "running":
+            if self.evaluations > self.most_evaluations:
+                raise Finished(StopReason.STEP_BUDGET, self.state)
             solver.step()
             if solver.status == "failed":
                 raise Finished(StopReason.ACCURACY, self.state)

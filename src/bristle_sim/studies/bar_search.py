@@ -17,7 +17,7 @@ from scipy.optimize import minimize_scalar, toms748
 
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import NotCuedError, simulated_strike, start_angle, strike_measures
+from bristle_sim.studies.strike_point import GivenUpError, NotCuedError, simulated_strike, start_angle, strike_measures
 from bristle_sim.theory import cueing
 
 Measures = dict[str, float | None]
@@ -32,6 +32,9 @@ FINEST_MAXIMUM = 1e-5
 
 FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
 """Steps by which a root is enclosed: a degree is what the formulas miss it by, and no answer is as narrow as eight."""
+
+MOST_GIVEN_UP = 3
+"""Directions in a row, from the first on, in which a pass may be given up after seconds; then the others would be, too."""
 
 JUMP = 1e-4
 """Lag in deg at a root, beyond which it is a jump of the lag from one sign to the other: a bar that is just missed."""
@@ -62,6 +65,7 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
 
     Raises:
         NotCuedError: if there is none, with what happens instead.
+        GivenUpError: if the first passes are given up.
     """
 
     @functools.cache
@@ -86,6 +90,7 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
     """Two directions between which the lag falls through zero: outwards from a guess, first to where that is likely."""
     lags: dict[float, float] = {}
     reasons: list[str] = []
+    given_up = 0
     forwards, backwards = [*_outwards(guess, math.pi)], [*_outwards(guess, 0.0)]
     waiting = [guess]
     while waiting:
@@ -94,6 +99,9 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
             lags[direction] = lag(direction)
         except ValueError as error:
             reasons.append(str(error))
+            given_up += isinstance(error, GivenUpError)
+            if given_up == MOST_GIVEN_UP and not lags:
+                raise
         if direction == guess:
             first = lags.get(guess, 0.0)
             near, far = (forwards, backwards) if first >= 0.0 else (backwards, forwards)

@@ -44,6 +44,15 @@ class PiecewiseCubic:
             found[last:] = found[last - 1]
         return found
 
+    def integral_with(self, other: PiecewiseCubic) -> float:
+        """Integrate the product with cubics at the same instants over all of them."""
+        total, (nodes, weights) = 0.0, np.polynomial.legendre.leggauss(4)
+        for first, last in pieces(self.time):
+            half = 0.5 * np.diff(self.time[first:last])
+            at = self.time[first : last - 1, None] + half[:, None] * (1.0 + nodes)
+            total += float(half @ (self._cubic(first, last)(at) * other._cubic(first, last)(at)) @ weights)
+        return total
+
     def fine(self, points: int) -> tuple[Array, Array]:
         """Return time and values on the cubics, with a number of points for each sample."""
         parts = []
@@ -172,11 +181,14 @@ class TimedContact:
     def work(self) -> float:
         """Work of the force on the tip over its path, first touch to last, J; negative.
 
-        From the recorded samples, while the contact record's works are added up in the engine step by step.
+        From the recorded samples, while the contact record's works are added up in the engine step by step. Force and speed are
+        cubics each: of the force the slopes are known, which few samples of their product would not give.
         """
         h = self.history
-        power = h.normal_force * (h.normal_velocity + self._ratio * h.tangential_velocity)
-        return PiecewiseCubic(self.time, power).integral(0.0, float(self.time[-1]))
+        normal_force = PiecewiseCubic(self.time, h.normal_force, self._normal_slope)
+        return normal_force.integral_with(
+            PiecewiseCubic(self.time, h.normal_velocity + self._ratio * h.tangential_velocity)
+        )
 
     @property
     def energy_given_up(self) -> float:

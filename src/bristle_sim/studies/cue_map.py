@@ -47,6 +47,9 @@ PRINTED = {
 }
 """Zhang 2020, eqs. 2.2 and 2.3."""
 
+USUAL_PASSES = 12
+"""Passes that a search usually takes."""
+
 MOVES = {
     "hub_speed": (0.9, 1.1),
     "belt_stiffness": (0.8, 1.25),
@@ -95,20 +98,21 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
     started = clock.perf_counter()
-    tell = functools.partial(_tell, started, 2 + sum(map(len, MOVES.values())) + (2 if with_reference else 0))
-    strike = simulation(settings)
+    progress = _Progress(started, 2 + sum(map(len, MOVES.values())) + (2 if with_reference else 0))
+    strike = progress.counted(simulation(settings))
     radial = radial_place(tool, strike)
-    tell(1)
+    progress.searches += 1
     fastest = fastest_place(tool, strike, radial.direction)
-    tell(2)
+    progress.searches += 1
     formula = _formula(tool)
     moves: tuple[dict[str, Any], ...] = ()
     for row in _moves(tool, strike, radial.direction):
         moves += (row,)
-        tell(2 + len(moves))
+        progress.searches += 1
+    referred = _referred(tool, progress, settings, radial.direction) if with_reference else {}
     return Report(
         outcome=None,
-        quantities=_quantities(tool, settings, radial, fastest, formula, with_reference=with_reference),
+        quantities=_quantities(tool, settings, radial, fastest, formula, referred),
         wall_s=clock.perf_counter() - started,
         remarks=_remarks(tool, strike, moves),
         extra={"moves": list(moves)},
@@ -116,10 +120,29 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     )
 
 
-def _tell(started: float, total: int, done: int) -> None:
-    """Log how many searches are done, and the time left if each of the others takes their mean."""
-    left = (clock.perf_counter() - started) * (total / done - 1.0)
-    logging.getLogger(__name__).info("%d of %d searches done, about %.0f s left", done, total, left)
+@dataclass(slots=True)
+class _Progress:
+    """Passes and searches done since an instant of the clock, s, and searches in all."""
+
+    started: float
+    total: int
+    searches: int = 0
+    passes: int = 0
+
+    def counted(self, strike: Strike) -> Strike:
+        """Return the strike with each pass logged, and the time left if the passes and searches left take the mean so far."""
+
+        def told(tool: Tool) -> Measures:
+            try:
+                return strike(tool)
+            finally:
+                self.passes += 1
+                each = self.passes / self.searches if self.searches else max(USUAL_PASSES, self.passes)
+                left = (clock.perf_counter() - self.started) * (each * self.total / self.passes - 1.0)
+                words = "pass %d, %d of %d searches done, about %.0f s left"
+                logging.getLogger(__name__).info(words, self.passes, self.searches, self.total, left)
+
+        return told
 
 
 def _formula(tool: Tool) -> float | None:
@@ -138,21 +161,24 @@ UNITS = {
 }
 
 
+def _referred(tool: Tool, progress: _Progress, settings: Settings, start: float) -> Measures:
+    """Return the reported quantities by the independent solution."""
+    strike = progress.counted(reference_solution(settings))
+    found = named(tool, radial_place(tool, strike, start))
+    progress.searches += 1
+    highest = fastest_place(tool, strike, start)
+    found["bar_direction_for_highest_tip_speed_deg"] = math.degrees(highest.direction)
+    return found | {"highest_tip_speed": highest.strike["tip_speed_at_contact"]}
+
+
 def _quantities(
-    tool: Tool, settings: Settings, radial: Place, fastest: Place, formula: float | None, *, with_reference: bool
+    tool: Tool, settings: Settings, radial: Place, fastest: Place, formula: float | None, referred: Measures
 ) -> tuple[Quantity, ...]:
     simulated = named(tool, radial) | {
         "bar_direction_for_highest_tip_speed_deg": math.degrees(fastest.direction),
         "highest_tip_speed": fastest.strike["tip_speed_at_contact"],
     }
     theory = {} if formula is None else _by_formula(tool, formula)
-    referred: Measures = {}
-    if with_reference:
-        strike = reference_solution(settings)
-        referred = named(tool, radial_place(tool, strike, radial.direction))
-        highest = fastest_place(tool, strike, radial.direction)
-        referred["bar_direction_for_highest_tip_speed_deg"] = math.degrees(highest.direction)
-        referred["highest_tip_speed"] = highest.strike["tip_speed_at_contact"]
     printed = PRINTED if tool == Tool() else {}
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
     tolerance = 10.0 * max(1e-8, settings.accuracy)

@@ -44,6 +44,11 @@ REFERENCE_ACCURACY = 1e-9
 REFERENCE_FRICTION = 10.0
 """Largest friction of a strike for which the independent solution is computed: its steps shrink with the time that slip lasts."""
 
+NO_REFERENCE = (
+    f"reference: none but for the frequencies; a friction of more than {REFERENCE_FRICTION:g}, or a wire as stiff as this,"
+    " takes it too many steps"
+)
+
 LONGEST = 10.0
 """Times the contact of the rigid bristle that a contact may last."""
 
@@ -151,13 +156,14 @@ def flexible_wire(
     Raises:
         ValueError: for values that do not fit together, too many links, or a contact that comes to no end.
     """
+    for key, value, unit in (("hub_speed", hub.speed, "rad/s"), ("wire_diameter", bristle.wire_diameter, "m")):
+        if not value:
+            raise ValueError(f"{key} = 0: must be above 0, or no wire strikes that bends back (in {unit})")
     if bristle.links > MOST_LINKS:
         raise ValueError(
             f"wire_links = {bristle.links}: must be at most {MOST_LINKS}, as one strike would take the scene minutes"
             " (dimensionless)"
         )
-    if not bristle.wire_diameter:
-        raise ValueError("wire_diameter = 0: must be larger than 0, or the wire has no stiffness (in m)")
     tool = _tool(hub, belt, bristle, surface, math.radians(strike.impact_angle_deg))
     struck = FlexibleStrike(
         tool, math.radians(strike.impact_angle_deg), strike.speed_ratio * hub.speed, contact, settings
@@ -181,17 +187,27 @@ def flexible_wire(
         events=(("strike", 0.0), ("release", wire.contact.duration)),
         wall_s=wire.wall_s,
         steps=wire.steps,
-        remarks=_remarks(struck, _ratios(stiff, own), rigid.contact.outcome, with_reference=bool(reference)),
+        remarks=(
+            *_remarks(struck, _ratios(stiff, own), rigid.contact.outcome, with_reference=bool(reference)),
+            *([NO_REFERENCE] if with_reference and not reference else []),
+        ),
         subject=FlexibleWire(struck, wire, rigid),
     )
 
 
 def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
-    """Return the measures by the independent solution, and the ratio of impulses unless the rigid bristle sticks."""
-    found = measures(strike, strike.reference())
-    if rigid_outcome != "rebound":
-        return found
-    rigid = measures(strike, strike.of(1).reference())
+    """Return the measures by the independent solution, none where it takes too long, and the ratio of impulses unless the
+    rigid bristle sticks.
+    """
+    from bristle_sim.reference import TooStiffError
+
+    try:
+        found = measures(strike, strike.reference())
+        if rigid_outcome != "rebound":
+            return found
+        rigid = measures(strike, strike.of(1).reference())
+    except TooStiffError:
+        return {}
     return found | {RATIO: found["normal_final_impulse"] / rigid["normal_final_impulse"]}
 
 

@@ -42,6 +42,9 @@ CORRECTIONS = 6
 CLOSE = 1e-9
 """Relative change of the time to radial at which the corrections end: the next would change 1e-18."""
 
+LEAST_TURN = 1e-12
+"""Least turn of the hub, rad, that a run may be given."""
+
 LEAST_RATE = 1e-6
 """Least fraction of the pulley's rate: an overdamped bristle creeps towards radial, which rounding alone lets it pass."""
 
@@ -154,7 +157,13 @@ def _first_crossing(bare: Tool, run: Run) -> float | None:
 
 def _scene(settings: Settings) -> Run:
     def run(bare: Tool, time: float) -> Trajectory:
-        turning = dataclasses.replace(settings, hub_turn=bare.hub.speed * time)
+        turn = bare.hub.speed * time
+        if turn < LEAST_TURN:
+            raise ValueError(
+                f"hub_speed = {bare.hub.speed:g}: must be faster, or the belt softer; the hub turns by {turn:g} rad while the"
+                " bristle swings (in rad/s)"
+            )
+        turning = dataclasses.replace(settings, hub_turn=turn)
         found = simulate(bare, turning, start_relative_rate=-bare.hub.speed)
         require_result(found, settings)
         return found

@@ -247,6 +247,11 @@ def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     return {name: state[name] for name in STATE}
 
 
+def _cut_short(run: Trajectory) -> bool:
+    """Tell whether another bristle of the row, or this one, has ended the run before this one could strike."""
+    return run.first_contact("workpart") is None and run.stop_reason is not StopReason.END
+
+
 def _touches(run: Trajectory) -> list[float]:
     return [each.time for each in run.events if each.name == WIRE_TOUCH]
 
@@ -264,7 +269,7 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]
     for name, unit in STATE.items():
         value = theory[name] if reference is None else independent[name]
         tolerance = None
-        if judged and value:
+        if judged and value and not _cut_short(last):
             # Errors are relative to angles of a radian, and to the strike of a bristle alone.
             size = math.degrees(1.0) if name == "lag_deg_at_contact" else abs(theory[name] or value)
             tolerance = 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
@@ -277,6 +282,8 @@ def _remarks(row: Row) -> tuple[str, ...]:
     shown = ", ".join(f"{each:.4f}" for each in times[:6]) + (", ..." if len(times) > 6 else "")
     touches = f"touches a neighbour at {shown} ms" if times else "touches no neighbour"
     strike = "does not strike" if contact is None else f"strikes at {1e3 * contact.time:.4f} ms"
+    if _cut_short(row.bristles[-1]):
+        strike += f": the row stops at {1e3 * row.bristles[-1].time[-1]:.4f} ms ({row.bristles[-1].stop_reason})"
     simulated = "simulated with two bristles, " if row.neighbours.search == "yes" else ""
     counted = (
         f"least pitches: {simulated}theory by the motion of one alone; counted are touches until the bristle in front"

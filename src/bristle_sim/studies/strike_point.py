@@ -55,10 +55,14 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
     return dict(zip(CONTACT_UNITS, values, strict=True))
 
 
+class GivenUpError(ValueError):
+    """The method has given a run up, which says nothing of the motion that would follow."""
+
+
 def require_result(run: Trajectory, settings: Settings) -> None:
-    """Raise ValueError for a run that was given up."""
+    """Raise GivenUpError for a run that was given up."""
     if run.stop_reason.gives_up:
-        raise ValueError(
+        raise GivenUpError(
             f"accuracy = {settings.accuracy:g}, step = {settings.step}: {run.stop_reason} after"
             f" {run.cost.steps} engine steps at {run.time[-1]:g} s; {run.stop_advice}"
         )

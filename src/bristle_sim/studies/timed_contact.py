@@ -31,7 +31,8 @@ ROUNDS = 30
 
 BALANCE = 1e-4
 """Relative difference between the work of the force and the energy given up: cubics through some thirty samples of a half wave
-leave (pi/30)^4/180 = 7e-7 of a work, more where the hub turns by degrees meanwhile or the last piece is short."""
+leave (pi/30)^4/180 = 7e-7 of a work, more where the hub turns by degrees meanwhile or the last piece is short; six samples of
+its velocities leave 5e-5."""
 
 PRINTED_COMPRESSION = 5e-5
 """Compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)."""
