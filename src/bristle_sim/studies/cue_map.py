@@ -74,7 +74,7 @@ class MapGrid(Declared):
         source="chosen",
         meaning="half-width of the maps about the bar's position",
     )
-    workers: int = count(1, "workers", at_least=1, at_most=4096, source="chosen", meaning="processes for the maps")
+    workers: int = count(1, "workers", at_least=1, at_most=64, source="chosen", meaning="processes for the maps")
 
 
 @dataclass(frozen=True, slots=True)

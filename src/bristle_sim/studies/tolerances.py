@@ -73,7 +73,7 @@ class Sampling:
     )
     seed: int = count(1, "seed", at_least=0, at_most=2**32 - 1, source="chosen", meaning="of the sequence's scrambling")
     workers: int = count(
-        1, "workers", at_least=1, at_most=4096, source="chosen", meaning="processes that simulate the passes"
+        1, "workers", at_least=1, at_most=64, source="chosen", meaning="processes that simulate the passes"
     )
     rounding: str = choice(
         "yes",
