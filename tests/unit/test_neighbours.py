@@ -3,6 +3,7 @@
 import dataclasses
 import functools
 import math
+import re
 
 import numpy as np
 import pytest
@@ -88,6 +89,15 @@ def test_a_row_that_the_foremost_bristle_stops_leaves_the_last_one_unjudged():
     assert found.outcome == "no contact"
     assert all(each.ok is None for each in found.quantities if each.name in ALONE)
     assert any("(jam)" in each for each in found.remarks)
+
+
+def test_a_long_row_has_as_little_time_as_two_bristles():
+    """Each of twelve takes a sixth of the steps of each of two."""
+    steps = Settings(maximum_steps=1200, hub_turn=1000.0)
+    for bristles, most in ((2, 1200), (12, 200)):
+        with pytest.raises(ValueError, match="step budget spent after") as refused:
+            neighbours(Tool(), Neighbours(search="no", bristles=bristles), steps)
+        assert most <= int(re.search(r"after (\d+) engine", str(refused.value))[1]) < 2 * most
 
 
 def test_bad_input_in_one_line():
