@@ -3,11 +3,12 @@
 import dataclasses
 import functools
 import math
+import re
 
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Belt, Bristle, Neighbours, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Neighbours, Tool, Workpart
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_place
 from bristle_sim.render.row_video import RowScene
 from bristle_sim.settings import Settings
@@ -88,6 +89,25 @@ def test_a_row_that_the_foremost_bristle_stops_leaves_the_last_one_unjudged():
     assert found.outcome == "no contact"
     assert all(each.ok is None for each in found.quantities if each.name in ALONE)
     assert any("(jam)" in each for each in found.remarks)
+
+
+def test_a_strike_with_hardly_any_relative_speed_is_judged_by_the_hub_s():
+    """Friction on a thin bar lets the bristle down radially: 4e-4 rad/s of 272 are 1e-6, whatever they are of each other."""
+    surface = Workpart(friction=0.6536)
+    tool = Tool(bar=Bar(radius=5.875e-5, friction=0.6536), workpart=surface)
+    found = neighbours(tool, Neighbours(search="no"), Settings(accuracy=3.127e-3))
+    row = next(each for each in found.quantities if each.name == "relative_speed_at_contact")
+    assert abs(row.theory) < 1e-2
+    assert row.ok
+
+
+def test_a_long_row_has_as_little_time_as_two_bristles():
+    """Each of twelve takes a sixth of the steps of each of two."""
+    steps = Settings(maximum_steps=1200, hub_turn=1000.0)
+    for bristles, most in ((2, 1200), (12, 200)):
+        with pytest.raises(ValueError, match="step budget spent after") as refused:
+            neighbours(Tool(), Neighbours(search="no", bristles=bristles), steps)
+        assert most <= int(re.search(r"after (\d+) engine", str(refused.value))[1]) < 2 * most
 
 
 def test_bad_input_in_one_line():

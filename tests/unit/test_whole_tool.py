@@ -75,6 +75,8 @@ class TestTurn:
             load_cell_series(report.subject)
         with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
             periodic_turn(Tool(hub=Hub(speed=0.0)), FINE)
+        with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1"):
+            periodic_turn(Tool(bristle=Bristle(links=2)), FINE)
 
 
 def dragging_force(hub_angle, friction=0.31):

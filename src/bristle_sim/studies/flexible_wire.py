@@ -280,8 +280,10 @@ def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
         if mode >= bristle.links:
             rows.append(Quantity(name, "Hz", None, float(beam[mode])))
             continue
-        reference = (float(chain[mode]), 1e-6) if with_reference else (None, None)
-        rows.append(Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference[0], tolerance=reference[1]))
+        reference, within = (float(chain[mode]) if with_reference else None), None
+        if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
+            within = max(1e-6, rounding)  # an error of the largest eigenvalue's rounding in the square
+        rows.append(Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference, tolerance=within))
     return rows
 
 

@@ -67,10 +67,14 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
 
     Raises:
         TurnNotCompleted: if the bristle jams or lies down on the hub.
-        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
+        ValueError: if the hub stands still, the wire bends, or a run is not computed within the settings' steps.
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
+    if tool.bristle.links > 1:
+        raise ValueError(
+            f"wire_links = {tool.bristle.links}: must be 1, turns are those of a rigid bristle (dimensionless)"
+        )
     least = max(REPEATED, MAGNIFIED * settings.accuracy)
     run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=TURN)), settings)
     rate = _natural_rate(tool)
