@@ -149,7 +149,7 @@ def test_film_shows_the_wire_bend(short: Report) -> None:
     # Linear in the deflection: the hinge is off the chord by a quarter of the length times the bend.
     assert bend == pytest.approx(0.25 * 27.0 * scene.enlarged * angles[0], rel=0.1)
     assert scene.caption.get_text()
-    assert scene.readouts[2].get_text().endswith("N")
+    assert scene.readouts[2].text.endswith("N")
 
 
 @pytest.mark.parametrize("links", [1, 3])
