@@ -263,9 +263,10 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]
     last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
     alone = None if touches else 0.0
     referred = None if reference is None else float(len(_touches(reference)))
+    judged = reference is not None or not touches
     # A row ends for all when one bristle jams.
-    judged = reference is not None or (not touches and last.stop_reason is StopReason.END)
-    found = [Quantity("wire_contacts", "1", touches, alone, referred, tolerance=0.0 if judged else None)]
+    counted = judged and (reference is not None or last.stop_reason is StopReason.END)
+    found = [Quantity("wire_contacts", "1", touches, alone, referred, tolerance=0.0 if counted else None)]
     own, theory = strike_values(row.tool, last), strike_values(row.tool, row.lone)
     independent = dict.fromkeys(STATE) if reference is None else strike_values(row.tool, reference)
     for name, unit in STATE.items():
