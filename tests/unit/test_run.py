@@ -346,14 +346,16 @@ class TestScaleAndRepetition:
     def test_similar_tools_move_alike(self, size: float, pace: float) -> None:
         """Bristles of a micrometre and of ten metres, slow and fast; 1e-9 is ten times the requested accuracy.
 
-        That the wire's end grazes the bar when it is released magnifies it by 1e3 for that instant.
+        That the wire's end grazes the bar when it is released magnifies it by 1e3 for that instant, and so does the hop before
+        it is held: 4e-6 of the wire's length high, it ends at a ten-thousandth of the tip's speed.
         """
         first, second = (
             simulate(tool, Settings(accuracy=1e-10), stop_after="strike") for tool in (TOOL, scaled(size, pace))
         )
         assert [each.name for each in first.events] == [each.name for each in second.events]
-        for a, b in zip(first.events, second.events, strict=True):
-            assert b.time * pace == pytest.approx(a.time, rel=1e-6 if a.name == "bar release" else 1e-9)
+        for number, (a, b) in enumerate(zip(first.events, second.events, strict=True)):
+            grazes = number > 0 and a.name.startswith("bar ")
+            assert b.time * pace == pytest.approx(a.time, rel=1e-6 if grazes else 1e-9)
         one, other = (run.first_contact("workpart") for run in (first, second))
         assert one is not None
         assert other is not None
