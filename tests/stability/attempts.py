@@ -11,8 +11,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-__all__ = ["BAD", "Tally", "finite"]
-
 T = TypeVar("T")
 
 BAD: tuple[Any, ...] = (

@@ -22,8 +22,6 @@ from bristle_sim.trajectory import Trajectory
 from stability.attempts import BAD, Tally, finite
 from stability.theory_samples import MODULES, WHOLE, public_functions, samples_of
 
-__all__ = ["corner", "trials"]
-
 T = TypeVar("T")
 
 CLASSES: tuple[type[Any], ...] = (

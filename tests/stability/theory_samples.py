@@ -13,8 +13,6 @@ from bristle_sim.parameters import Tool
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES
 
-__all__ = ["MODULES", "WHOLE", "public_functions", "samples_of"]
-
 MODULES = (
     "cueing",
     "monofilament",

@@ -20,7 +20,7 @@ ROD = Mechanism((Link.rod(2.0, 1.0),))
 
 def gaps_at(angle: float, rate: float) -> tuple[Gaps, State]:
     state = State(0.0, (angle,), (rate,))
-    return Gaps(ROD, state), state
+    return Gaps(ROD), state
 
 
 def on_workpart(angle: float, friction: float) -> EngineContacts:
@@ -109,7 +109,7 @@ class TestSetBack:
     def test_onto_the_workpart(self, off: float) -> None:
         """The tip is at -cos of the angle, and does not move along the normal where the rate is 0."""
         state = State(1.5, (0.7 + off,), (0.2,))
-        found = set_back(Gaps(ROD, state), on_workpart(0.7, 0.0).obstacles, state)
+        found = set_back(Gaps(ROD), on_workpart(0.7, 0.0).obstacles, state)
         assert found.time == 1.5
         assert found.angles[0] == pytest.approx(0.7, abs=1e-14)
         assert found.rates[0] == pytest.approx(0.0, abs=1e-14)
@@ -136,9 +136,9 @@ def test_record_of_a_sustained_contact() -> None:
     contact = Sustained(obstacle)
     contact.begin(first)
     contact.add(0.0, (3.0, -1.0, -0.2), 0.5)
-    record = contact.record(Gaps(ROD, first), last, "released")
+    record = contact.record(Gaps(ROD), last, "released")
     assert record is not None
-    assert contact.record(Gaps(ROD, first), first, "released") is None
+    assert contact.record(Gaps(ROD), first, "released") is None
     assert (record.obstacle, record.law, record.outcome) == ("workpart", "sustained", "released")
     assert (record.time, record.duration, record.impulse) == (1.0, 0.5, (3.0, -1.0))
     assert record.compressive_work == (0.0, -0.2)

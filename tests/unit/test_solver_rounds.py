@@ -17,7 +17,7 @@ def test_one_rod_on_the_workpart(angle: float) -> None:
     rod = Mechanism((Link.rod(2.0, 1.0),))
     obstacle = WorkpartObstacle(math.cos(angle), 0.0, 0.0, 0.0)
     state = State(0.0, (angle,), (0.0,))
-    gaps = Gaps(rod, state)
+    gaps = Gaps(rod)
     left = 1.0 / (1.0 + 3.0 * math.sin(angle) ** 2)
     rounds, solvable = contact_rounds(rod, gaps.poses(state), [obstacle], [gaps.touch(obstacle, state)], [None])
     assert solvable
@@ -32,7 +32,7 @@ def test_chain_on_the_workpart(slip: int) -> None:
     height = -chain.poses(State(0.0, angles, rates))[-1].tip[1]
     obstacle = WorkpartObstacle(height, 0.3, 0.3, 0.0, link=3)
     state = State(0.0, angles, rates)
-    gaps = Gaps(chain, state)
+    gaps = Gaps(chain)
     touch = gaps.touch(obstacle, state)
     rounds, solvable = contact_rounds(chain, gaps.poses(state), [obstacle], [touch], [slip])
     assert solvable

@@ -99,7 +99,7 @@ def test_grip_of_one_link_is_that_of_the_engines_bodies(angle: float, friction: 
         rub = friction * math.copysign(1.0, touch.velocity[1])
         expected = (space.inverse_mass[0, 0] - rub * space.inverse_mass[0, 1]) / free
         # Rounding, and cancellation of a free body's response against its joint's.
-        assert EngineContacts(scene, [obstacle]).grip(Gaps(scene.mechanism, state), state) == pytest.approx(
+        assert EngineContacts(scene, [obstacle]).grip(Gaps(scene.mechanism), state) == pytest.approx(
             expected, rel=1e-12, abs=1e-12
         )
 

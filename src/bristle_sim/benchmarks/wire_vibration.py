@@ -17,18 +17,14 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.parameters import Bristle, Hub, Tool, Workpart
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.wire_strike import build_wire, free_flight
 from bristle_sim.settings import Settings
 from bristle_sim.theory.wire import beam_frequencies, chain_modes, hinge_stiffness, second_moment_of_area
-
-__all__ = ["vibrations"]
-
-Array = NDArray[np.float64]
 
 Vibration = Callable[[], float]
 """Vibrates for a period, and returns the end's distance from where it started, m."""

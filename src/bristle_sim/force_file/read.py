@@ -11,7 +11,6 @@ import re
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.force_file.layout import (
@@ -114,9 +113,7 @@ def _chosen(path: str | Path, kind: str, key: str | None, columns: list[Column])
     raise ValueError(f"{path}: columns {listed}: {kind}_column must say which of them is the {kind}")
 
 
-def _numbers(
-    path: str | Path, layout: Layout, rows: list[tuple[int, str]], places: tuple[int, int]
-) -> NDArray[np.float64]:
+def _numbers(path: str | Path, layout: Layout, rows: list[tuple[int, str]], places: tuple[int, int]) -> Array:
     """Return the two columns, shape (2, n)."""
     convert = None if layout.decimal == "." else (lambda cell: float(cell.replace(",", ".")))
     try:

@@ -15,13 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.reference.row import Row
-
-__all__ = ["Bar", "Point", "Spring", "Surface", "Touch", "Workpart", "dot", "follows", "obstacles_of", "touch_of"]
-
-Reals = NDArray[np.float64]
 
 
 class Point(NamedTuple):
@@ -36,8 +33,8 @@ class Touch(NamedTuple):
     """Kinematics of a contact at one instant."""
 
     gap: float
-    normal_row: Reals
-    tangential_row: Reals
+    normal_row: Array
+    tangential_row: Array
     velocity: tuple[float, float]
     bias: tuple[float, float]
 
@@ -122,7 +119,7 @@ class Bar:
         """Distance of the centre line from the bar's centre in a contact, m."""
         return self.radius + self.wire_radius
 
-    def feet(self, chain: Chain | Row, motion: Kinematics) -> tuple[Reals, Reals]:
+    def feet(self, chain: Chain | Row, motion: Kinematics) -> tuple[Array, Array]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
         links = [each.link for each in chain.pieces]
         turn, joint = motion.turn[..., links], motion.joint[..., links]
@@ -132,7 +129,7 @@ class Bar:
         nearest = origin + np.clip(foot, 0.0, [each.length for each in chain.pieces]) * along
         return foot, np.abs(nearest - self.centre) - self.reach
 
-    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Reals:
+    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Array:
         """Return the gap of every piece, m, shape (..., pieces)."""
         return self.feet(chain, motion)[1]
 
@@ -165,7 +162,7 @@ class Workpart:
     surface: Surface
     name: str = "workpart"
 
-    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Reals:
+    def gaps(self, chain: Chain | Row, motion: Kinematics) -> Array:
         """Return the height of each wire's end above the surface, m, shape (..., wires)."""
         return np.asarray(self._tips(chain, motion).imag + self.depth)
 

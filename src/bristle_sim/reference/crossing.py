@@ -11,14 +11,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.polynomial import chebyshev
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-__all__ = ["crossings", "nodes", "of_one_sign"]
+from bristle_sim.arrays import Array
 
-Reals = NDArray[np.float64]
-
-Function = Callable[[Reals], Reals]
+Function = Callable[[Array], Array]
 """Times of shape (n,) -> values of shape (n,)."""
 
 DEGREE = 16
@@ -36,19 +33,19 @@ ROUNDING = 1e-13
 """The series' last coefficients are rounding below this fraction of the function's size."""
 
 
-def nodes(start: float, end: float) -> Reals:
+def nodes(start: float, end: float) -> Array:
     """Return the 17 times of an interval, ascending, at which a series takes a function's values."""
     return np.asarray(0.5 * (start + end) + 0.5 * (end - start) * NODES)
 
 
-def of_one_sign(values: Reals, resolution: float) -> int:
+def of_one_sign(values: Array, resolution: float) -> int:
     """Return the sign that a function has on a whole interval, from its values at the nodes; 0 if it may change."""
     series = WEIGHTS @ values
     first, others = series[0], np.abs(series[1:]).sum()
     return int(np.sign(first)) if abs(first) > others and _resolved(series, values, resolution) else 0
 
 
-def _resolved(series: Reals, values: Reals, resolution: float) -> bool:
+def _resolved(series: Array, values: Array, resolution: float) -> bool:
     """Whether the last coefficients are rounding, so that the series is the function."""
     return bool(np.abs(series[-3:]).max() <= max(resolution, ROUNDING * np.abs(values).max()))
 
@@ -81,7 +78,7 @@ def crossings(function: Function, start: float, end: float, resolution: float) -
     return list(_sign_changes(function, probes, function(probes)))
 
 
-def _roots(series: Reals, left: float, right: float) -> list[float]:
+def _roots(series: Array, left: float, right: float) -> list[float]:
     """Return the real roots of a series in its interval."""
     sizes = np.abs(series)
     if sizes[0] > sizes[1:].sum() or not sizes.any():
@@ -92,7 +89,7 @@ def _roots(series: Reals, left: float, right: float) -> list[float]:
     return [float(each) for each in 0.5 * (left + right) + 0.5 * (right - left) * real]
 
 
-def _sign_changes(function: Function, probes: Reals, values: Reals) -> Iterator[tuple[float, int]]:
+def _sign_changes(function: Function, probes: Array, values: Array) -> Iterator[tuple[float, int]]:
     """Locate the root in each pair of neighbours of opposite sign; a zero takes the sign that went before."""
     sign, last = 0.0, probes[0]
     for probe, value in zip(probes, values, strict=True):

@@ -14,8 +14,6 @@ from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.reference.wires import Wires
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["decide", "jam", "meet", "move", "part", "record", "turn"]
-
 LOWEST_REBOUND = 1e-10
 """A rebound that the forces end below this fraction of hub radius and length is taken for a sustained contact."""
 

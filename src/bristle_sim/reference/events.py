@@ -8,9 +8,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import newton
 
+from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
 from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
@@ -18,10 +18,6 @@ from bristle_sim.reference.forces import freedom
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
-
-Reals = NDArray[np.float64]
-
-__all__ = ["INSIDE", "Event", "Follow", "events_of", "first_event"]
 
 Follow = Callable[[State], State]
 """What follows an event: the state before it -> the state after it."""
@@ -202,7 +198,7 @@ def _place_events(system: System, each: Sustained) -> list[Event]:
 def first_event(
     system: System,
     events: list[Event],
-    motion: Callable[[Reals], list[State]],
+    motion: Callable[[Array], list[State]],
     instants: list[Instant],
     step: tuple[float, float],
 ) -> tuple[float, Follow] | None:
@@ -220,7 +216,7 @@ def first_event(
         if event.place is not None and event.place not in near:
             continue
 
-        def along(at: Reals, value: Callable[[Instant], float] = event.value) -> Reals:
+        def along(at: Array, value: Callable[[Instant], float] = event.value) -> Array:
             return np.array([value(system.at(each)) for each in motion(at)])
 
         if of_one_sign(np.array([event.value(each) for each in instants]), event.resolution) == -event.direction:

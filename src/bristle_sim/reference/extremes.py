@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar
 from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
 from bristle_sim.reference.system import Instant, State, System
 
-__all__ = ["note_extremes"]
-
-Motion = Callable[[NDArray[np.float64]], list[State]]
+Motion = Callable[[Array], list[State]]
 """Times, s -> states."""
 
 ROUNDING = 1e-13

@@ -16,14 +16,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Touch
 from bristle_sim.theory.impact import Impact, energetic_impact
-
-__all__ = ["Acting", "Balance", "acting", "balance", "closed", "freedom", "resolve"]
-
-Reals = NDArray[np.float64]
 
 STICK = 0
 
@@ -50,7 +46,7 @@ class Acting(NamedTuple):
         return -self.friction * self.slip
 
     @property
-    def pushed(self) -> Reals:
+    def pushed(self) -> Array:
         """What a unit normal force, with the friction of slip, does to the generalized forces."""
         return self.touch.normal_row + self.ratio * self.touch.tangential_row
 
@@ -58,12 +54,12 @@ class Acting(NamedTuple):
 class Balance(NamedTuple):
     """Accelerations, rad/s^2, and the normal and tangential forces of the contacts, N."""
 
-    accelerations: Reals
-    normal: Reals
-    tangential: Reals
+    accelerations: Array
+    normal: Array
+    tangential: Array
 
 
-def balance(mass: Reals, forces: Reals, contacts: Sequence[Acting]) -> Balance:
+def balance(mass: Array, forces: Array, contacts: Sequence[Acting]) -> Balance:
     """Solve for the accelerations and the contact forces."""
     size = len(forces)
     rigid = [each for each in contacts if each.push is None]
@@ -87,7 +83,7 @@ def balance(mass: Reals, forces: Reals, contacts: Sequence[Acting]) -> Balance:
     return Balance(np.asarray(found[:size]), normal, tangential)
 
 
-def acting(mass: Reals, forces: Reals, contacts: Sequence[Acting], still: float) -> tuple[tuple[int, int], ...] | None:
+def acting(mass: Array, forces: Array, contacts: Sequence[Acting], still: float) -> tuple[tuple[int, int], ...] | None:
     """Return which closed contacts stay closed, as (index, sign of slip), or None if no combination is consistent.
 
     Args:
@@ -108,7 +104,7 @@ def acting(mass: Reals, forces: Reals, contacts: Sequence[Acting], still: float)
 
 
 def _consistent(
-    mass: Reals, forces: Reals, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
+    mass: Array, forces: Array, contacts: Sequence[Acting], chosen: dict[int, Acting], still: float
 ) -> bool:
     """Whether every chosen contact pushes within its friction cone and every other one opens."""
     try:
@@ -123,7 +119,7 @@ def _consistent(
 
 
 def _pushes(
-    mass: Reals, forces: Reals, accelerations: Reals, each: Acting, normal: float, tangential: float, still: float
+    mass: Array, forces: Array, accelerations: Array, each: Acting, normal: float, tangential: float, still: float
 ) -> bool:
     """Whether a contact that stays pushes, and sticks or slips consistently; a spring's force at its end is 0 but for rounding."""
     if (normal < 0.0 and each.push is None) or (
@@ -142,12 +138,12 @@ def _pushes(
     return each.slip * begins >= -rounding if each.slip else abs(begins) <= rounding
 
 
-def freedom(mass: Reals, touch: Touch, ratio: float) -> float:
+def freedom(mass: Array, touch: Touch, ratio: float) -> float:
     """Return J_n M^-1 (J_n + f J_t)^T, 1/kg; where it is not positive, friction locks the contact."""
     return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
 
 
-def resolve(mass: Reals, touch: Touch, friction: float, restitution: float, later: float) -> tuple[Reals, Impact]:
+def resolve(mass: Array, touch: Touch, friction: float, restitution: float, later: float) -> tuple[Array, Impact]:
     """Return the change of the links' rates in an energetic impact, rad/s, and the impact."""
     rows = np.array([touch.normal_row, touch.tangential_row])
     response = np.linalg.solve(mass, rows.T)
@@ -157,7 +153,7 @@ def resolve(mass: Reals, touch: Touch, friction: float, restitution: float, late
     return np.asarray(response @ impulse), hit
 
 
-def closed(mass: Reals, touches: Sequence[Touch]) -> tuple[Reals, Reals]:
+def closed(mass: Array, touches: Sequence[Touch]) -> tuple[Array, Array]:
     """Return the smallest changes of angles and rates, in the metric of the mass, that close gaps and stop their opening."""
     rows = np.array([touch.normal_row for touch in touches])
     response = np.linalg.solve(mass, rows.T)

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bristle_sim.reference.contacts import Point
 from bristle_sim.reference.mechanics import Chain
@@ -16,11 +15,7 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
-__all__ = ["LARGEST_RETRACTION", "PEAK", "STRIKE", "Finished", "Log"]
-
 STRIKE, PEAK, LARGEST_RETRACTION = "strike", "highest relative speed", "largest retraction"
-
-Reals = NDArray[np.float64]
 
 
 class Finished(Exception):

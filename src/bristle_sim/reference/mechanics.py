@@ -25,12 +25,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
-__all__ = ["Chain", "Kinematics", "Piece"]
-
-Reals = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 
@@ -59,7 +57,7 @@ class Kinematics(NamedTuple):
     """
 
     turn: Complexes
-    rates: Reals
+    rates: Array
     joint: Complexes
     velocity: Complexes
     acceleration: Complexes
@@ -74,13 +72,13 @@ class Chain:
     start_hub_angle: Any
     gravity: float
     length: float
-    masses: Reals
-    inertias: Reals
+    masses: Array
+    inertias: Array
     ends: Complexes
     centres: Complexes
     pieces: tuple[Piece, ...]
-    stiffness: Reals
-    damping: Reals
+    stiffness: Array
+    damping: Array
     products: Complexes
     moments: Complexes
 
@@ -139,12 +137,12 @@ class Chain:
         """Return the root's position, m."""
         return -1j * self.hub_radius * np.exp(1j * self.hub_angle(time))
 
-    def mass_matrix(self, turn: Complexes) -> Reals:
+    def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix at the links' directions e^{i theta}, shape (..., n, n), kg m^2."""
         matrix = (np.conj(turn)[..., :, None] * self.products * turn[..., None, :]).real
         return np.asarray(matrix + self.inertias * np.eye(self.links))
 
-    def forces(self, time: Any, angles: Reals, rates: Reals, turn: Complexes) -> Reals:
+    def forces(self, time: Any, angles: Array, rates: Array, turn: Complexes) -> Array:
         """Return the generalized forces of inertia, belt, hinges and gravity, shape (..., n), N m; turn is e^{i theta}."""
         # c_i'' holds -theta_k'^2 a_ik E_k; its moment on theta_j is the real part with conj(i a_ij E_j).
         inertia = -(1j * np.conj(turn) * ((turn * rates**2) @ self.products.T)).real
@@ -157,7 +155,7 @@ class Chain:
         springs[..., :-1] += torques[..., 1:]
         return np.asarray(inertia + springs)
 
-    def kinematics(self, time: Any, angles: Reals, rates: Reals) -> Kinematics:
+    def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return positions and velocities of the joints, and their accelerations at theta'' = 0."""
         turn = np.exp(1j * angles)
         root = np.asarray(self.root(time))[..., None]
@@ -174,27 +172,27 @@ class Chain:
             carried(-(rates**2) * arms, -(self.speed**2) * root),
         )
 
-    def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Reals:
+    def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:
         """Return d(velocity along a direction)/d(theta') of the point at ``arm`` (in the plane) from a link's joint."""
         row = np.zeros(self.links)
         row[:link] = (np.conj(direction) * 1j * self.ends[:link] * motion.turn[:link]).real
         row[link] = (np.conj(direction) * 1j * arm).real
         return row
 
-    def centre_line(self, time: Any, angles: Reals, rates: Reals) -> tuple[Complexes, Complexes]:
+    def centre_line(self, time: Any, angles: Array, rates: Array) -> tuple[Complexes, Complexes]:
         """Return the root and the end of every piece, m, and their velocities, m/s; shape (..., pieces + 1)."""
         motion = self.kinematics(time, angles, rates)
         links = [0] + [each.link for each in self.pieces]
         arms = np.array([0j] + [each.end for each in self.pieces]) * motion.turn[..., links]
         return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates[..., links] * arms
 
-    def kinetic_energy(self, time: Any, angles: Reals, rates: Reals) -> Any:
+    def kinetic_energy(self, time: Any, angles: Array, rates: Array) -> Any:
         """Return the kinetic energy of all links, J."""
         motion = self.kinematics(time, angles, rates)
         velocity = motion.velocity + 1j * rates * self.centres * motion.turn
         return 0.5 * (self.masses * np.abs(velocity) ** 2 + self.inertias * rates**2).sum(axis=-1)
 
-    def potential_energy(self, time: Any, angles: Reals) -> Any:
+    def potential_energy(self, time: Any, angles: Array) -> Any:
         """Return the energy of belt, hinges and gravity, J."""
         twists = _twists(angles, self.hub_angle(time))
         motion = self.kinematics(time, angles, np.zeros_like(angles))
@@ -228,7 +226,7 @@ class Chain:
         return math.sqrt(squares) + float(np.abs(np.linalg.eigvals(inverse @ damper)).max()) + self.speed
 
 
-def _coupling(springs: Reals) -> Reals:
+def _coupling(springs: Array) -> Array:
     """Return the stiffness matrix of torsion springs between each link and the one before it, the first one on the hub."""
     matrix = np.diag(springs)
     for hinge in range(1, len(springs)):
@@ -238,7 +236,7 @@ def _coupling(springs: Reals) -> Reals:
     return matrix
 
 
-def _twists(values: Reals, first: Any) -> Reals:
+def _twists(values: Array, first: Any) -> Array:
     """Return each link's value less that of the link before it, ``first`` for the first one."""
     found = np.array(values)
     found[..., 0] -= first

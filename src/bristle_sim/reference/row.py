@@ -13,12 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.reference.mechanics import Chain, Kinematics
-
-__all__ = ["Row"]
-
-Reals = NDArray[np.float64]
 
 
 class Row:
@@ -48,20 +45,20 @@ class Row:
         """Return the pieces that end at a bristle's tip: all."""
         return tuple(range(self.links))
 
-    def mass_matrix(self, turn: NDArray[np.complex128]) -> Reals:
+    def mass_matrix(self, turn: NDArray[np.complex128]) -> Array:
         """Return the mass matrix, kg m^2."""
         return np.diag(self._all.mass_matrix(turn[:, None])[:, 0, 0])
 
-    def forces(self, time: float, angles: Reals, rates: Reals, turn: NDArray[np.complex128]) -> Reals:
+    def forces(self, time: float, angles: Array, rates: Array, turn: NDArray[np.complex128]) -> Array:
         """Return the generalized forces of inertia, belt and gravity, N m."""
         return self._all.forces(time, angles[:, None], rates[:, None], turn[:, None])[:, 0]
 
-    def kinematics(self, time: Any, angles: Reals, rates: Reals) -> Kinematics:
+    def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return directions, rates, positions, velocities and accelerations of the bristles."""
         turn, rate, *points = self._all.kinematics(time, angles[:, None], rates[:, None])
         return Kinematics(turn[:, 0], rate[:, 0], *(each[:, 0] for each in points))
 
-    def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Reals:
+    def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:
         """Return d(velocity along a direction)/d(theta') of the point at ``arm`` from a bristle's root."""
         del motion
         row = np.zeros(self.links)

@@ -13,9 +13,9 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
+from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import nodes
 from bristle_sim.reference.decisions import record
 from bristle_sim.reference.events import Follow, events_of, first_event
@@ -24,10 +24,6 @@ from bristle_sim.reference.forces import freedom
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
-
-__all__ = ["Run"]
-
-Reals = NDArray[np.float64]
 
 
 class Run:
@@ -79,7 +75,7 @@ class Run:
             values, step = solver.dense_output(), (solver.t_old, solver.t)
             self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0
 
-            def motion(times: Reals, values: Callable[[Reals], Reals] = values) -> list[State]:
+            def motion(times: Array, values: Callable[[Array], Array] = values) -> list[State]:
                 return [
                     self.system.closed(self._state(*each)) for each in zip(times.tolist(), values(times).T, strict=True)
                 ]
@@ -138,7 +134,7 @@ class Run:
         response = abs(freedom(instant.mass, instant.touch(each.point), friction))
         return math.sqrt(each.spring.stiffness * response) / (each.spring.restitution or 1.0)
 
-    def _derivative(self, time: float, values: Reals) -> Reals:
+    def _derivative(self, time: float, values: Array) -> Array:
         instant = self.system.at(self._state(time, values))
         if not instant.contacts:
             return np.concatenate([instant.state.rates, instant.balance.accelerations])
@@ -148,7 +144,7 @@ class Run:
         sums = np.column_stack([normal, tangential, *powers]).ravel()
         return np.concatenate([instant.state.rates, instant.balance.accelerations, sums])
 
-    def _state(self, time: float, values: Reals) -> State:
+    def _state(self, time: float, values: Array) -> State:
         count = self.system.chain.links
         return State(time, values[:count], values[count : 2 * count])
 

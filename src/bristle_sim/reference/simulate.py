@@ -21,8 +21,6 @@ from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Cost, Trajectory
 
-__all__ = ["FINEST", "Request", "check_start", "note_absences", "parameters", "simulate_reference", "span"]
-
 METHOD = "scipy DOP853"
 """Says in a trajectory's parameters that the reference was integrated."""
 

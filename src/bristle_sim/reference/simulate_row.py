@@ -19,8 +19,6 @@ from bristle_sim.reference.system import Instant, Obstacles, State, System
 from bristle_sim.reference.wires import Wires
 from bristle_sim.trajectory import Cost, Trajectory
 
-__all__ = ["simulate_row_reference"]
-
 
 class RowLog(Log):
     """The logs of a row's bristles: each records the events and contacts in which its bristle takes part."""

@@ -10,15 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, Workpart
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
 from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.reference.row import Row
 from bristle_sim.reference.wires import Wires
 
-__all__ = ["Instant", "State", "Sustained", "System"]
-
-Reals = NDArray[np.float64]
 Obstacles = Mapping[str, Bar | Workpart | Wires]
 
 REST = 1e-10
@@ -29,8 +27,8 @@ class State(NamedTuple):
     """Time, and absolute angles and rates of the links; s, rad, rad/s."""
 
     time: float
-    angles: Reals
-    rates: Reals
+    angles: Array
+    rates: Array
 
 
 @dataclass(slots=True)
@@ -46,8 +44,8 @@ class Sustained:
     since: State
     velocity_before: tuple[float, float]
     spring: Spring | None = None
-    sums: Reals = field(default_factory=lambda: np.zeros(4))
-    compression: Reals | None = None
+    sums: Array = field(default_factory=lambda: np.zeros(4))
+    compression: Array | None = None
 
 
 class System:
@@ -97,7 +95,7 @@ class Instant:
     def __init__(self, system: System, state: State) -> None:
         self.system = system
         self.state = state
-        self._gaps: dict[str, Reals] = {}
+        self._gaps: dict[str, Array] = {}
 
     @cached_property
     def turn(self) -> NDArray[np.complex128]:
@@ -110,12 +108,12 @@ class Instant:
         return self.system.chain.kinematics(*self.state)
 
     @cached_property
-    def mass(self) -> Reals:
+    def mass(self) -> Array:
         """Mass matrix, kg m^2."""
         return self.system.chain.mass_matrix(self.turn)
 
     @cached_property
-    def forces(self) -> Reals:
+    def forces(self) -> Array:
         """Generalized forces without contacts, N m."""
         return self.system.chain.forces(*self.state, self.turn)
 
@@ -142,14 +140,14 @@ class Instant:
         """Accelerations and contact forces."""
         return balance(self.mass, self.forces, self.contacts)
 
-    def gaps(self, name: str) -> Reals:
+    def gaps(self, name: str) -> Array:
         """Return the gap of every piece of the wire to an obstacle, m."""
         if name not in self._gaps:
             self._gaps[name] = self.system.obstacles[name].gaps(self.system.chain, self.motion)
         return self._gaps[name]
 
     @cached_property
-    def feet(self) -> Reals:
+    def feet(self) -> Array:
         """The foot of the bar's centre on every piece, m from its start."""
         bar = self.system.obstacles["bar"]
         assert isinstance(bar, Bar)

@@ -14,14 +14,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Point, Surface, Touch, dot, touch_of
 from bristle_sim.reference.mechanics import Chain, Kinematics
 from bristle_sim.reference.row import Row
 
-__all__ = ["Wires"]
-
 Complexes = NDArray[np.complex128]
-Reals = NDArray[np.float64]
 
 
 class _Place(NamedTuple):
@@ -45,7 +43,7 @@ class Wires:
         self.surface = surface
         self.pairs = list(itertools.combinations(range(row.links), 2))
 
-    def gaps(self, row: Chain | Row, motion: Kinematics) -> Reals:
+    def gaps(self, row: Chain | Row, motion: Kinematics) -> Array:
         """Return the gap of every pair, m; minus a diameter where centre lines cross."""
         gaps = []
         for first, second in self.pairs:

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.drawing import View, draw_scale_bar
 from bristle_sim.render.panels import note, panel_title, say
@@ -17,10 +17,6 @@ from bristle_sim.render.style import BLACK, BLUE, SERIES, VERMILION, axes_at, bl
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_tool, name_parts
 from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
 from bristle_sim.trajectory.sampled_motion import SampledMotion
-
-__all__ = ["neighbours_figure", "pitches_to_draw", "row_view", "touch_place"]
-
-Array = NDArray[np.float64]
 
 WIDTH, HEIGHT = 16.0, 13.4
 """Printed size, cm."""

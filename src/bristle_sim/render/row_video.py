@@ -7,8 +7,8 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.render.drawing import draw_scale_bar
 from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
 from bristle_sim.render.neighbours_figure import row_view, touch_place
@@ -16,8 +16,6 @@ from bristle_sim.render.style import BLACK, SERIES, signed, styled
 from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_tool, name_parts
 from bristle_sim.studies.neighbours import Row
 from bristle_sim.trajectory.sampled_motion import SampledMotion
-
-__all__ = ["RowScene", "row_video"]
 
 LETTERS = 13.0
 """Letter height in a picture of 640 x 480, px."""
@@ -91,7 +89,7 @@ class RowScene(FilmScene):
         )
         self.write_words([words for start, words in self._captions if start <= time][-1], texts)
 
-    def _places(self, row: Row, time: float) -> NDArray[np.float64]:
+    def _places(self, row: Row, time: float) -> Array:
         """Return where wires touch the next ones at an instant, shape (touches, 2), mm."""
         lines = [motion.centre_line(time) for motion in self.motions]
         places = [touch_place(*pair, row.tool.bristle.wire_diameter) for pair in itertools.pairwise(lines)]

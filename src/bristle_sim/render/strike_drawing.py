@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, FancyArrowPatch
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.style import (
     BLACK,
@@ -26,10 +26,6 @@ from bristle_sim.render.style import (
     styled,
 )
 from bristle_sim.render.tool_drawing import MILLIMETRES, toward
-
-__all__ = ["strike_drawing"]
-
-Array = NDArray[np.float64]
 
 HUB_ANGLE, LAG = math.radians(-20.0), math.radians(12.0)
 """Of the root from the workpart's direction, and of the wire behind the radial direction: larger than at the operating

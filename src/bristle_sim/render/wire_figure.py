@@ -24,8 +24,6 @@ from bristle_sim.render.style import (
 )
 from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
 
-__all__ = ["wire_figure"]
-
 WIDTH, HEIGHT = 16.0, 13.6
 """Printed size, cm."""
 

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from bristle_sim.arrays import Array
 from bristle_sim.render.drawing import View, moving_arrow, point_arrow
 from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
 from bristle_sim.render.panels import say
@@ -21,9 +22,6 @@ from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.theory.cueing import centrifugal_stiffness
 from bristle_sim.theory.wire import hinge_stiffness
 
-__all__ = ["WireScene", "wire_video"]
-
-Array = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 LETTERS = 15.0

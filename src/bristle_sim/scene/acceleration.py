@@ -16,8 +16,6 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.repetitions import lagrange_weights
 from bristle_sim.scene.time_scales import damping_rate
 
-__all__ = ["acceleration"]
-
 REACH = 0.3
 """Longest of the steps, in the scene's time units and time constants of the engine's damping. Measured: rounding and what
 extrapolation leaves are then some 1e-12 both, times the rate of the damping."""

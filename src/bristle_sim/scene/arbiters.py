@@ -14,8 +14,6 @@ import pymunk
 
 from bristle_sim.scene.engine import bare_object, ffi, lib
 
-__all__ = ["Approach", "Impulse", "Tuner", "approach_reader", "contact_tuner", "impulse_reader"]
-
 Approach = Callable[[pymunk.Arbiter], tuple[float, float]]
 """Speed at which the fastest point of a contact approaches, and the sum of the bodies' speeds there, to which it is rounded."""
 

@@ -25,8 +25,6 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
 
-__all__ = ["Effects", "Scene"]
-
 HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
 quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""

@@ -13,8 +13,6 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.stepping import Advance, Stepper
 from bristle_sim.scene.touch_search import Interval
 
-__all__ = ["Changes"]
-
 NOISE = 1e-10
 """Rates, accelerations and forces of a scene's units below this have no sign, however accurate the stepper is."""
 

@@ -26,8 +26,6 @@ from bristle_sim.scene.time_scales import damped_interval
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["CompliantLaw"]
-
 LEAST_DURATION = 3e-7
 """Shortest contact in scene time units, times sqrt(e*). Measured: a contact of duration T differs from the rigid-body
 limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*). Damping of

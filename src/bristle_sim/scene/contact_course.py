@@ -6,15 +6,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.scene.contact_samples import with_samples_between
 from bristle_sim.scene.mechanism import State
 from bristle_sim.trajectory import ContactHistory, ContactRecord
-
-__all__ = ["ContactCourse", "CourseMark"]
-
-Array = NDArray[np.float64]
 
 LEAST_PHASE = 1e-6
 """A phase of less than this fraction of the normal impulse is not named. Close to separation nothing keeps a point that its

@@ -8,8 +8,6 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.sustained_contact import Sustained
 
-__all__ = ["ContactForces"]
-
 
 class ContactForces:
     """The engine's own contacts as a load: they act by themselves, and are lost once their forces are gone.

@@ -10,8 +10,6 @@ from bristle_sim.scene.contact_course import ContactCourse, CourseMark
 from bristle_sim.scene.contact_motion import ContactMotion, Turn
 from bristle_sim.scene.mechanism import State
 
-__all__ = ["ContactIntegration"]
-
 SAME = 1e-5
 """Slip and compression of one degree of freedom stop together: with less than this fraction of the approach left."""
 

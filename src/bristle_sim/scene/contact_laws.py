@@ -15,8 +15,6 @@ from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["Coefficients", "ContactLaw", "EnergeticLaw", "EngineLaw", "contact_at"]
-
 
 @dataclass(frozen=True, slots=True)
 class Coefficients:

@@ -14,8 +14,6 @@ from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad
 from bristle_sim.scene.stepping import Advance, Stepper
 
-__all__ = ["SAMPLES", "ContactMotion", "Expectation", "Turn"]
-
 SAMPLES = 24
 """Least number of intervals that a contact of a given duration is cut into, for its course in time."""
 

@@ -15,8 +15,6 @@ from bristle_sim.scene.contact_space import ContactSpace
 from bristle_sim.scene.joints import Vector
 from bristle_sim.theory.impact import Impact, energetic_impact
 
-__all__ = ["ContactPair", "LocatedImpact", "TouchingPoint", "read_points", "touching_points"]
-
 MOST_TYPES = (1 << 64) - 1
 """Collision types are machine words, the last of which stands for any type."""
 

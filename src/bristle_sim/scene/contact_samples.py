@@ -10,11 +10,8 @@ The penetration follows the quintic through its values, velocities and accelerat
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["COLUMNS", "with_samples_between"]
-
-Array = NDArray[np.float64]
+from bristle_sim.arrays import Array
 
 COLUMNS = ("time", "normal force", "tangential force", "penetration", "normal velocity", "tangential velocity")
 """Columns of a sample."""

@@ -12,8 +12,6 @@ from bristle_sim.scene.mechanism import Mechanism, Vector
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.wire_pair import WirePair
 
-__all__ = ["ContactShapes"]
-
 FAST_SLIP, STICKING = 10.0, 1e9
 """A slip beyond what slip turns back by within an interval, in the scene's units, and a friction beyond any. The slip's rounding
 disturbs the normal velocity."""

@@ -28,8 +28,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.scene.joints import (
     Connected,
     Entry,
@@ -41,10 +41,6 @@ from bristle_sim.scene.joints import (
     point_entry,
     scaled_jacobian,
 )
-
-__all__ = ["ContactSpace", "contact_space"]
-
-Array = NDArray[np.float64]
 
 CANCELS = 100.0
 """An impulse whose parts change the tangential velocity this many times as much as their sum does is applied by what it

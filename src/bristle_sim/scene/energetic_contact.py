@@ -19,8 +19,6 @@ from bristle_sim.scene.impact_sequence import ImpactSequence
 from bristle_sim.scene.rest_filter import RestFilter
 from bristle_sim.theory.impact import Impact, energetic_impact
 
-__all__ = ["EnergeticContact"]
-
 LONGEST = 1e9
 """Step, in the scene's unit of time; the engine lets NaN and infinity pass."""
 

@@ -18,26 +18,12 @@ from typing import Any, Protocol
 import pymunk
 
 try:
-    from pymunk._chipmunk_cffi import ffi, lib
+    from pymunk._chipmunk_cffi import ffi as ffi  # noqa: PLC0414 - for the contacts' reader too
+    from pymunk._chipmunk_cffi import lib as lib
 except ImportError:  # pragma: no cover - a pymunk built otherwise
     ffi = lib = None
 
 from bristle_sim.scene.mechanism import Vector
-
-__all__ = [
-    "EngineSteps",
-    "Placer",
-    "Pusher",
-    "Reader",
-    "bare_object",
-    "ffi",
-    "lib",
-    "placer",
-    "point_reader",
-    "pusher",
-    "readers",
-    "stepper",
-]
 
 ITERATIONS_OF_A_STEP = 100
 """Solver iterations that take as long as the rest of an engine step: measured, 35 ns each and 3 to 5 us a step with what

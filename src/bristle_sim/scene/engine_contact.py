@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_forces import ContactForces
 from bristle_sim.scene.event_functions import Slip
@@ -16,10 +16,6 @@ from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector, cr
 from bristle_sim.scene.obstacles import Obstacle, Touch
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED, contact_rounds
 from bristle_sim.scene.sustained_contact import STILL
-
-__all__ = ["LEAST_LEVER", "MOST_GRIP", "EngineContacts", "opening_rate", "set_back"]
-
-Array = NDArray[np.float64]
 
 MOMENT = 1e-6
 """Time after which the piece that touches is looked up again, in the scene's unit."""

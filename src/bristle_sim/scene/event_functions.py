@@ -15,8 +15,6 @@ from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["Change", "EventFunction", "HandOver", "Release", "Slip", "Touch", "freedom", "in_flight", "retraction"]
-
 
 class Touch(NamedTuple):
     """A link meets what it can touch; ``rests`` takes what is left of the approach."""

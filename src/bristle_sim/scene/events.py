@@ -12,8 +12,6 @@ from collections.abc import Callable
 
 from bristle_sim.scene.mechanism import Mechanism, State
 
-__all__ = ["first_touch", "guess", "interpolate", "locate", "turns"]
-
 CUBIC_ERROR = 0.01
 """Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety."""
 

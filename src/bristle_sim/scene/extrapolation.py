@@ -18,8 +18,6 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.repetitions import CLOSE, LEAST_ROWS, Repetitions
 from bristle_sim.scene.stepping import Advance, Load, take_steps, unpack
 
-__all__ = ["Extrapolation"]
-
 
 class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each interval.

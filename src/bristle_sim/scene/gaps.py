@@ -6,19 +6,16 @@ from bristle_sim.scene.events import interpolate
 from bristle_sim.scene.mechanism import Mechanism, Pose, State
 from bristle_sim.scene.obstacles import Obstacle, Touch
 
-__all__ = ["GAP_ROUNDING", "Gaps"]
-
 GAP_ROUNDING = 1e-11
 """A gap of the scene's unit below this is closed."""
 
 
 class Gaps:
-    """Looks from one state after the other; both ends of an interval are looked up again and again, so they are kept."""
+    """Gaps, touches and poses of a mechanism's links at any state."""
 
-    def __init__(self, mechanism: Mechanism, start: State) -> None:
-        """Begin with the poses of a state."""
+    def __init__(self, mechanism: Mechanism) -> None:
+        """Look at a mechanism, which keeps the poses of the last few states."""
         self.mechanism = mechanism
-        self._poses: tuple[tuple[State, list[Pose]], ...] = ((start, mechanism.poses(start)),)
 
     def touch(self, obstacle: Obstacle, state: State, piece: int | None = None) -> Touch:
         """Return where and how the link would touch the obstacle, with one of its pieces if it is named."""
@@ -40,9 +37,4 @@ class Gaps:
 
     def poses(self, state: State) -> list[Pose]:
         """Return where every link is and how it moves."""
-        for known, poses in self._poses:
-            if known is state:
-                return poses
-        poses = self.mechanism.poses(state)
-        self._poses = (self._poses[-1], (state, poses))
-        return poses
+        return self.mechanism.poses(state)

@@ -17,8 +17,6 @@ from bristle_sim.scene.joint_projection import close_joints
 from bristle_sim.scene.joints import JointRow, Vector
 from bristle_sim.theory.impact_result import JAM, Impact
 
-__all__ = ["ImpactSequence"]
-
 ROUNDING = 1e-9
 """Fraction of the bodies' speed at a point below which its approach is rounding."""
 

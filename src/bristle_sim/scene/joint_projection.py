@@ -12,11 +12,9 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.scene.joints import MassCentres, joined, joint_rows, scaled_jacobian
 
-__all__ = ["close_joints"]
-
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 CLOSED = 1e-14

@@ -22,20 +22,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
-__all__ = [
-    "Connected",
-    "Entry",
-    "JointRow",
-    "MassCentres",
-    "Vector",
-    "joined",
-    "joint_rows",
-    "passes_impulse",
-    "point_entry",
-    "scaled_jacobian",
-]
+from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
 Entry = tuple[pymunk.Body, float, float, float]
@@ -122,9 +110,7 @@ def joint_rows(joint: pymunk.Constraint, centres: MassCentres) -> list[JointRow]
     raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
 
 
-def scaled_jacobian(
-    rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def scaled_jacobian(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Body]) -> tuple[Array, Array]:
     """Return the columns of M^-1/2 J^T, shape (3 bodies, rows), and the diagonal of M^-1/2.
 
     Bodies of ``rows`` that are not among the dynamic ``bodies`` have no inverse mass.

@@ -9,12 +9,10 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Link", "Mechanism", "Pose", "State", "Vector", "cross"]
+from bristle_sim.arrays import Array
 
 Vector = tuple[float, float]
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,8 +18,6 @@ import pymunk
 
 from bristle_sim.scene.mechanism import Pose, Vector
 
-__all__ = ["MARGIN", "BarObstacle", "Obstacle", "Touch", "WorkpartObstacle"]
-
 MARGIN = 0.02
 """Fraction of the link's length by which obstacle shapes are enlarged in the engine."""
 

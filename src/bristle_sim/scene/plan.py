@@ -9,8 +9,6 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactAtEnd, ContactRecord, Event
 
-__all__ = ["Plan", "Recording"]
-
 
 @dataclass(frozen=True, slots=True)
 class Plan:

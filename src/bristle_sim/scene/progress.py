@@ -19,8 +19,6 @@ from bristle_sim.scene.stepping import Stepper
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
-__all__ = ["Progress", "Rebound"]
-
 
 class Rebound(NamedTuple):
     """The last rebound: from which obstacle, when, and how fast the contact point left."""
@@ -62,7 +60,7 @@ class Progress:
         Raises:
             ValueError: if the start overlaps an obstacle.
         """
-        gaps, changes = Gaps(scene.mechanism, start), Changes(scene, stepper, plan.accuracy)
+        gaps, changes = Gaps(scene.mechanism), Changes(scene, stepper, plan.accuracy)
         obstacles = list(scene.effects.obstacles)
         progress = cls(scene, stepper, law, plan, start, gaps, changes, obstacles, Recording())
         progress.sample(0.0)

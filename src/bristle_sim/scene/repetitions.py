@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ["CLOSE", "LEAST_NOISE", "LEAST_ROWS", "WIDE", "Repetitions", "lagrange_weights"]
-
 RUN_OVERHEAD = 6.0
 """Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
 

@@ -8,8 +8,6 @@ from bristle_sim.scene.arbiters import approach_reader, contact_tuner
 from bristle_sim.scene.impact_sequence import ROUNDING
 from bristle_sim.scene.joints import Vector
 
-__all__ = ["RestFilter"]
-
 STEPS_OF_GRAVITY = 2.0
 """An approach that gravity makes up in this number of steps is rest: one step passes before the engine finds a contact that
 forms, and a bounce that is over in less than two cannot be resolved."""

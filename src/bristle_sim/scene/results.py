@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.plan import Recording
@@ -16,10 +16,6 @@ from bristle_sim.scene.time_scales import motion_scale
 from bristle_sim.scene.units import Units
 from bristle_sim.stop_reason import ABSENCES, StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, InnerSamples, Trajectory
-
-__all__ = ["contact_in_si", "trajectory_in_si"]
-
-Array = NDArray[np.float64]
 
 
 def trajectory_in_si(

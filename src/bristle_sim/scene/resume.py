@@ -19,8 +19,6 @@ from bristle_sim.stop_reason import ABSENCES, EVENTS, checked_event
 from bristle_sim.trajectory import ContactRecord, Cost, Event, InnerSamples, Trajectory
 from bristle_sim.trajectory.storage import ARRAYS, INNER
 
-__all__ = ["resume", "simulated_with"]
-
 
 def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
     """Resume a run of ``simulate`` from where it stopped.

@@ -20,8 +20,6 @@ from bristle_sim.scene.stepping import Stepper
 from bristle_sim.scene.transitions import contact_at_end, end, enter, first_motion
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["run"]
-
 
 def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Plan) -> Recording:
     """Run a scene from a state to the plan's end.

@@ -26,8 +26,6 @@ from bristle_sim.scene.sustained_contact import SHY, Sustained, at_work, extreme
 from bristle_sim.scene.touch_search import SHORTEST, Interval, search_touch
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["SmoothMotion"]
-
 LONGEST = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
 cubic through the ends is good to 1/384 of the motion."""

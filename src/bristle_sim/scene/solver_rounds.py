@@ -11,12 +11,10 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector
 from bristle_sim.scene.obstacles import Obstacle, Touch
-
-__all__ = ["MOST_ITERATIONS", "SOLVED", "contact_rounds"]
 
 SOLVED = math.log(1e-17)
 """Iterations leave this fraction of the error: rounding."""
@@ -27,8 +25,6 @@ MOST_ITERATIONS = 40_000
 REPEATS = 1e-9
 """An eigenvalue this near to 1 belongs to constraints that repeat each other, such as a tip that sticks at the end of a straight
 wire: how they share their impulse is open, and no error."""
-
-Array = NDArray[np.float64]
 
 
 def contact_rounds(

@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients
 from bristle_sim.scene.engine import point_reader, pusher
 from bristle_sim.scene.mechanism import Vector
 from bristle_sim.scene.obstacles import Touch
 from bristle_sim.theory.impact import Impact
-
-__all__ = ["Plane", "Spring", "SpringLoad", "time_at_unit_stiffness"]
 
 
 class Plane(NamedTuple):
@@ -54,7 +50,7 @@ class Spring:
         self,
         plane: Plane,
         slip_velocity: float,
-        inverse_mass: NDArray[np.float64],
+        inverse_mass: Array,
         stiffness: float,
         coefficients: Coefficients,
     ) -> None:
@@ -68,7 +64,7 @@ class Spring:
         self.peak = self.residual = 0.0
         self.slip = math.copysign(1.0, slip_velocity) if slip_velocity else 0.0
 
-    def follow(self, inverse_mass: NDArray[np.float64]) -> None:
+    def follow(self, inverse_mass: Array) -> None:
         """Compute stick with the K of the bodies as they stand now: they turn while the contact lasts."""
         (normal, self.coupling), (_, tangential) = inverse_mass.tolist()
         # A tip that moves straight up alone has a K_tt of rounding, and no slip to stop.
@@ -122,7 +118,7 @@ class SpringLoad:
         self,
         scene: Scene,
         touch: Touch,
-        inverse_mass: NDArray[np.float64],
+        inverse_mass: Array,
         stiffness: float,
         coefficients: Coefficients,
     ) -> None:

@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import count, quantity, validate
+from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 from bristle_sim.trajectory import ContactAtEnd
-
-__all__ = ["LONE", "RETRACTION_LIMIT", "Radial", "Row", "Start", "check_start"]
 
 RETRACTION_LIMIT = math.pi / 2.0
 """Angle of the bristle from the radial direction at which it lies on the hub, rad."""
@@ -25,7 +23,7 @@ PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class Row(Declared):
     """Bristles of one plane on one hub, each a pitch behind the one before it, and how they rub and rebound on each other."""
 
     bristles: int = count(1, "bristles", at_least=1, at_most=100, source="requested", meaning="number of bristles")
@@ -33,16 +31,13 @@ class Row:
     friction: float = quantity(0.0, "neighbour_friction", "1", at_least=0.0, at_most=1e6, source="requested")
     restitution: float = quantity(0.0, "neighbour_restitution", "1", at_least=0.0, at_most=1.0, source="requested")
 
-    def __post_init__(self) -> None:
-        validate(self)
-
 
 LONE = Row()
 """One bristle."""
 
 
 @dataclass(frozen=True, slots=True)
-class Radial:
+class Radial(Declared):
     """Angles of the hub, and of all links relative to it, and their relative rate, checked."""
 
     hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
@@ -50,9 +45,6 @@ class Radial:
         0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="requested"
     )
     relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested")
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,6 @@ from typing import NamedTuple, Protocol
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 
-__all__ = ["Advance", "Load", "PlainSteps", "Stepper", "take_steps", "unpack"]
-
 INSTANT = 1e-6
 """Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
 

@@ -7,8 +7,8 @@ import time as clock
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.quantity import Range, shown
 from bristle_sim.scene.build import Effects, Scene
@@ -20,10 +20,6 @@ from bristle_sim.scene.tool import contact_law
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
-
-__all__ = ["Chain", "ChainStrike", "build_strike", "strike"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from bristle_sim.scene.engine_contact import EngineContacts
     from bristle_sim.scene.progress import Progress
 
-__all__ = ["STILL", "Sustained", "at_work", "extremes", "in_touch", "inner_states", "limits"]
 
 SHORTEST_SAMPLED = 2e-3
 """Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""

@@ -18,8 +18,6 @@ from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 
-__all__ = ["damped_interval", "damping_rate", "longest_interval", "motion_scale", "stepper_for", "time_scale"]
-
 MOST_DAMPING = 8.0
 """Time constants of the engine's damping in an interval, two in each of the fewest steps, four, that it is repeated with.
 Damping takes all of a rate in far longer steps, whatever their length: they agree with each other on a belt that does not

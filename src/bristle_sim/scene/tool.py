@@ -25,8 +25,6 @@ from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, checked_event
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["build_tool", "contact_law", "refuse_endless", "simulate", "simulate_from", "simulate_row"]
-
 METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
 """Say in a trajectory's parameters that the scene was simulated."""
 

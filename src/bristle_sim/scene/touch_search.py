@@ -18,7 +18,6 @@ from bristle_sim.scene.wire_joints import behind_joint
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
 
-__all__ = ["SHORTEST", "Interval", "find_touch", "search_touch"]
 
 GAP_TOLERANCE = 1e-13
 """To which a touch is located: rounding of an extrapolated interval is of this size, and a closer search would not end."""

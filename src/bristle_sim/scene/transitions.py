@@ -16,8 +16,6 @@ from bristle_sim.scene.wire_joints import at_joint
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactAtEnd, ContactRecord
 
-__all__ = ["contact_at_end", "end", "enter", "first_motion"]
-
 LOSSLESS = 1e-12
 """Fraction of the speed that an impact may lose by rounding."""
 

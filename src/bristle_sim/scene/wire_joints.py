@@ -10,7 +10,6 @@ from bristle_sim.scene.obstacles import Obstacle
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
 
-__all__ = ["at_joint", "behind_joint", "neighbour"]
 
 AT_JOINT = 1e-9
 """Fraction of a link within which a foot on it is at its end."""

@@ -10,8 +10,6 @@ from bristle_sim.scene.mechanism import Link, Vector
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
-__all__ = ["wire_hinges", "wire_links"]
-
 SHORTEST = 1e-12
 """Fraction of the wire's length below which a straight piece of a link is rounding: the knee is at the joint."""
 

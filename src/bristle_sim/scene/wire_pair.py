@@ -12,8 +12,6 @@ import pymunk
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 from bristle_sim.scene.obstacles import MARGIN, Touch
 
-__all__ = ["WirePair", "wire_pairs"]
-
 Line = tuple[Vector, Vector]
 
 

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Effects, Scene
@@ -27,10 +27,6 @@ from bristle_sim.scene.units import Units
 from bristle_sim.scene.wire_links import wire_hinges, wire_links
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
-
-__all__ = ["WireStrike", "build_wire", "free_flight", "strike_wire", "wire_frequencies"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

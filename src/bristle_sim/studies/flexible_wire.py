@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
@@ -23,10 +23,6 @@ from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
 from bristle_sim.trajectory import ContactRecord
-
-__all__ = ["FlexibleStrike", "WireStudy", "flexible_wire", "measures", "wire_study"]
-
-Array = NDArray[np.float64]
 
 RATIO = "impulse_ratio_to_rigid"
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.tool import simulate, simulate_row
@@ -24,8 +24,6 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
 from bristle_sim.studies.strike_point import require_result, state_at_strike
 from bristle_sim.trajectory import Trajectory
-
-__all__ = ["STATE", "WIRE_TOUCH", "Row", "neighbours", "over_pitch", "root_pitch", "row_series", "strike_values"]
 
 WIRE_TOUCH = "wire touch"
 
@@ -132,7 +130,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     )
 
 
-def over_pitch(row: Row, pitches: Sequence[float]) -> dict[str, NDArray[np.float64]]:
+def over_pitch(row: Row, pitches: Sequence[float]) -> dict[str, Array]:
     """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN without a run or a strike."""
     found = []
     for pitch in pitches:

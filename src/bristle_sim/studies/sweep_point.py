@@ -18,12 +18,12 @@ from typing import Any
 
 import joblib
 import numpy as np
-from numpy.typing import NDArray
 
 import bristle_sim
+from bristle_sim.arrays import Array
 from bristle_sim.quantity import shown
 
-Outcome = tuple[dict[str, NDArray[np.float64]], str]
+Outcome = tuple[dict[str, Array], str]
 """Results of a point by name, and the reason why there are none, empty where there are."""
 
 LIBRARIES = ("numpy", "pymunk", "scipy")

@@ -13,6 +13,7 @@ import xarray as xr
 import zarr
 from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.studies.sweep_point import Outcome
 
 FAILURE = "failure"
@@ -75,7 +76,7 @@ def _create(
     )
 
 
-def _column(name: str, block: list[Outcome], inner: tuple[int, ...]) -> NDArray[np.float64]:
+def _column(name: str, block: list[Outcome], inner: tuple[int, ...]) -> Array:
     """One result at every point of a block; a point whose array has another shape than at the first point has failed."""
     column = np.full((len(block), *inner), math.nan)
     for number, (values, _) in enumerate(block):

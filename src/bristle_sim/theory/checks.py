@@ -10,8 +10,8 @@ from numbers import Real
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.quantity import Range, shown
 
 P = ParamSpec("P")
@@ -60,7 +60,7 @@ def checked(declared: Range, value: Any) -> Any:
     return number[()]
 
 
-def numbers(name: str, value: Any, rule: str) -> NDArray[np.float64]:
+def numbers(name: str, value: Any, rule: str) -> Array:
     """Return the value as an array of floats, infinities and NaN included, or raise ValueError with the rule."""
     found = _floats(value)
     if found is None:
@@ -104,7 +104,7 @@ def whole(name: str, value: Any, highest: int) -> None:
     require(name, array, holds, rule)
 
 
-def _floats(value: Any) -> NDArray[np.float64] | None:
+def _floats(value: Any) -> Array | None:
     """Return an array of floats; None for what does not consist of real numbers: text, truth values, complex numbers, ragged lists."""
     if _has_truth_value(value):
         return None

@@ -27,9 +27,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Number
+from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import checked_arguments, positive, require, single, whole
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
@@ -179,7 +179,7 @@ def _depth_ratio(
 
 def _ply_sum(plies: int, compression_time: float) -> float:
     """Return the sum of [R(t_i) - R(t_{i-1})]/b(t_i), N/m."""
-    time: NDArray[np.float64] = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
+    time: Array = np.linspace(0.0, single("compression_time", compression_time), int(plies) + 1)
     return float(np.sum(np.diff(BRISTLE(time)) / PRINTED_WIDTH(time[1:])))
 
 

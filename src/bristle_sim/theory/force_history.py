@@ -22,7 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bristle_sim.arrays import Number
+from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import checked_arguments, finite, positive, single, whole
 
 LEAD_SHARE = 0.1
@@ -155,7 +155,7 @@ class ForceCurve:
         total = np.sum(np.asarray(self.amplitude) * (self.offset * constant - self.swing * turning.real), axis=-1)
         return float(total) if total.ndim == 0 else total
 
-    def _exponents(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+    def _exponents(self) -> tuple[Array, NDArray[np.complex128]]:
         decay = np.asarray(self.decay)
         return decay, -decay + 2j * math.pi / self.period
 
@@ -183,7 +183,7 @@ BRISTLE = ForceCurve((1.0160,), (5.4990,), offset=26.0, swing=30.0, lead=1e-5, p
 @checked_arguments
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
-) -> NDArray[np.float64]:
+) -> Array:
     """Divide an impulse as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
 
     Args:

@@ -29,8 +29,9 @@ from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.checks import numbers, require
 from bristle_sim.theory.impact_phases import (
     End,
@@ -252,7 +253,7 @@ def _unpack(
 NAMES = ("inverse_mass", "velocity", "friction", "restitution", "restitution_friction", "stick_compliance")
 
 
-def _arrays(*arguments: ArrayLike) -> list[NDArray[np.float64]]:
+def _arrays(*arguments: ArrayLike) -> list[Array]:
     """Return all arguments as floats; what is a float or an array of floats already needs no check."""
     return [
         np.asarray(each)

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.impact_result import (
     JAM,
     NO_CONTACT,
@@ -28,8 +28,6 @@ from bristle_sim.theory.impact_result import (
     Impact,
     Number,
 )
-
-__all__ = ["INFINITE", "End", "Target", "isfinite", "magnitude", "quotient", "select", "square_root", "walk"]
 
 INFINITE = math.inf
 
@@ -290,7 +288,7 @@ def quotient(value: Number, divisor: Number) -> Number:
     return quotient
 
 
-def _stack(rows: list[tuple[Number, ...]]) -> list[NDArray[np.float64]]:
+def _stack(rows: list[tuple[Number, ...]]) -> list[Array]:
     """Return one array for each column of the rows, whose last axis is that of the rows."""
     columns = zip(*rows, strict=True)
     if isinstance(rows[0][0], float):

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["JAM", "NO_CONTACT", "NO_REBOUND", "OUTCOMES", "PHASES", "REBOUND", "STICTION", "Impact", "Number"]
-
 Number = Any
 """A float or an array of floats: the same lines serve both, floats for speed in a scene, arrays for sweeps."""
 

@@ -10,12 +10,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Number
+from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import checked_arguments
 
-Speeds = NDArray[np.float64]
+Speeds = Array
 """Generalized speeds (q_1, q_2), m/s."""
 
 _ROUNDING = 1e-12

@@ -19,10 +19,10 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
+from bristle_sim.arrays import Array
 from bristle_sim.theory.checks import checked_arguments, single, whole
 
 MOST_MODES = 50
@@ -71,7 +71,7 @@ def hinge_damping(
 @checked_arguments
 def beam_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, modes: int
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the lowest natural frequencies of the beam, in Hz, shape (modes,).
 
     The first one is the swing of the wire on its root's spring (0 without one), the second the first bending mode.
@@ -114,7 +114,7 @@ def _swing(characteristic: Callable[[float], float], ratio: float) -> float:
 @checked_arguments
 def chain_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
-) -> NDArray[np.float64]:
+) -> Array:
     """Return the natural frequencies of the chain of equal rigid links at rest, in Hz, ascending, shape (links,)."""
     return chain_modes(mass, length, diameter, modulus, root_stiffness, links)[0]
 
@@ -122,7 +122,7 @@ def chain_frequencies(
 @checked_arguments
 def chain_modes(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """Return the chain's natural frequencies, Hz, ascending, and in columns the links' angles in each mode, (links, links).
 
     The squares of the frequencies are the eigenvalues of stiffness against mass matrix in the links' absolute angles:

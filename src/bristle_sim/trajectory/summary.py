@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bristle_sim.arrays import Array
 
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
@@ -89,5 +90,5 @@ def _parts(run: Trajectory) -> list[str]:
     return found
 
 
-def _pairs(points: NDArray[np.float64]) -> str:
+def _pairs(points: Array) -> str:
     return " ".join(f"{x:.6g},{y:.6g}" for x, y in points)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from bristle_sim.arrays import Array
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,7 +88,7 @@ def to_xarray(run: Trajectory) -> xarray.Dataset:
     )
 
 
-def ascending(time: NDArray[np.float64]) -> NDArray[np.float64]:
+def ascending(time: Array) -> Array:
     """Return times that strictly ascend: one that does not exceed its predecessor becomes the next double after it."""
     found = time.copy()
     for later in range(1, len(found)):

@@ -21,8 +21,6 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
 
-__all__ = ["chatter"]
-
 SHORTEST_HOP = math.sqrt(ACCURACY)
 """Hops that are followed last longer, in radians of the fastest motion."""
 

@@ -14,8 +14,6 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 
-__all__ = ["grazing"]
-
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
 TIP = ROOT + LENGTH

@@ -13,8 +13,6 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 
-__all__ = ["limits", "mirrored"]
-
 MIRRORED = 1e-12
 """Limit of differences between mirrored strikes: rounding."""
 

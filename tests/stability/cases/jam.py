@@ -33,8 +33,6 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
-__all__ = ["jam", "rod_near_jam"]
-
 EPSILON = sys.float_info.epsilon
 
 ROUNDINGS = 20

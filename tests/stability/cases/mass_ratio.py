@@ -15,8 +15,6 @@ from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain
 from bristle_sim.theory.pendulums import DoublePendulumImpact, double_pendulum_impact
 
-__all__ = ["approaching", "mass_ratio", "two_rods"]
-
 DRAWS = 60
 
 FLIGHT = 1e-10

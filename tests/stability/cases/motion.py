@@ -15,8 +15,6 @@ from bristle_sim.parameters import RETRACTION_AT_RELEASE, Belt, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 
-__all__ = ["belt_stiffness", "damped_decay", "damping", "hub_speed"]
-
 Array = NDArray[np.float64]
 
 FREE = Tool(bar=None, workpart=None)

@@ -23,8 +23,6 @@ from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 
-__all__ = ["dimensionless", "scaled", "size"]
-
 LIMIT = 1e-9
 """Limit of relative differences after scaling: ten times the requested accuracy."""
 

@@ -18,8 +18,6 @@ from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-__all__ = ["contact_work", "deepest", "touching", "wedge_closes"]
-
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
 

@@ -21,8 +21,6 @@ from bristle_sim.scene.tool import START, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 
-__all__ = ["tunnelling"]
-
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
 

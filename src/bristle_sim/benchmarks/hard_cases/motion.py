@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from bristle_sim.arrays import Array
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, refusal, row, within
 from bristle_sim.benchmarks.hard_cases.measures import (
     ACCURACY,
@@ -212,7 +212,7 @@ def long_run() -> list[HardCase]:
     ]
 
 
-def jacobi_energy(tool: Tool, angle: NDArray[np.float64], rate: NDArray[np.float64]) -> NDArray[np.float64]:
+def jacobi_energy(tool: Tool, angle: Array, rate: Array) -> Array:
     """Return I alpha'^2/2 + k alpha^2/2 + m r_h l Omega^2 (1 - cos alpha) in J, from relative angle (rad) and rate (rad/s).
 
     It is Jacobi's integral of the rotating frame, with the inertia I about the root and the centre of mass at l from there.
