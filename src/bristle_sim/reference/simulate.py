@@ -51,6 +51,9 @@ class Request:
     duration: float | None = quantity(None, "duration", "s", above=0.0, at_most=1e9, source="requested")
     accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=0.1, source="requested")
     sample_interval: float | None = quantity(None, "sample_interval", "s", above=0.0, at_most=1e9, source="requested")
+    contact_stiffness: float | None = quantity(
+        None, "contact_stiffness", "N/m", above=0.0, at_most=1e20, source="requested"
+    )
     stop_after: str | None = None
 
     def __post_init__(self) -> None:
@@ -70,12 +73,13 @@ def simulate_reference(
     accuracy: float = 1e-10,
     stop_after: str | None = None,
     sample_interval: float | None = None,
+    contact_stiffness: float | None = None,
 ) -> Trajectory:
     """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
-    A wire of several links moves as the module ``mechanics`` says. Flight of a straight rigid bristle obeys I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha
-    + m g (L/2) sin(psi + alpha) = 0; a knee moves the centre of mass. A touch obeys the energetic impact law, and a
-    sustained contact gap = 0 with a force that pushes. A rebound too low to be distinguished from rounding (1e-10 of hub radius
+    A wire of several links moves as the module ``mechanics`` says. Flight of a straight rigid bristle obeys
+    I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0; a knee moves the centre
+    of mass. A touch obeys the energetic impact law, and a sustained contact gap = 0 with a force that pushes. A rebound too low to be distinguished from rounding (1e-10 of hub radius
     and length) counts as none, so that ever smaller taps become a sustained contact.
 
     Args:
@@ -88,6 +92,7 @@ def simulate_reference(
         stop_after: name of the event that ends the run, as for the scene's ``simulate``; a touch ends it just after the
             impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
+        contact_stiffness: of the contact with the workpart, N/m, a spring with energetic restitution; by default it is rigid.
 
     Returns:
         The trajectory. Events: ``bar touch``, ``bar release``, ``strike``, ``workpart touch``, ``workpart release``,
@@ -108,6 +113,7 @@ def simulate_reference(
         duration,
         accuracy,
         sample_interval,
+        contact_stiffness,
         stop_after,
     )
     chain = Chain.of(tool, request.start_hub_angle)
@@ -120,7 +126,7 @@ def simulate_reference(
     check_start(chain, obstacles, start)
     end, interval = span(chain, request)
     log = Log(chain, interval, request.stop_after)
-    one_run = Run(System(chain, obstacles), log, start, end, max(request.accuracy / 100.0, FINEST))
+    one_run = Run(System(chain, obstacles, contact_stiffness), log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = one_run.run()
     note_absences(obstacles, log, one_run.state.time)
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_run.evaluations)

@@ -19,7 +19,7 @@ import pymunk
 
 try:
     from pymunk._chipmunk_cffi import ffi as ffi  # noqa: PLC0414 - for the contacts' reader too
-    from pymunk._chipmunk_cffi import lib as lib
+    from pymunk._chipmunk_cffi import lib as lib  # noqa: PLC0414
 except ImportError:  # pragma: no cover - a pymunk built otherwise
     ffi = lib = None
 
