@@ -507,6 +507,7 @@ def computed(found: dict[str, Any]) -> Any:
     return rows, {key: each for key, each in found.items() if key not in ("parameters", "quantities", "cost")}
 
 
+@pytest.mark.no_cover  # long
 @pytest.mark.parametrize(
     "name", [name for name in SCRIPTS if not promise(name).quick and not name.startswith("dissertation")]
 )
@@ -609,6 +610,7 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
             assert found.allowed in err
 
 
+@pytest.mark.no_cover  # long, and tracing multiplies it
 @pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("reference")])
 def test_the_independent_solution_agrees(name: str):
     """Every quantity that the simulation knows, the reference knows too, and they agree to the requested accuracy."""
