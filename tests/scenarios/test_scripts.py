@@ -20,7 +20,7 @@ import os
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -174,7 +174,7 @@ PROMISES = {
         quick=("--set", "theme=limits", "--set", "effort=quick"),
         strikes=False,
     ),
-    "dissertation_figures": Promise(keys=("only",), strikes=False),
+    "dissertation_figures": Promise(keys=("only",), quick=("--only", "2.24"), strikes=False),
     "dissertation_audit": Promise(
         lists={"rows": {"where", "printed", "computed", "status", "why"}}, strikes=False, integrates=True
     ),
@@ -236,13 +236,7 @@ def promise(name: str) -> Promise:
     return PROMISES.get(name, Promise())
 
 
-def of_scripts(names: Iterable[str]) -> pytest.MarkDecorator:
-    """A case for each script; those of one script share a process, which keeps what it has run."""
-    return pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.xdist_group(name)) for name in names])
-
-
-each_script = of_scripts(SCRIPTS)
-run_in_full = of_scripts(name for name in SCRIPTS if not promise(name).quick)
+each_script = pytest.mark.parametrize("name", SCRIPTS)
 
 
 @functools.cache
@@ -256,12 +250,6 @@ def scenario(name: str) -> Scenario:
     found = module.SCENARIO
     assert isinstance(found, Scenario)
     return found
-
-
-@functools.cache
-def ran(name: str, *arguments: str, python: tuple[str, ...] = (), seed: str = "0") -> subprocess.CompletedProcess[str]:
-    """A script run as a process, away from the repository and without a display."""
-    return process([sys.executable, *python, str(SCRIPTS[name]), *arguments], ROOT.parent, PYTHONHASHSEED=seed)
 
 
 def process(command: list[str], folder: Path, **variables: str) -> subprocess.CompletedProcess[str]:
@@ -337,50 +325,74 @@ def test_declared_names_and_keys(name: str):
         assert (default is None and found.optional) or found.check(default) == default
 
 
-@each_script
-def test_a_run_without_options_prints_a_table_and_agrees(name: str):
-    run = ran(name, *promise(name).quick)
-    assert (run.stderr, run.returncode) == ("", 0)
-    assert run.stdout.isascii()
-    assert run.stdout.split()[0] == "quantity"
-    rows = {line.split()[0] for line in run.stdout.splitlines() if line}
-    assert set(promise(name).quantities) <= rows
-    assert any(line.startswith("outcome: ") for line in run.stdout.splitlines()) is promise(name).strikes
+IMPORTED = """
+import runpy, sys
+sys.argv = sys.argv[1:]
+status = 0
+try:
+    runpy.run_path(sys.argv[0], run_name="__main__")
+except SystemExit as ended:
+    status = ended.code
+print("imported", *sys.modules, file=sys.stderr)
+sys.exit(status)
+"""
 
 
 @each_script
-def test_the_table_fits_a_terminal_and_has_no_empty_column(name: str):
-    head, rule, *lines = ran(name, *promise(name).quick).stdout.split("\n\n")[0].splitlines()
+def test_a_run_keeps_the_contract(name: str, tmp_path: Path):
+    """Table, JSON, imports and picture; and the same numbers in three processes, run once each for all of it.
+
+    They differ by their hash seed, by assertions stripped, and by having run other things before.
+    """
+    quick, target = promise(name).quick, tmp_path / "results.json"
+    command = [str(SCRIPTS[name]), *quick]
+    first = process([sys.executable, "-c", IMPORTED, *command, "--json", str(target)], ROOT.parent, PYTHONHASHSEED="0")
+    messages, _, imported = first.stderr.partition("imported ")
+    assert (messages, first.returncode) == ("", 0)
+    found = parsed(target.read_text())
+    check_table(name, first.stdout)
+    check_json(name, found)
+    check_quantities(name, found["quantities"])
+    check_imports(name, set(imported.split()))
+
+    second = process([sys.executable, "-O", *command, "--json", "-"], ROOT.parent, PYTHONHASHSEED="1")
+    assert (second.stderr, second.returncode) == ("", 0)
+    assert numbers(name, parsed(second.stdout)) == numbers(name, found)
+
+    draws = scenario(name).plot and not scenario(name).plot_is_folder
+    status, here = asked(name, *quick, *(["--plot", str(tmp_path / "picture.png")] if draws else []))
+    assert status == 0
+    assert numbers(name, here) == numbers(name, found)
+    if draws:
+        picture = (tmp_path / "picture.png").read_bytes()
+        assert picture.startswith(SIGNATURES[".png"])
+        assert len(picture) > 10_000  # an empty picture of that size takes less
+    if not quick:
+        check_defaults(name, found)
+    assert {path.name for path in tmp_path.iterdir()} == {"results.json", *(["picture.png"] if draws else [])}
+
+
+def check_table(name: str, printed: str) -> None:
+    """The table comes first, fits a terminal, names every promised quantity and has no empty column."""
+    assert printed.isascii()
+    head, rule, *lines = printed.split("\n\n", maxsplit=1)[0].splitlines()
     assert max(map(len, [head, rule, *lines])) <= 100
     titles = re.split(r"\s{2,}", head)
+    assert titles[0] == "quantity"
     rows = [re.split(r"\s{2,}", line) for line in lines]
     assert {len(row) for row in rows} == {len(titles)}
+    assert set(promise(name).quantities) <= {row[0] for row in rows}
     assert not [title for title, *cells in zip(titles, *rows, strict=True) if set(cells) == {"-"}]
+    everything = printed.splitlines()
+    assert any(line.startswith("outcome: ") for line in everything) is promise(name).strikes
+    if name != "accuracy_cost":  # which has a column for each decade of error
+        assert max(map(len, everything)) <= 100
 
 
-@of_scripts(name for name in SCRIPTS if name != "accuracy_cost")
-def test_all_lines_fit_a_terminal(name: str):
-    """Those of the benchmark, a column a decade of error, do not."""
-    assert max(map(len, ran(name, *promise(name).quick).stdout.splitlines())) <= 100
-
-
-@each_script
-def test_json_keeps_to_the_contract(name: str):
-    run = ran(name, "--json", "-", *promise(name).quick)
-    assert (run.stderr, run.returncode) == ("", 0)
-    found = parsed(run.stdout)
-    required = {
-        "scenario",
-        "version",
-        "parameters",
-        "outcome",
-        "quantities",
-        "phases",
-        "events",
-        "cost",
-        *promise(name).lists,
-    }
-    assert required <= set(found)
+def check_json(name: str, found: dict[str, Any]) -> None:
+    """Every list and member that the contract names is there, of its type, in order of time."""
+    required = {"scenario", "version", "parameters", "outcome", "quantities", "phases", "events", "cost"}
+    assert {*required, *promise(name).lists} <= set(found)
     assert found["scenario"] == name
     assert found["version"] == importlib.metadata.version("bristle-sim")
     assert (found["outcome"] in OUTCOMES) is promise(name).strikes
@@ -394,17 +406,29 @@ def test_json_keeps_to_the_contract(name: str):
         assert isinstance(event["name"], str)
     times = [event["time"] for event in found["events"]]
     assert times == sorted(times)
+    for key, columns in promise(name).lists.items():
+        assert found[key]
+        assert all(columns <= set(entry) for entry in found[key])
 
 
-@run_in_full
-def test_json_tells_every_parameter(name: str):
+def check_imports(name: str, modules: set[str]) -> None:
+    """What a run does not call for is not imported."""
+    assert "bristle_sim.scenario_cli" in modules
+    assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "tqdm", "bristle_sim.render"}
+    assert ("scipy.integrate" in modules) is (promise(name).integrates or promise(name).statistics)
+    assert ("bristle_sim.reference" in modules) is promise(name).integrates
+
+
+def check_defaults(name: str, found: dict[str, Any]) -> None:
+    """The JSON tells every parameter; each set to its default gives the same numbers as none named."""
     defaults = {key: default for key, (_, default) in scenario(name).keys().items()}
-    assert parsed(ran(name, "--json", "-").stdout)["parameters"] == defaults
+    assert found["parameters"] == defaults
+    _, named = asked(name, *(f"--set={key}={default}" for key, default in defaults.items() if default is not None))
+    assert numbers(name, named) == numbers(name, found)
 
 
-@each_script
-def test_quantities_are_complete_and_consistent(name: str):
-    rows = parsed(ran(name, "--json", "-", *promise(name).quick).stdout)["quantities"]
+def check_quantities(name: str, rows: list[dict[str, Any]]) -> None:
+    """Every promised quantity is there once, with its sides and a verdict that follows from them."""
     names = [row["name"] for row in rows]
     assert len(set(names)) == len(names)
     assert set(promise(name).quantities) <= set(names)
@@ -429,36 +453,6 @@ def check_verdict(row: dict[str, Any]) -> None:
         assert row["ok"] is False
     else:
         assert row["ok"] is (abs(row["simulated"] if judge == 0.0 else difference) <= row["tolerance"])
-
-
-@each_script
-def test_further_lists(name: str):
-    found = parsed(ran(name, "--json", "-", *promise(name).quick).stdout)
-    for key, columns in promise(name).lists.items():
-        assert found[key]
-        for entry in found[key]:
-            assert columns <= set(entry)
-
-
-@each_script
-def test_same_inputs_same_numbers(name: str):
-    """Bit for bit: another hash seed, assertions stripped, and a process that has run other things before."""
-    quick = promise(name).quick
-    first = ran(name, "--json", "-", *quick)
-    second = ran(name, "--json", "-", *quick, python=("-O",), seed="1")
-    assert (second.stderr, second.returncode) == ("", first.returncode)
-    assert numbers(name, parsed(second.stdout)) == numbers(name, parsed(first.stdout))
-    status, here = asked(name, *quick)
-    assert status == first.returncode
-    assert numbers(name, here) == numbers(name, parsed(first.stdout))
-
-
-@run_in_full
-def test_the_default_typed_is_the_default(name: str):
-    """Every key set to its default gives the same numbers: nothing depends on whether a key was named."""
-    settings = [f"--set={key}={default}" for key, (_, default) in scenario(name).keys().items() if default is not None]
-    _, found = asked(name, *settings)
-    assert numbers(name, found) == numbers(name, parsed(ran(name, "--json", "-").stdout))
 
 
 @each_script
@@ -513,6 +507,7 @@ def computed(found: dict[str, Any]) -> Any:
     return rows, {key: each for key, each in found.items() if key not in ("parameters", "quantities", "cost")}
 
 
+@pytest.mark.no_cover  # long
 @pytest.mark.parametrize(
     "name", [name for name in SCRIPTS if not promise(name).quick and not name.startswith("dissertation")]
 )
@@ -615,6 +610,7 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
             assert found.allowed in err
 
 
+@pytest.mark.no_cover  # long, and tracing multiplies it
 @pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("reference")])
 def test_the_independent_solution_agrees(name: str):
     """Every quantity that the simulation knows, the reference knows too, and they agree to the requested accuracy."""
@@ -667,41 +663,6 @@ def test_values_that_do_not_fit_together(name: str, setting: str, capsys: pytest
     assert err.count("\n") == 1
     assert err.startswith(f"{name}.py: error: {setting.partition('_')[0].partition('=')[0]}")
     assert "must be" in err
-
-
-IMPORTED = """
-import runpy, sys
-sys.argv = sys.argv[1:]
-try:
-    runpy.run_path(sys.argv[0], run_name="__main__")
-except SystemExit:
-    pass
-print(*sys.modules, file=sys.stderr)
-"""
-
-
-@each_script
-def test_what_is_not_asked_for_is_not_imported(name: str):
-    run = process([sys.executable, "-c", IMPORTED, str(SCRIPTS[name]), *promise(name).quick], ROOT.parent)
-    modules = set(run.stderr.split())
-    assert "bristle_sim.scenario_cli" in modules
-    assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "tqdm", "bristle_sim.render"}
-    assert ("scipy.integrate" in modules) is (promise(name).integrates or promise(name).statistics)
-    assert ("bristle_sim.reference" in modules) is promise(name).integrates
-
-
-@pytest.mark.parametrize(
-    "name", [name for name in SCRIPTS if scenario(name).plot and not scenario(name).plot_is_folder]
-)
-def test_a_picture_is_drawn_when_asked_for(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    target = tmp_path / "picture.png"
-    assert main(scenario(name), ["--plot", str(target), "--json", "-", *promise(name).quick]) == 0
-    out, err = capsys.readouterr()
-    assert parsed(out)["scenario"] == name
-    assert err == f"--plot: wrote {target}\n"
-    assert target.read_bytes().startswith(SIGNATURES[".png"])
-    assert target.stat().st_size > 10_000  # an empty picture of that size takes less
-    assert list(tmp_path.iterdir()) == [target]
 
 
 @pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).plot_is_folder])

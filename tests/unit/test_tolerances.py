@@ -86,6 +86,7 @@ def test_propagation_of_a_linear_model_is_exact():
     assert changes["sum"] == pytest.approx({key: 0.1 * slope for key, slope in SLOPES.items()}, abs=1e-15)
 
 
+@pytest.mark.no_cover  # long
 def test_small_spreads_of_a_pass_agree_with_error_propagation():
     """Sixteen times smaller than the smallest curvature that shows; the sample of 2 x 32 passes knows a std to some percent."""
     tool, settings = Tool(), Settings(accuracy=1e-8)
@@ -136,6 +137,7 @@ def test_a_report_has_a_row_for_every_output():
     assert re.search(r"belt_damping_ratio +0\.01 1 +assumed: 0\.018 explains", told)
 
 
+@pytest.mark.no_cover  # long
 def test_rounding_of_the_print():
     """By hand: the speed goes as sqrt(k)/L, so that 0.61 % and 1.85 %, with 0.1 % of the retraction, are 2.5 % at worst."""
     rows = {(row["output"], row["by"]): row for row in rounding_rows(Tool(), Settings(accuracy=1e-5))}

@@ -171,13 +171,26 @@ def test_motion_at_the_samples_is_the_samples(run: Trajectory):
     assert run.at([[0.0, 1e-3], [2e-3, 3e-3]]).centre_line.shape == (2, 2, *run.centre_line.shape[1:])
 
 
-def test_motion_in_a_contact_resolved_in_time_goes_from_touch_to_release():
-    slow = simulate(Tool(contact=Contact("compliant", 1e-4)), stop_after="strike")
-    strike = slow.first_contact("workpart")
+def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
+    """Whose record tells the tip's velocity in the contact, at instants between the samples of the other run."""
+    tool = Tool(contact=Contact("compliant", 1e-4))
+    run, fine = simulate(tool), simulate(tool, Settings(accuracy=1e-9), stop_after="strike")
+    own, strike = run.first_contact("workpart"), fine.first_contact("workpart")
+    assert own is not None
     assert strike is not None
-    during = slow.at(np.linspace(strike.time, min(strike.time + strike.duration, slow.time[-1]), 5))
-    assert np.all(np.diff(during.time) >= 0.0)
-    assert np.isfinite(during.rates).all()
+    history = strike.history
+    assert history is not None
+    time = history.time + (own.time - strike.time)
+    inside = slice(1, -1)
+    during = run.at(time[inside])
+    speed = np.hypot(*strike.velocity_before)
+    # Both have accuracy 1e-6 or better, relative to the approach and to the depth.
+    np.testing.assert_allclose(during.tip_velocity[:, 1], history.normal_velocity[inside], rtol=0.0, atol=1e-6 * speed)
+    np.testing.assert_allclose(
+        during.tip_velocity[:, 0], history.tangential_velocity[inside], rtol=0.0, atol=1e-6 * speed
+    )
+    depth = during.tip[:, 1] - run.at(own.time).tip[1]
+    np.testing.assert_allclose(-depth, history.penetration[inside], rtol=0.0, atol=1e-6 * history.penetration.max())
 
 
 @pytest.mark.parametrize("time", [-1e-9, 1.0, np.nan, [0.0, np.inf]])

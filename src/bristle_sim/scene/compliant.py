@@ -58,7 +58,7 @@ class CompliantLaw:
         maximum_steps: engine steps after which a contact is given up, each counted as the scene's ``work`` counts it.
         stiffness: of the spring in compression, engine units; None is that of a rigid-body contact of the duration. With
             one, the duration is only expected: ten times as long a contact is given up.
-        observe: called with the state at each sample of a contact.
+        observe: called with the states at the samples of each contact.
     """
 
     name = "compliant"
@@ -70,7 +70,7 @@ class CompliantLaw:
         plain_steps: int | None = None,
         maximum_steps: int = 1_000_000,
         stiffness: float | None = None,
-        observe: Callable[[State], None] | None = None,
+        observe: Callable[[list[State]], None] | None = None,
     ) -> None:
         """See the class."""
         self.duration = duration
@@ -119,8 +119,10 @@ class CompliantLaw:
         if self.plain_steps is not None:
             stepper = PlainSteps(duration / self.plain_steps)
         expected = Expectation.of(duration, longest, rigid.outcome_name, len(scene.links))
-        contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected), self.observe)
+        contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected))
         outcome = contact.run(scene.work + self.maximum_steps)
+        if self.observe is not None:
+            self.observe(contact.course.states)
         names, constant = (obstacle.name, self.name, outcome), None if expected.moves else space.inverse_mass
         after = contact.motion.state
         return after, contact.course.record(names, state, after, constant)

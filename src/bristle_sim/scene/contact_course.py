@@ -41,6 +41,7 @@ class ContactCourse:
         totals: normal and tangential impulse, normal and tangential work.
         at_compression_end: the same at the end of compression; None before.
         rows: samples of time, normal and tangential force, penetration, normal and tangential velocity.
+        states: of the scene at the samples.
     """
 
     def __init__(self) -> None:
@@ -49,6 +50,7 @@ class ContactCourse:
         self.totals = np.zeros(4)
         self.at_compression_end: Array | None = None
         self.rows: list[tuple[float, ...]] = []
+        self.states: list[State] = []
 
     @property
     def begin(self) -> float:
@@ -79,7 +81,7 @@ class ContactCourse:
     def return_to(self, mark: CourseMark) -> None:
         """Forget what came after a mark, which lies within compression."""
         self.totals, self.at_compression_end = mark.totals, None
-        del self.rows[mark.rows :], self.phases[mark.phases :]
+        del self.rows[mark.rows :], self.states[mark.rows :], self.phases[mark.phases :]
 
     def phase_names(self, jams: bool) -> tuple[str, ...]:
         """Return the names of the phases in order, but for those too short to matter; the last one of a jam matters."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -59,10 +58,9 @@ class ContactIntegration:
         course: what is recorded.
     """
 
-    def __init__(self, motion: ContactMotion, observe: Callable[[State], None] | None = None) -> None:
-        """Begin at the first touch; ``observe`` is called with the state at each sample."""
+    def __init__(self, motion: ContactMotion) -> None:
+        """Begin at the first touch."""
         self.motion = motion
-        self.observe = observe
         self.expected = motion.expected
         self.outcome: str | None = None
         self.course = ContactCourse()
@@ -200,5 +198,4 @@ class ContactIntegration:
 
     def _sample(self) -> None:
         self.course.rows.append(self.motion.sample(touches=self.outcome != "rebound"))
-        if self.observe is not None:
-            self.observe(self.motion.state)
+        self.course.states.append(self.motion.state)

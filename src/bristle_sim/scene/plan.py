@@ -45,7 +45,8 @@ Numbers = tuple[int, ...]
 class Recording:
     """What a run leaves behind, in engine units; ``seconds`` are wall clock and processor time.
 
-    ``inner`` are states between ``states`` that a sustained contact's geometry gives.
+    ``inner`` are states between ``states``: those that a sustained contact's geometry gives, and the samples of a contact
+    resolved in time.
     """
 
     states: list[State] = field(default_factory=list)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.changes import Changes
+from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw
 from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
 from bristle_sim.scene.mechanism import Mechanism, State
@@ -64,6 +65,8 @@ class Progress:
         obstacles = list(scene.effects.obstacles)
         progress = cls(scene, stepper, law, plan, start, gaps, changes, obstacles, Recording())
         progress.sample(0.0)
+        if isinstance(law, CompliantLaw):
+            law.observe = progress.recording.inner.extend
         for obstacle in scene.effects.obstacles:
             gap = gaps.gap(progress.in_dent(obstacle) if plan.contact else obstacle, start)
             if gap < -GAP_ROUNDING and plan.contact is None:

@@ -92,11 +92,10 @@ def strike_wire(
         settings.accuracy,
         maximum_steps=settings.maximum_steps,
         stiffness=stiffness * units.time**2 / units.mass,
-        observe=states.append,
+        observe=states.extend,
     )
     after, record = law.resolve(scene, states[0], obstacle, Coefficients.of(obstacle))
-    states = [state for state in states[1:] if state.time <= after.time]
-    states += free_flight(scene, after, flight / units.time, duration / units.time, settings)
+    states = states[1:] + free_flight(scene, after, flight / units.time, duration / units.time, settings)
     time, angles_, rates_ = (np.array(column) for column in zip(*states, strict=True))
     return WireStrike(
         contact=contact_in_si(record, units),

@@ -32,7 +32,7 @@ class Cost:
 
 @dataclass(frozen=True, slots=True)
 class InnerSamples:
-    """The motion between the samples of a run, where it is known from the geometry of a sustained contact.
+    """The motion between the samples of a run: from the geometry of a sustained contact, and in a contact resolved in time.
 
     Attributes:
         time, angles, rates, centre_line, centre_line_velocity: as in Trajectory.

@@ -44,7 +44,7 @@ class Trajectory:
         parameters: what was simulated, as plain numbers and words.
         contact_at_end: see ContactAtEnd; the reference leaves it out.
         stop_detail: what a contact law that gave up said, with its remedy; empty for any other stop.
-        inner_samples: of sustained contacts, for ``at``; None where there are none, and of the reference.
+        inner_samples: of contacts that last, for ``at``; None where there are none, and of the reference.
     """
 
     time: Array
