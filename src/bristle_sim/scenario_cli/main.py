@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from bristle_sim.comparison import Report, Unfinished
+from bristle_sim.files import checked_target
 from bristle_sim.scenario_cli import output
 from bristle_sim.scenario_cli.ending import ending_in_order
 from bristle_sim.scenario_cli.keys import key_list, settings_from, takes_tool, values_of, warnings_of
@@ -62,11 +63,11 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, command: str) -> int:
     pages = (options.plot or "").lower().endswith(".pdf")
     targets = {
-        "--plot": output.target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder and not pages),
-        "--video": output.target("--video", options.video, VIDEOS),
-        "--csv": output.target("--csv", options.csv),
-        "--report": output.target("--report", options.report, (".html",)),
-        "--json": None if options.json == "-" else output.target("--json", options.json),
+        "--plot": _target(options, "plot", PICTURES, folder=scenario.plot_is_folder and not pages),
+        "--video": _target(options, "video", VIDEOS),
+        "--csv": _target(options, "csv"),
+        "--report": _target(options, "report", (".html",)),
+        "--json": None if options.json == "-" else _target(options, "json"),
     }
     inputs = [(key, values[key]) for key, (declared, _) in scenario.keys().items() if declared.unit == "file"]
     output.require_different([("--parameters", options.parameters), *inputs, *targets.items()])
@@ -96,6 +97,13 @@ def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, com
         output.write_json(targets["--json"], text)
     output.say(text if options.json == "-" else output.in_words(report))
     return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
+
+
+def _target(
+    options: argparse.Namespace, name: str, suffixes: Sequence[str] = (), *, folder: bool = False
+) -> Path | None:
+    path = getattr(options, name)
+    return None if path is None else checked_target(path, suffixes, option=f"--{name}", folder=folder)
 
 
 def _run(scenario: Scenario, values: Values, settings: Sequence[str]) -> Report:
