@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 
 if TYPE_CHECKING:
+    from bristle_sim.trajectory.records import InnerSamples
     from bristle_sim.trajectory.trajectory import Trajectory
 
 
@@ -82,58 +83,48 @@ def motion_at(run: Trajectory, time: ArrayLike, *, side: str = "after") -> Motio
             f"time = {instants[outside].flat[0]:g}: must be from {run.time[0]:g} to {run.time[-1]:g}, within the run (in s)"
         )
     links, corners = run.angles.shape[1], run.centre_line.shape[1]
-    rows = run.time.size
-    places = np.hstack([run.angles, run.centre_line.reshape(rows, -1)])
-    slopes = np.hstack([run.rates, run.centre_line_velocity.reshape(rows, -1)])
-    found, change = _interpolated(run, places, slopes, instants.ravel(), side)
-    shape, lines = instants.shape, (*instants.shape, corners, 2)
+    found = _interpolated(run, instants.ravel(), side)
+    angles, lines = (*instants.shape, links), (*instants.shape, corners, 2)
     return Motion(
         time=instants,
         hub_angle=np.asarray(run.hub_angle[0] + run.hub_speed * (instants - run.time[0])),
-        angles=found[:, :links].reshape(*shape, links),
-        rates=change[:, :links].reshape(*shape, links),
-        centre_line=found[:, links:].reshape(lines),
-        centre_line_velocity=change[:, links:].reshape(lines),
+        angles=found[0, :, :links].reshape(angles),
+        rates=found[1, :, :links].reshape(angles),
+        centre_line=found[0, :, links:].reshape(lines),
+        centre_line_velocity=found[1, :, links:].reshape(lines),
     )
 
 
-def _interpolated(run: Trajectory, places: Array, slopes: Array, instants: Array, side: str) -> tuple[Array, Array]:
-    """Values and slopes at instants, each of shape (instants, columns)."""
+def _interpolated(run: Trajectory, instants: Array, side: str) -> Array:
+    """Values and slopes of angles and corners at instants, shape (2, instants, columns)."""
     from scipy.interpolate import KroghInterpolator
 
-    windows: dict[tuple[int, int], list[int]] = {}
-    inner_time, inner_places, inner_slopes = _inner(run, places.shape[1])
-    pieces = _smooth_pieces(run)
+    time, states, pieces = run.time, _states(run), _smooth_pieces(run)
+    if (inner := run.inner_samples) is not None:
+        time, states = np.concatenate([time, inner.time]), np.concatenate([states, _states(inner)])
     starts, ends = run.time[np.array(pieces)].T
     after = np.searchsorted(starts, instants, side="right") - 1
     chosen = after if side == "after" else np.searchsorted(ends, instants, side="left")
+    windows: dict[tuple[int, int], list[int]] = {}
     for number, (instant, piece) in enumerate(zip(instants.tolist(), chosen.tolist(), strict=True)):
         windows.setdefault(_window(run.time, pieces[piece], instant), []).append(number)
-    found, change = np.empty((instants.size, places.shape[1])), np.empty((instants.size, places.shape[1]))
+    found = np.empty((2, instants.size, states.shape[2]))
     for (first, last), numbers in windows.items():
-        rows = slice(first, last + 1)
-        inner = slice(*np.searchsorted(inner_time, run.time[[first, last]]))
-        time = np.concatenate([run.time[rows], inner_time[inner]])
+        within = run.time.size + np.arange(*np.searchsorted(time[run.time.size :], run.time[[first, last]]))
+        nodes = np.concatenate([np.arange(first, last + 1), within])
+        nodes = nodes[np.argsort(time[nodes])]
         # Every sample twice: the second time its row is the slope there.
-        columns = (
-            np.concatenate([places[rows], inner_places[inner]]),
-            np.concatenate([slopes[rows], inner_slopes[inner]]),
-        )
-        order = np.argsort(time)
-        both = np.stack(columns, axis=1)[order].reshape(2 * time.size, -1)
-        curve = KroghInterpolator(np.repeat(time[order], 2), both)
-        found[numbers], change[numbers] = curve(instants[numbers]), curve.derivative(instants[numbers])
-    return found, change
+        curve = KroghInterpolator(np.repeat(time[nodes], 2), states[nodes].reshape(2 * nodes.size, -1))
+        found[:, numbers] = curve(instants[numbers]), curve.derivative(instants[numbers])
+    return found
 
 
-def _inner(run: Trajectory, columns: int) -> tuple[Array, Array, Array]:
-    """Time, values and slopes of the inner samples, of shapes (k,), (k, columns) and (k, columns)."""
-    inner = run.inner_samples
-    if inner is None:
-        return np.empty(0), np.empty((0, columns)), np.empty((0, columns))
-    count, corners = inner.time.size, columns - inner.angles.shape[1]
-    places = np.hstack([inner.angles, inner.centre_line.reshape(count, corners)])
-    return inner.time, places, np.hstack([inner.rates, inner.centre_line_velocity.reshape(count, corners)])
+def _states(samples: Trajectory | InnerSamples) -> Array:
+    """Angles and corners with their slopes, shape (samples, 2, columns)."""
+    rows = samples.time.size
+    places = np.hstack([samples.angles, samples.centre_line.reshape(rows, -1)])
+    slopes = np.hstack([samples.rates, samples.centre_line_velocity.reshape(rows, -1)])
+    return np.stack([places, slopes], axis=1)
 
 
 def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, int]:
