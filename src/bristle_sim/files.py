@@ -6,7 +6,7 @@ import itertools
 import os
 import re
 import threading
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
@@ -15,6 +15,25 @@ _COUNT = itertools.count()
 
 _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 """Names of the streams that the process has open: the first three by name, all by number."""
+
+
+def checked_target(path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False) -> Path:
+    """Return the path of a file (or folder) that can be written; no suffixes admit any.
+
+    Raises:
+        ValueError: in one line that begins with the option, if one names the path, or with the path itself.
+    """
+    target = Path(path)
+    named = f"{option} = {str(path)!r}" if option else str(path)
+    if suffixes and not folder and target.suffix.lower() not in suffixes:
+        raise ValueError(f"{named}: must be a file name that ends in {', '.join(suffixes)}")
+    if target.is_dir() != folder and target.exists():
+        raise ValueError(f"{named}: must be {'a folder' if folder else 'a file, not a folder'}")
+    place = Path(os.path.realpath(target))
+    writable = target if is_special(target) else place if folder and place.is_dir() else place.parent
+    if not (writable.is_dir() or is_special(writable)) or not os.access(writable, os.W_OK):
+        raise ValueError(f"{named}: must be in an existing, writable folder")
+    return target
 
 
 @contextmanager

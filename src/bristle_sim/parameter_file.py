@@ -36,12 +36,12 @@ def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
     return {"": _declared(Tool), **{name: _declared(kinds[0]) for name, kinds in PARTS.items()}}
 
 
-def likely_key(key: str, keys: Iterable[str]) -> str:
-    """Return the advice to a misspelt key: the one that was likely meant, or all there are."""
+def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
+    """Return the advice to a misspelt word: the one that was likely meant, or else the one given, or all there are."""
     known = sorted(keys)
     likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
     likely = likely or [each for each in known if each.endswith(f"_{key}")]
-    return f"did you mean {likely[0]}?" if likely else f"must be one of {', '.join(known)}"
+    return f"did you mean {likely[0]}?" if likely else otherwise or f"must be one of {', '.join(known)}"
 
 
 def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:

@@ -16,6 +16,8 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.glossary import KEYS
+
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
 
@@ -162,15 +164,13 @@ class Choice:
         """List the words, for messages and listings."""
         return " | ".join(self.options)
 
-    def parse(self, text: str) -> str:
-        """Turn typed text into a checked word."""
-        return self.check(text)
-
     def check(self, value: Any) -> str:
         """Return the word, or raise ValueError naming key, value and the words it must be one of."""
         if not isinstance(value, str) or value not in self.options:
             raise ValueError(f"{self.key} = {shown(value)}: must be one of {self.allowed}")
         return str(value)
+
+    parse = check
 
 
 LONGEST_SHOWN = 100
@@ -190,7 +190,7 @@ def shown(value: Any) -> str:
 def quantity(
     default: float | None,
     key: str,
-    unit: str,
+    unit: str = "",
     *,
     above: float | None = None,
     at_least: float | None = None,
@@ -202,14 +202,16 @@ def quantity(
 ) -> Any:
     """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` includes it.
 
-    A default of None makes the parameter optional. ``meaning``, ``usual`` and ``needs`` are those of :class:`Range`.
+    A default of None makes the parameter optional. ``meaning``, ``usual`` and ``needs`` are those of :class:`Range`; unit
+    and meaning are the glossary's unless given.
     """
     if (above is None) == (at_least is None):
         raise ValueError(f"{key}: declare exactly one of above and at_least")
     lowest = above if above is not None else at_least
     assert lowest is not None
-    declared = Range(key, unit, lowest, at_most, at_least is not None, source, default is None, meaning, usual, needs)
-    return field(default=default, metadata={"declaration": declared})
+    known = KEYS.get(key, ("", ""))
+    words = (source, default is None, meaning or known[1], usual, needs)
+    return _declared(default, Range(key, unit or known[0], lowest, at_most, at_least is not None, *words))
 
 
 def count(
@@ -224,13 +226,17 @@ def count(
     needs: str = "",
 ) -> Any:
     """Declare a dataclass field that holds a whole number between two bounds, which it may have."""
-    declared = Range(key, "1", at_least, at_most, True, source, False, meaning, usual, needs, whole=True)
-    return field(default=default, metadata={"declaration": declared})
+    words = (source, False, meaning or KEYS.get(key, ("", ""))[1], usual, needs)
+    return _declared(default, Range(key, "1", at_least, at_most, True, *words, whole=True))
 
 
 def choice(default: str, key: str, options: tuple[str, ...], *, source: str, meaning: str = "") -> Any:
     """Declare a dataclass field that holds one word out of a few."""
-    return field(default=default, metadata={"declaration": Choice(key, options, source, meaning=meaning)})
+    return _declared(default, Choice(key, options, source, meaning=meaning or KEYS.get(key, ("", ""))[1]))
+
+
+def _declared(default: Any, declared: Range | Choice) -> Any:
+    return field(default=default, metadata={"declaration": declared})
 
 
 def declaration(owner: Any, name: str) -> Range | Choice:

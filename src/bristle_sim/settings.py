@@ -29,33 +29,17 @@ class Settings:
     accuracy: float = quantity(
         1e-6,
         "accuracy",
-        "1",
         at_least=1e-11,
         at_most=0.1,
         source="chosen; less than 1e-11 is more than double precision gives",
-        meaning="relative accuracy requested of the simulation",
         usual=ANY,
     )
     step: float | None = quantity(
-        None,
-        "step",
-        "s",
-        at_least=1e-12,
-        at_most=1.0,
-        source="off: the step follows from accuracy",
-        meaning="fixed engine step; none: chosen for the accuracy",
-        usual=ANY,
+        None, "step", at_least=1e-12, at_most=1.0, source="off: the step follows from accuracy", usual=ANY
     )
     maximum_steps: int = MAXIMUM_STEPS
     hub_turn: float = quantity(
-        4.71238898038469,
-        "hub_turn",
-        "rad",
-        at_least=1e-12,
-        at_most=1e6,
-        source="three quarters of a turn",
-        meaning="turn of the hub after which the pass ends",
-        usual=ANY,
+        4.71238898038469, "hub_turn", at_least=1e-12, at_most=1e6, source="three quarters of a turn", usual=ANY
     )
     samples_per_period: int = 24
 

@@ -7,8 +7,9 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
+from bristle_sim.render.colours import BLUE, ORANGE
 from bristle_sim.render.cost_figure import LEAST, OTHERS, WIDTH, best_methods, cost_figure, verdict
-from bristle_sim.render.style import BLUE, ORANGE, save_figure
+from bristle_sim.render.style import save_figure
 
 
 @dataclass

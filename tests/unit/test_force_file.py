@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bristle_sim.force_file.layout import unit_of, without_unit
+from bristle_sim.force_file.layout import split_unit
 from bristle_sim.force_file.read import read_force_csv
 
 TIME = np.array([-2e-5, -1e-5, 0.0, 1e-5, 2e-5, 3e-5])
@@ -203,4 +203,4 @@ def test_missing_and_binary_files_are_refused(tmp_path):
     ],
 )
 def test_units_in_headings(heading, name, unit):
-    assert (without_unit(heading), unit_of(heading)) == (name, unit)
+    assert split_unit(heading) == (name, unit)

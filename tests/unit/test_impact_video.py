@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.render.contact_motion import ContactMotion, contact_motion
-from bristle_sim.render.impact_drawings import ChainDrawing
+from bristle_sim.render.impact_drawings import draw_chain
 from bristle_sim.render.impact_video import ImpactScene, impact_video
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
@@ -47,7 +47,7 @@ def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
     struck = strike_chain(chain, Surface(), Contact(), Settings())
     np.testing.assert_allclose(struck.centre_line, [(0.0, 0.0), (0.0, -2.0), (-1.0, -2.0)], atol=1e-15)
     axes = Figure().add_axes((0.0, 0.0, 1.0, 1.0))
-    ChainDrawing(axes, struck.centre_line, 0.0, 1.0)
+    draw_chain(axes, struck.centre_line, 0.0)
     np.testing.assert_allclose(line(axes, "rods").get_xydata(), [(1.0, 2.0), (1.0, 0.0), (0.0, 0.0)], atol=1e-15)
 
 
@@ -93,9 +93,9 @@ def test_film_shows_the_motion(pendulum: Impacts, pendulum_motion: ContactMotion
     film_time = float(scene.warp.film_time(stop))
     scene.show(film_time)
     assert scene.caption.get_text() == "slip stops"
-    for marker, name, factor in scene.panels.markers:
+    for marker, name, factor in scene.markers:
         (x,), (y,) = (np.asarray(values) for values in marker.get_data())
-        instant = x / scene.panels.clock.factor
+        instant = x / scene.clock.factor
         assert instant == pytest.approx(stop, rel=1e-3)  # the warp is linear between 4001 nodes
         expected = pendulum_motion.at(name, instant) * factor
         assert y == pytest.approx(expected, abs=1e-9 * max(1.0, abs(expected)))

@@ -18,6 +18,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 RANKS = {
     "arrays": -1,
+    "glossary": -1,
     "quantity": 0,
     "files": 0,
     "force_file": 1,

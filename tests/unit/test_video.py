@@ -111,7 +111,7 @@ def test_a_failing_encoder_is_reported_and_leaves_no_file(tmp_path, monkeypatch)
     ("name", "size", "fps", "words"),
     [
         ("a.avi", (32, 24), 10.0, "ends in .gif, .mp4"),
-        ("none/a.gif", (32, 24), 10.0, "does not exist"),
+        ("none/a.gif", (32, 24), 10.0, "existing, writable folder"),
         ("a.mp4", (33, 24), 10.0, "even numbers"),
         ("a.gif", (8, 24), 10.0, "16 to 8192"),
         ("a.gif", (32, 24), 60.0, "fps <= 50"),

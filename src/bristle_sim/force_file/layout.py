@@ -7,6 +7,7 @@ in the same columns, and least besides, is the file's.
 from __future__ import annotations
 
 import csv
+import math
 import re
 from collections import Counter
 from dataclasses import dataclass
@@ -48,23 +49,15 @@ class Layout:
     columns: tuple[int, ...]
     first: int
 
-    def cells(self, line: str) -> list[str]:
-        """Return a line's cells, without blanks and quotes around them."""
-        return _cells(line, self.separator)
-
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column of numbers: its place from 0, heading, and unit (empty where none is given)."""
+    """A column of numbers: its place from 0, heading, heading without unit, and unit (empty where none is given)."""
 
     place: int
     heading: str
+    name: str
     unit: str
-
-    @property
-    def name(self) -> str:
-        """Return the heading without its unit."""
-        return without_unit(self.heading)
 
     def __str__(self) -> str:
         return f"{self.place + 1} ({self.heading})" if self.heading else str(self.place + 1)
@@ -82,35 +75,40 @@ def find_layout(path: str | Path, lines: list[str]) -> Layout:
     lines_of_numbers, _, columns, separator, decimal = max(scored, key=lambda each: each[:2])
     if not lines_of_numbers:
         raise ValueError(f"{path}: no line with two numbers; there must be columns of time and force")
-    first = next(i for i, line in enumerate(lines) if is_data(line) and _holds(line, separator, decimal, columns))
+    rows = ((number, cells_of(line, separator)) for number, line in enumerate(lines) if is_data(line))
+    first = next(number for number, row in rows if _holds(row, decimal, columns))
     return Layout(separator, decimal, columns, first)
+
+
+def _holds(row: list[str], decimal: str, columns: tuple[int, ...]) -> bool:
+    return len(row) > columns[-1] and all(number_in(row[i], decimal) is not None for i in columns)
 
 
 def _columns_of_numbers(sample: list[str], separator: str | None, decimal: str) -> tuple[int, int, tuple[int, ...]]:
     """Return the number of lines with numbers in the same columns, minus that of their words, and the columns."""
-    rows = [_cells(line, separator) for line in sample]
-    places = [tuple(i for i, cell in enumerate(row) if is_number(cell, decimal)) for row in rows]
+    rows = [cells_of(line, separator) for line in sample]
+    places = [tuple(i for i, cell in enumerate(row) if number_in(cell, decimal) is not None) for row in rows]
     counted = Counter(each for each in places if len(each) >= 2)
     count, _, columns = max(((count, -len(each), each) for each, count in counted.items()), default=(0, 0, ()))
     filled = sum(len([cell for cell in row if cell]) for row, each in zip(rows, places, strict=True) if each == columns)
     return count, count * len(columns) - filled, columns
 
 
-def _holds(line: str, separator: str | None, decimal: str, columns: tuple[int, ...]) -> bool:
-    row = _cells(line, separator)
-    return len(row) > columns[-1] and all(is_number(row[i], decimal) for i in columns)
-
-
 def columns_of(layout: Layout, lines: list[str]) -> list[Column]:
-    """Return the columns of numbers with headings and units."""
+    """Return the columns of numbers with headings and units: those of the heading, a row of units, or settings."""
     above = [line.lstrip(" \t#") for line in lines[: layout.first]]
     names, units = _headings(layout, [line for line in above if line.strip()])
-    settings = _settings(layout, lines[: layout.first + SAMPLED_LINES])
+    settings: dict[str, str] = {}  # units from rows of settings, above the numbers or beside them
+    for row in (cells_of(line, layout.separator) for line in lines[: layout.first + SAMPLED_LINES]):
+        for kind, pattern in UNIT_ROWS.items():
+            if len(row) > 1 and pattern.match(row[0]):
+                unit = next((cell for cell in row[1:] if cell), "")
+                settings.setdefault(kind, split_unit(unit)[1] or unit)
     found = []
     for i in layout.columns:
-        heading, unit = names.get(i, ""), units.get(i, "") or unit_of(names.get(i, ""))
-        kind = "time" if i == layout.columns[0] else "force"
-        found.append(Column(i, heading, unit or settings.get(kind, "")))
+        heading, kind = names.get(i, ""), "time" if i == layout.columns[0] else "force"
+        name, unit = split_unit(heading)
+        found.append(Column(i, heading, name, units.get(i, "") or unit or settings.get(kind, "")))
     return found
 
 
@@ -119,7 +117,7 @@ def _headings(layout: Layout, above: list[str]) -> tuple[dict[int, str], dict[in
     rows = []
     for line in reversed(above[-2:]):
         joined = re.sub(r"\s+(?=[\[(])", "", line) if layout.separator is None else line
-        row = layout.cells(joined)
+        row = cells_of(joined, layout.separator)
         if len(row) <= layout.columns[-1] or not all(row[i] for i in layout.columns):
             break
         if any(pattern.match(row[0]) for pattern in UNIT_ROWS.values()):
@@ -127,21 +125,10 @@ def _headings(layout: Layout, above: list[str]) -> tuple[dict[int, str], dict[in
         rows.append({i: row[i] for i in layout.columns})
     if not rows:
         return {}, {}
-    if all(unit_of(cell) and not without_unit(cell) for cell in rows[0].values()):
-        return (rows[1] if len(rows) > 1 else {}), {i: unit_of(cell) for i, cell in rows[0].items()}
+    split = {i: split_unit(cell) for i, cell in rows[0].items()}
+    if all(unit and not name for name, unit in split.values()):
+        return (rows[1] if len(rows) > 1 else {}), {i: unit for i, (_, unit) in split.items()}
     return rows[0], {}
-
-
-def _settings(layout: Layout, lines: list[str]) -> dict[str, str]:
-    """Return the units of time and force from rows of settings, above the numbers or beside them."""
-    found: dict[str, str] = {}
-    for line in lines:
-        row = layout.cells(line)
-        for kind, pattern in UNIT_ROWS.items():
-            if len(row) > 1 and pattern.match(row[0]):
-                unit = next((cell for cell in row[1:] if cell), "")
-                found.setdefault(kind, unit_of(unit) or unit)
-    return found
 
 
 def is_data(line: str) -> bool:
@@ -149,40 +136,34 @@ def is_data(line: str) -> bool:
     return bool(line.strip()) and not line.lstrip().startswith("#")
 
 
-def _cells(line: str, separator: str | None) -> list[str]:
+def cells_of(line: str, separator: str | None) -> list[str]:
+    """Return a line's cells, without blanks and quotes around them."""
     if separator is None:
         return line.split()
     row = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
     return [cell.strip() for cell in row]
 
 
-def is_number(cell: str, decimal: str) -> bool:
-    """Tell whether the cell is meant as one, infinite or not."""
+def number_in(cell: str, decimal: str) -> float | None:
+    """Return the number that a cell is meant as, infinite or not; None if it is none."""
+    if cell.lstrip("+-") == "∞":
+        return math.inf
     try:
-        float(cell if decimal == "." else "x" if "." in cell else cell.replace(",", "."))
+        return (
+            None if "_" in cell else float(cell if decimal == "." else "x" if "." in cell else cell.replace(",", "."))
+        )
     except ValueError:
-        return cell.lstrip("+-") == "∞"
-    return "_" not in cell
+        return None
 
 
-def unit_of(heading: str) -> str:
-    """Return the unit of the tables above; as written if it is unknown but in brackets, empty if there is none."""
-    bracketed = BRACKETED.search(heading)
+def split_unit(heading: str) -> tuple[str, str]:
+    """Return a heading without its unit, and the unit: one of the tables above, or as written in brackets; empty if none."""
+    bracketed, last = BRACKETED.search(heading), LAST.search(heading)
     if bracketed is not None:
-        return _known(bracketed[1]) or bracketed[1]
-    last = LAST.search(heading)
-    return "" if last is None else _known(last[1])
-
-
-def without_unit(heading: str) -> str:
-    """Return the heading before its unit."""
-    bracketed = BRACKETED.search(heading)
-    if bracketed is not None:
-        return heading[: bracketed.start()].strip()
-    last = LAST.search(heading)
+        return heading[: bracketed.start()].strip(), _known(bracketed[1]) or bracketed[1]
     if last is None or not _known(last[1]):
-        return heading.strip()
-    return re.sub(r"[\s_/,]+(in)?$", "", heading[: last.start()]).strip()
+        return heading.strip(), ""
+    return re.sub(r"[\s_/,]+(in)?$", "", heading[: last.start()]).strip(), _known(last[1])
 
 
 def _known(word: str) -> str:

@@ -13,17 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.force_file.layout import (
-    FORCE,
-    TIME,
-    VOLTAGE,
-    Column,
-    Layout,
-    columns_of,
-    find_layout,
-    is_data,
-    is_number,
-)
+from bristle_sim.force_file import layout as layouts
+from bristle_sim.force_file.layout import FORCE, TIME, VOLTAGE, Column, Layout
 
 FEWEST_POINTS = 4
 """A file with fewer points than this determines no curve: one term has three unknowns."""
@@ -61,11 +52,13 @@ def read_force_csv(
         ValueError: in one line that names the file, and the line where there is one, for anything else.
     """
     lines = _lines(path)
-    layout = find_layout(path, lines)
-    columns = columns_of(layout, lines)
+    layout = layouts.find_layout(path, lines)
+    columns = layouts.columns_of(layout, lines)
     time = _chosen(path, "time", time_column, columns)
     force = _chosen(path, "force", force_column, [each for each in columns if each is not time])
-    rows = [(number, line) for number, line in enumerate(lines[layout.first :], layout.first + 1) if is_data(line)]
+    rows = [
+        (number, line) for number, line in enumerate(lines[layout.first :], layout.first + 1) if layouts.is_data(line)
+    ]
     if len(rows) < FEWEST_POINTS:
         raise ValueError(f"{path}: {len(rows)} points; there must be at least {FEWEST_POINTS}")
     values = _numbers(path, layout, rows, (time.place, force.place))
@@ -126,19 +119,13 @@ def _numbers(path: str | Path, layout: Layout, rows: list[tuple[int, str]], plac
     if np.isfinite(values).all():
         return np.asarray(values.T)
     for number, line in rows:
-        row = layout.cells(line)
+        row = layouts.cells_of(line, layout.separator)
         for i in places:
             cell = row[i] if i < len(row) else ""
-            if not (is_number(cell, layout.decimal) and np.isfinite(_finite(cell))):
+            value = layouts.number_in(cell, layout.decimal)
+            if value is None or not np.isfinite(value):
                 raise ValueError(f"{path}, line {number}: {cell!r} in column {i + 1}: must be a finite number")
     raise ValueError(f"{path}: must be columns of finite numbers")
-
-
-def _finite(cell: str) -> float:
-    try:
-        return float(cell.replace(",", "."))
-    except ValueError:
-        return np.nan
 
 
 def _increasing(path: str | Path, rows: list[tuple[int, str]], time: Array) -> Array:

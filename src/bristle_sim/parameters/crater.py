@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.glossary import KEYS
 from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
-from bristle_sim.quantity import ANY, Declared, Range, count, quantity, shown
+from bristle_sim.quantity import ANY, Choice, Declared, count, quantity, shown, validate
 
 
 @dataclass(frozen=True, slots=True)
-class Text:
-    """A declared text, such as the name of a file or a column; None where there is none."""
+class Text(Choice):
+    """A declared text: the name of a file, or the heading or number of one of its columns; None where there is none."""
 
-    key: str
-    source: str
-    unit: str
-    allowed: str
-    holds: Callable[[str], bool]
-    optional: bool = True
-    meaning: str = ""
-    needs: str = ""
-
-    def parse(self, text: str) -> str:
-        """Take typed text; raises ValueError in one line."""
-        return self.check(text)
+    @property
+    def allowed(self) -> str:
+        """Say what the text must be, for messages and listings."""
+        return "a readable file" if self.unit == "file" else "the heading of a column, or its number from 1 on"
 
     def check(self, value: Any) -> str:
         """Return the text, or raise ValueError with key, value and what it must be."""
-        if not isinstance(value, str) or not self.holds(value):
+        if not isinstance(value, str) or not (_is_file(value) if self.unit == "file" else value.strip()):
             raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
         return str(value)
+
+    parse = check
 
 
 def _is_file(name: str) -> bool:
@@ -42,65 +36,29 @@ def _is_file(name: str) -> bool:
         return False
 
 
-def _is_name(name: str) -> bool:
-    return bool(name.strip())
-
-
-_HEADING = "the heading of a column, or its number from 1 on"
-
-_FORCE_CSV = Text(
-    "force_csv",
-    "none: the measured points are not in print",
-    "file",
-    "a readable file",
-    _is_file,
-    meaning="measured force history: columns of time and force as an oscilloscope exports them",
-)
-_TIME_COLUMN = Text(
-    "time_column",
-    "the one that the file marks as time, else the first",
-    "column",
-    _HEADING,
-    _is_name,
-    meaning="column of the time in the file",
-)
-_FORCE_COLUMN = Text(
-    "force_column",
-    "the one that the file marks as force, or the only other one",
-    "column",
-    _HEADING,
-    _is_name,
-    meaning="column of the force in the file",
-)
-_FORCE_PER_VOLT = Range(
-    "force_per_volt",
-    "N/V",
-    -1e12,
-    1e12,
-    True,
-    "none: the file holds a force, not a voltage",
-    optional=True,
-    meaning="calibration of a force that was recorded as a voltage",
-)
+def _text(key: str, source: str) -> Any:
+    unit, meaning = KEYS[key]
+    declared = Text(key, (), source, unit, optional=True, meaning=meaning)
+    return field(default=None, metadata={"declaration": declared})
 
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
     """A measured force history that takes the place of the published curve."""
 
-    force_csv: str | None = field(default=None, metadata={"declaration": _FORCE_CSV})
-    time_column: str | None = field(default=None, metadata={"declaration": _TIME_COLUMN})
-    force_column: str | None = field(default=None, metadata={"declaration": _FORCE_COLUMN})
-    force_per_volt: float | None = field(default=None, metadata={"declaration": _FORCE_PER_VOLT})
+    force_csv: str | None = _text("force_csv", "none: the measured points are not in print")
+    time_column: str | None = _text("time_column", "the one that the file marks as time, else the first")
+    force_column: str | None = _text("force_column", "the one that the file marks as force, or the only other one")
+    force_per_volt: float | None = quantity(
+        None, "force_per_volt", at_least=-1e12, at_most=1e12, source="none: the file holds a force, not a voltage"
+    )
 
     def __post_init__(self) -> None:
-        for declared in (_FORCE_CSV, _TIME_COLUMN, _FORCE_COLUMN, _FORCE_PER_VOLT):
-            value = getattr(self, declared.key)
-            if value is None:
-                continue
-            declared.check(value)
-            if self.force_csv is None:
-                raise ValueError(f"{declared.key} = {shown(value)}: must be given with force_csv, which it describes")
+        validate(self)
+        for key in ("time_column", "force_column", "force_per_volt"):
+            value = getattr(self, key)
+            if value is not None and self.force_csv is None:
+                raise ValueError(f"{key} = {shown(value)}: must be given with force_csv, which it describes")
         if self.force_per_volt == 0.0:
             raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
 
@@ -116,7 +74,6 @@ class ForceHistory(Declared):
     speed_ratio: float | None = quantity(
         None,
         "speed_ratio",
-        "1",
         above=0.0,
         at_most=1e6,
         source="the one that gives the curve's compressive impulse",
@@ -126,29 +83,14 @@ class ForceHistory(Declared):
     compression_time: float | None = quantity(
         None,
         "compression_time",
-        "s",
         at_least=1e-9,
         at_most=1.0,
         source="the curve's: Zhang 2020, eq. 3.20, 5e-5",
         meaning="time from first touch to the highest force; none: the curve's",
     )
-    points: int = count(
-        101,
-        "points",
-        at_least=10,
-        at_most=100_000,
-        source="chosen: on which the fit is tried",
-        meaning="number of points of the curve on which the fit is tried",
-    )
+    points: int = count(101, "points", at_least=10, at_most=100_000, source="chosen: on which the fit is tried")
     noise: float = quantity(
-        1.0,
-        "noise",
-        "N",
-        at_least=0.0,
-        at_most=1e6,
-        source="chosen: standard deviation of a noisy point",
-        meaning="standard deviation of the noise added to the points",
-        usual=ANY,
+        1.0, "noise", at_least=0.0, at_most=1e6, source="chosen: standard deviation of a noisy point", usual=ANY
     )
 
 
@@ -161,35 +103,21 @@ class Crater(Declared):
     friction: float = quantity(
         0.5,
         "friction",
-        "1",
         at_least=1e-6,
         at_most=1e9,
         source="Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
         meaning="coefficient of friction between tip and workpart while it cuts",
     )
     shear_yield_stress: float = quantity(
-        1.2e8,
-        "shear_yield_stress",
-        "Pa",
-        at_least=1.0,
-        at_most=1e15,
-        source="Zhang 2020, eq. 4.53: steel API 5L",
-        meaning="shear yield stress of the workpart's steel",
+        1.2e8, "shear_yield_stress", at_least=1.0, at_most=1e15, source="Zhang 2020, eq. 4.53: steel API 5L"
     )
     plies: int = count(
-        300,
-        "plies",
-        at_least=1,
-        at_most=100_000,
-        source="Zhang 2020, below fig. 4.13: n, of equal time",
-        meaning="number of layers into which the cut is divided",
+        300, "plies", at_least=1, at_most=100_000, source="Zhang 2020, below fig. 4.13: n, of equal time"
     )
     compression_time: float = quantity(
         5e-5,
         "compression_time",
-        "s",
         at_least=1e-8,
         at_most=1e-4,
         source="Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
-        meaning="time from first touch to deepest penetration, t_c",
     )

@@ -25,47 +25,19 @@ class Bar(Declared):
     radius: float = quantity(
         _bar_radius(),
         "bar_radius",
-        "m",
         above=0.0,
         at_most=1e3,
         source="from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg",
-        meaning="radius of the accelerator bar",
     )
     horizontal: float = quantity(
-        0.05037,
-        "bar_horizontal",
-        "m",
-        at_least=0.0,
-        at_most=1e3,
-        source="Zhang 2020, eq. 2.3: S_H",
-        meaning="distance of the bar's centre from the hub's, along the workpart, on the incoming side",
+        0.05037, "bar_horizontal", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.3: S_H"
     )
-    vertical: float = quantity(
-        0.0225,
-        "bar_vertical",
-        "m",
-        at_least=-1e3,
-        at_most=1e3,
-        source="Zhang 2020, eq. 2.3: S_V",
-        meaning="distance of the bar's centre below the hub's",
-    )
+    vertical: float = quantity(0.0225, "bar_vertical", at_least=-1e3, at_most=1e3, source="Zhang 2020, eq. 2.3: S_V")
     friction: float = quantity(
-        0.0,
-        "bar_friction",
-        "1",
-        at_least=0.0,
-        at_most=1e6,
-        source="frictionless as in Zhang 2020, sec. 2.2",
-        meaning="coefficient of friction between wire and bar",
+        0.0, "bar_friction", at_least=0.0, at_most=1e6, source="frictionless as in Zhang 2020, sec. 2.2"
     )
     restitution: float = quantity(
-        0.0,
-        "bar_restitution",
-        "1",
-        at_least=0.0,
-        at_most=1.0,
-        source="assumed: the bar does not throw the wire back",
-        meaning="energetic coefficient of restitution between wire and bar",
+        0.0, "bar_restitution", at_least=0.0, at_most=1.0, source="assumed: the bar does not throw the wire back"
     )
 
     @property
@@ -79,31 +51,17 @@ class Surface(Declared):
     """How a tip rubs and rebounds on a flat, rigid surface."""
 
     friction: float = quantity(
-        0.31,
-        "friction",
-        "1",
-        at_least=0.0,
-        at_most=1e9,
-        source="Zhang 2020, caption of fig. 2.8: mu_1",
-        meaning="coefficient of friction between tip and workpart during compression, mu_1",
+        0.31, "friction", at_least=0.0, at_most=1e9, source="Zhang 2020, caption of fig. 2.8: mu_1"
     )
     restitution_friction: float | None = quantity(
-        None,
-        "restitution_friction",
-        "1",
-        at_least=0.0,
-        at_most=1e9,
-        source="Zhang 2020, case II: equal to friction",
-        meaning="coefficient of friction during restitution, mu_2; none: equal to friction",
+        None, "restitution_friction", at_least=0.0, at_most=1e9, source="Zhang 2020, case II: equal to friction"
     )
     restitution: float = quantity(
         0.42,
         "restitution",
-        "1",
         at_least=0.0,
         at_most=1.0,
         source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*",
-        meaning="energetic coefficient of restitution between tip and workpart, e*",
     )
 
     @property
@@ -119,15 +77,10 @@ class Workpart(Surface):
     penetration: float = quantity(
         0.0045,
         "penetration",
-        "m",
         at_least=-1e3,
         at_most=1e3,
         source="Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
-        meaning="depth by which the workpart cuts into the circle of undeflected tips, Delta",
     )
-
-    def __post_init__(self) -> None:
-        validate(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,20 +88,14 @@ class Contact:
     """How a contact is resolved: by the energetic impact law, in time as a compliance, or by the engine's own."""
 
     law: str = choice(
-        "energetic",
-        "contact",
-        ("energetic", "compliant", "engine"),
-        source="Stronge 1990: energetic restitution",
-        meaning="law of impact: by energy, resolved in time on a spring, or the engine's own",
+        "energetic", "contact", ("energetic", "compliant", "engine"), source="Stronge 1990: energetic restitution"
     )
     duration: float | None = quantity(
         None,
         "contact_duration",
-        "s",
         at_least=1e-18,
         at_most=1.0,
         source="compliant law: time in touch; by default short enough for the rigid-body limit",
-        meaning="time that a contact resolved in time lasts; none: short enough for the rigid-body limit",
         needs="contact = compliant",
     )
 

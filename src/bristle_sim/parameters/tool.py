@@ -12,30 +12,18 @@ from bristle_sim.quantity import Declared, quantity, shown, validate
 PRINTED_BELT_STIFFNESS = 0.00041
 """Belt stiffness as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree."""
 
+USUAL_HUB_SPEEDS = (1.0, 1500.0)
+"""10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger."""
+
 
 @dataclass(frozen=True, slots=True)
 class Hub(Declared):
     """Rotating hub that keeps its speed."""
 
     speed: float = quantity(
-        261.8,
-        "hub_speed",
-        "rad/s",
-        at_least=0.0,
-        at_most=1e6,
-        source="Zhang 2020, eq. 2.2",
-        meaning="speed of the hub's rotation",
-        usual=(1.0, 1500.0),  # 10 to 14 000 rpm: a speed typed in rpm without saying so is larger
+        261.8, "hub_speed", at_least=0.0, at_most=1e6, source="Zhang 2020, eq. 2.2", usual=USUAL_HUB_SPEEDS
     )
-    radius: float = quantity(
-        0.0275,
-        "hub_radius",
-        "m",
-        at_least=0.0,
-        at_most=1e3,
-        source="Zhang 2020, eq. 2.2: root circle",
-        meaning="distance of the bristle's root from the hub's centre",
-    )
+    radius: float = quantity(0.0275, "hub_radius", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.2: root circle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,20 +33,12 @@ class Belt(Declared):
     stiffness: float = quantity(
         math.degrees(PRINTED_BELT_STIFFNESS),
         "belt_stiffness",
-        "N m/rad",
         at_least=0.0,
         at_most=1e9,
         source="Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
-        meaning="torsional stiffness of the belt at the bristle's root",
     )
     damping_ratio: float = quantity(
-        0.0,
-        "belt_damping_ratio",
-        "1",
-        at_least=0.0,
-        at_most=1e3,
-        source="undamped as in Zhang 2020",
-        meaning="damping ratio of the bristle on its belt; 1 is critical",
+        0.0, "belt_damping_ratio", at_least=0.0, at_most=1e3, source="undamped as in Zhang 2020"
     )
 
 
@@ -77,13 +57,7 @@ class Tool:
     workpart: Workpart | None = field(default_factory=Workpart)
     contact: Contact = field(default_factory=Contact)
     gravity: float = quantity(
-        0.0,
-        "gravity",
-        "m/s^2",
-        at_least=0.0,
-        at_most=1e6,
-        source="off: 1e-4 of the centrifugal acceleration",
-        meaning="acceleration of gravity, towards the workpart",
+        0.0, "gravity", at_least=0.0, at_most=1e6, source="off: 1e-4 of the centrifugal acceleration"
     )
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from bristle_sim.arrays import Array
-from bristle_sim.render.story import Phase
+from bristle_sim.render.story import OUTCOMES, Phase
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 POINTS = 1500
@@ -24,13 +24,9 @@ BRIEF = 1e-3
 RESTING = 1e-6
 """A tip slower than this fraction of its speed on arrival does not slip."""
 
+_COLUMNS = ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force", "penetration")
 _MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
-_ENDINGS = {
-    "rebound": "rebound",
-    "stiction": "stiction: the tip stays",
-    "jam": "jam: the tip stays",
-    "no rebound": "no rebound",
-}
+_ENDINGS = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +40,6 @@ class ContactMotion:
         depth, along: way of the tip below the surface and along it since the first touch, m.
         phases: what happens from when on, e.g. ``compression slip``; the first is ``arrival``.
         touch_end: when the contact ends, s.
-        outcome: of the contact.
     """
 
     time: Array
@@ -56,7 +51,6 @@ class ContactMotion:
     along: Array
     phases: tuple[Phase, ...]
     touch_end: float
-    outcome: str
 
     @property
     def fastest(self) -> float:
@@ -89,20 +83,19 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     history = record.history
     if history is None or history.time.size < 2:
         raise ValueError(f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show")
-    clock = history.time - history.time[0]
-    columns = np.stack([getattr(history, name) for name in _COLUMNS])
-    parts = [_filled(clock[part], columns[:, part], clock[-1]) for part in intervals(history)]
-    touching, touched = (np.concatenate(each, axis=-1) for each in zip(*parts, strict=True))
-    time, values = _with_free_motion(touching, touched, record)
+    clock, columns = history.time - history.time[0], np.stack([getattr(history, name) for name in _COLUMNS])
+    instants, filled = [], []
+    for part in intervals(history):
+        count = max(2, round(POINTS * np.ptp(clock[part]) / clock[-1]))
+        instants.append(np.linspace(clock[part][0], clock[part][-1], count))
+        filled.append(PchipInterpolator(clock[part], columns[:, part], axis=-1)(instants[-1]))
+    time, values = _with_free_motion(np.concatenate(instants), np.concatenate(filled, axis=-1), record.outcome)
     normal_velocity, tangential_velocity, normal_force, tangential_force, depth = values
     steps = 0.5 * (tangential_velocity[1:] + tangential_velocity[:-1]) * np.diff(time)
     along = np.concatenate([[0.0], np.cumsum(steps)])
-    along -= np.interp(0.0, time, along)
-    moving = (normal_velocity, tangential_velocity, normal_force, tangential_force, depth, along)
-    return ContactMotion(time, *moving, _phases(history, record.outcome), float(clock[-1]), record.outcome)
-
-
-_COLUMNS = ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force", "penetration")
+    moving = (normal_velocity, tangential_velocity, normal_force, tangential_force, depth)
+    phases = _phases(history, record.outcome)
+    return ContactMotion(time, *moving, along - np.interp(0.0, time, along), phases, float(clock[-1]))
 
 
 def intervals(history: ContactHistory) -> list[slice]:
@@ -117,19 +110,13 @@ def caption(phase: str) -> str:
     return f"{half}: {_MOTIONS[motion]}" if motion in _MOTIONS else phase
 
 
-def _filled(time: Array, values: Array, whole: float) -> tuple[Array, Array]:
-    """Return a smooth interval at closely spaced instants."""
-    instants = np.linspace(time[0], time[-1], max(2, round(POINTS * (time[-1] - time[0]) / whole)))
-    return instants, PchipInterpolator(time, values, axis=-1)(instants)
-
-
-def _with_free_motion(time: Array, values: Array, record: ContactRecord) -> tuple[Array, Array]:
+def _with_free_motion(time: Array, values: Array, outcome: str) -> tuple[Array, Array]:
     """Add steady velocities before and after; a tip that does not leave stays pressed on as it is."""
     before, after = np.array([-BEFORE, 0.0]) * time[-1], np.array([1.0, 1.0 + AFTER]) * time[-1]
     arriving, going = np.repeat(values[:, :1], 2, axis=1), np.repeat(values[:, -1:], 2, axis=1)
     arriving[2:4] = 0.0
     arriving[4] = -arriving[0] * before
-    if record.outcome == "rebound":
+    if outcome == "rebound":
         going[2:4] = 0.0
         going[4] -= going[0] * (after - time[-1])
     else:
@@ -142,16 +129,14 @@ def _phases(history: ContactHistory, outcome: str) -> tuple[Phase, ...]:
     start, whole = float(history.time[0]), float(np.ptp(history.time))
     phases = [Phase(-BEFORE * whole, "the tip arrives")]
     for part in intervals(history):
-        instants = history.time[part]
-        name = _phase(history, part)
-        if np.ptp(instants) > BRIEF * whole and name != phases[-1].caption:
-            phases.append(Phase(float(instants[0]) - start, name))
+        name = _phase(history, (part.start + part.stop) // 2)
+        if np.ptp(history.time[part]) > BRIEF * whole and name != phases[-1].caption:
+            phases.append(Phase(float(history.time[part.start]) - start, name))
     return (*phases, Phase(whole, _ENDINGS.get(outcome, outcome)))
 
 
-def _phase(history: ContactHistory, part: slice) -> str:
-    """Return compression or restitution, and slip, reverse slip or stick, from the middle of an interval."""
-    middle = (part.start + part.stop) // 2
+def _phase(history: ContactHistory, middle: int) -> str:
+    """Return compression or restitution, and slip, reverse slip or stick, from the sample in the middle of an interval."""
     half = "compression" if history.normal_velocity[middle] < 0.0 else "restitution"
     arrival = float(history.tangential_velocity[0])
     fastest = float(np.hypot(history.normal_velocity[0], arrival))

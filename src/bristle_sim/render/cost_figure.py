@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -14,25 +14,16 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE
 from bristle_sim.render.panels import note
-from bristle_sim.render.style import BLACK, BLUE, GREEN, GREY, ORANGE, axes_at, blank_figure, styled
+from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, styled
 
 WIDTH = 16.0
 """Printed width of the page's text, cm."""
 
-PANEL_WIDTH, PANEL_HEIGHT = 6.3, 5.6
-LEFT, COLUMN = 1.45, 8.2
-HEAD = 1.35
-"""Height of a panel's title and verdict, cm."""
-
-LINE = 0.31
-"""Height of a line of a legend or a note, cm."""
-
-NOTE = 62
-"""Characters in a line of a note."""
-
-COLUMNS = 2
-"""Columns of a panel's legend."""
+PANEL = (6.3, 5.6)
+HEAD, FOOT, LINE = 1.35, 1.45, 0.31
+"""Size of a panel, heights of its title and verdict, of its scale, and of a line of its legend or notes, cm."""
 
 COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN}
 MARKERS = "osD^vPX*"
@@ -45,9 +36,8 @@ TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
 LEAST = 1e-16
 """An error of less is drawn here: an answer that is right to the last digit has no logarithm."""
 
-MILLISECONDS = 1e3
 
-
+@styled()
 def cost_figure(measured: AccuracyCost) -> Figure:
     """Draw every case of a study in two columns; points without a finite error are left out.
 
@@ -56,16 +46,15 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     """
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")
-    rows = [measured.cases[index : index + 2] for index in range(0, len(measured.cases), 2)]
-    heights = [max(_height(measured, case) for case in row) for row in rows]
-    with styled():
-        figure = blank_figure(WIDTH, sum(heights))
-        top = sum(heights)
-        for row, height in zip(rows, heights, strict=True):
-            for column, case in enumerate(row):
-                place = (LEFT + column * COLUMN, top - PANEL_HEIGHT - HEAD, PANEL_WIDTH, PANEL_HEIGHT)
-                _panel(axes_at(figure, *place), case, measured.of(case.name))
-            top -= height
+    below = {case.name: _named_and_notes(case, measured.of(case.name)) for case in measured.cases}
+    lines = [math.ceil(len(named) / 2) + len(notes) for named, notes in below.values()]
+    heights = [PANEL[1] + HEAD + FOOT + LINE * max(lines[row : row + 2]) for row in range(0, len(lines), 2)]
+    figure = blank_figure(WIDTH, sum(heights))
+    for number, case in enumerate(measured.cases):
+        row, column = divmod(number, 2)
+        top = sum(heights[row:])
+        axes = axes_at(figure, 1.45 + 8.2 * column, top - PANEL[1] - HEAD, *PANEL)
+        _panel(axes, case, measured.of(case.name), *below[case.name])
     return figure
 
 
@@ -87,8 +76,7 @@ def verdict(points: Sequence[Point]) -> str:
     for target in TARGETS:
         own, peer = cheapest(ours, target), cheapest(peers, target)
         if own is not None:
-            error = f"$10^{{{round(math.log10(target))}}}$"
-            said = f"to {error}: {own.method.partition(' ')[2]} {_shown(own)}"
+            said = f"to $10^{{{round(math.log10(target))}}}$: {own.method.partition(' ')[2]} {_shown(own)}"
             return f"{said}, {peer.method} {_shown(peer)}" if peer is not None else f"{said}, no peer gets there"
     return "none of our methods is within 1"
 
@@ -97,35 +85,26 @@ def _shown(point: Point) -> str:
     return f"{point.cpu_s * MILLISECONDS:.2g} ms"
 
 
-def _height(measured: AccuracyCost, case: Case) -> float:
-    """Return the height of a panel with its title, axis, legend and notes, cm."""
-    named, notes = _named_and_notes(case, measured.of(case.name))
-    return PANEL_HEIGHT + HEAD + 1.45 + LINE * (math.ceil(len(named) / COLUMNS) + len(notes))
-
-
-def _methods(points: Iterable[Point]) -> list[str]:
-    return list(dict.fromkeys(point.method for point in points if math.isfinite(point.error)))
-
-
 def _named_and_notes(case: Case, points: Sequence[Point]) -> tuple[list[str], list[str]]:
     """Return the methods that have a colour and a name, all of ours and the best of each peer, and the lines below."""
     best = best_methods(points).values()
-    named = [method for method in _methods(points) if package_of(method) == OURS or method in best]
+    methods = dict.fromkeys(point.method for point in points if math.isfinite(point.error))
+    named = [method for method in methods if package_of(method) == OURS or method in best]
     grey: dict[str, list[str]] = {}
-    for method in _methods(points):
+    for method in methods:
         if method not in named:
             package, _, name = method.partition(" ")
             grey.setdefault(package, []).append(name)
     words = "; ".join(f"{package} {', '.join(names)}" for package, names in grey.items())
-    return named, [*(textwrap.wrap(f"grey: {words}", NOTE) if grey else []), *case.notes]
+    return named, [*(textwrap.wrap(f"grey: {words}", 62) if grey else []), *case.notes]
 
 
-def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
-    named, notes = _named_and_notes(case, points)
-    for method in _methods(points):
-        drawn = [point for point in points if point.method == method and math.isfinite(point.error)]
-        errors = [max(point.error, LEAST) for point in drawn]
-        times = [point.cpu_s * MILLISECONDS for point in drawn]
+def _panel(axes: Axes, case: Case, points: Sequence[Point], named: Sequence[str], notes: Sequence[str]) -> None:
+    """Draw a case, the names of its methods and its notes below it."""
+    drawn = [point for point in points if math.isfinite(point.error)]
+    for method in dict.fromkeys(point.method for point in drawn):
+        times = [point.cpu_s * MILLISECONDS for point in drawn if point.method == method]
+        errors = [max(point.error, LEAST) for point in drawn if point.method == method]
         axes.loglog(times, errors, gid=method, **_look(method, named))
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
@@ -134,7 +113,12 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     note(axes, verdict(points), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", fontsize=6.5)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
-    _legend(axes, len(named), notes)
+    below = -1.05 / PANEL[1]
+    look: dict[str, Any] = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, below), ncols=2, borderaxespad=0.0, **look)
+    place = (-0.19, below - (LINE * math.ceil(len(named) / 2) + 0.12) / PANEL[1])
+    look = {"transform": axes.transAxes, "fontsize": 6.5, "va": "top", "linespacing": 1.35}
+    axes.text(*place, "\n".join(notes), color=GREY, **look)
 
 
 def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
@@ -143,26 +127,8 @@ def _look(method: str, named: Sequence[str]) -> dict[str, Any]:
         return {"color": OTHERS, "linewidth": 0.8, "marker": ".", "markersize": 2.0, "zorder": 1}
     package = package_of(method)
     place = [each for each in named if package_of(each) == package].index(method)
-    own = package == OURS
-    return {
-        "label": method,
-        "color": COLORS.get(package, BLACK),
-        "marker": MARKERS[place % len(MARKERS)],
-        "markersize": 3.6 if own else 3.2,
-        "markerfacecolor": COLORS.get(package, BLACK) if own else "white",
-        "markeredgewidth": 0.7,
-        "linewidth": 1.3 if own else 1.0,
-        "zorder": 3 if own else 2,
-    }
-
-
-def _legend(axes: Axes, named: int, notes: Sequence[str]) -> None:
-    """Write names and notes below the panel."""
-    below = -1.05 / PANEL_HEIGHT
-    look: dict[str, Any] = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}
-    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, below), ncols=COLUMNS, borderaxespad=0.0, **look)
-    lines = math.ceil(named / COLUMNS)
-    place = below - (LINE * lines + 0.12) / PANEL_HEIGHT
-    axes.text(
-        -0.19, place, "\n".join(notes), transform=axes.transAxes, fontsize=6.5, color=GREY, va="top", linespacing=1.35
-    )
+    color = COLORS.get(package, BLACK)
+    heavy = {"markersize": 3.6, "markerfacecolor": color, "linewidth": 1.3, "zorder": 3}
+    light = {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
+    marker = {"marker": MARKERS[place % len(MARKERS)], "markeredgewidth": 0.7}
+    return {"label": method, "color": color, **marker, **(heavy if package == OURS else light)}

@@ -12,20 +12,9 @@ from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
-from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    SERIES,
-    VERMILION,
-    axes_at,
-    blank_figure,
-    signed,
-    styled,
-)
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
+from bristle_sim.render.panels import add_panel, note
+from bristle_sim.render.style import blank_figure, signed, styled
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 from bristle_sim.studies.crater_sums import (
     IMPACT_ANGLES_DEG,
@@ -37,124 +26,84 @@ from bristle_sim.studies.crater_sums import (
 from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
 
-WIDTH, HEIGHT = 22.4, 15.6
-"""Printed size, cm."""
-
 MICRO = 1e6
-CURVE_PLIES = np.unique(np.geomspace(1, 1e5, 61).astype(int))
-POINT_PLIES = (1, 3, 10, 30, 100, 300, 1000, 10000, 100000)
+
 LEAN = math.radians(11.5)
 """Lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
 
 LOWEST, HIGHEST = 0.4, 4.0
 """Friction coefficients shown (Zhang 2020, fig. 4.14 goes from 0.45 to 4)."""
 
-TICKS = (0.5, 1.0, 2.0, 4.0)
-
-UPRIGHT = math.pi / 2.0 + LEAN
-OWN: dict[str, Any] = {
-    "marker": "*",
-    "color": ORANGE,
-    "markersize": 9,
-    "markeredgecolor": BLACK,
-    "markeredgewidth": 0.6,
-    "linestyle": "none",
-    "zorder": 4,
-}
+OWN: dict[str, Any] = {"marker": "*", "color": ORANGE, "markersize": 9, "markeredgecolor": BLACK, "linestyle": "none"}
 """Look of the study's own values."""
-
-STEEL = "#e3e6ea"
-DEPTHS = LinearSegmentedColormap.from_list("depths", ["#0b3c5d", "#4d8fbf", "#dfe3e7"])
 
 
 @styled()
 def crater_figure(study: CraterStudy) -> Figure:
     """Draw depths (um) over plies, the chip, the estimates and the crater."""
-    figure = blank_figure(WIDTH, HEIGHT)
-    plies = axes_at(figure, 1.3, 9.0, 5.6, 5.2)
-    chip = axes_at(figure, 8.4, 9.0, 7.3, 5.2)
-    estimates = axes_at(figure, 4.4, 1.1, 3.6, 5.6)
-    crater = axes_at(figure, 8.2, 0.0, 7.0, 6.8, projection="3d")
-    panel_title(plies, "a", "Merchant's depth over the plies")
-    panel_title(chip, "b", "chip and shear plane at the end, to scale")
-    figure.text(1.3 / WIDTH, 7.1 / HEIGHT, "$\\bf{c}$  every estimate", fontsize=8.5)
-    figure.text(8.4 / WIDTH, 7.1 / HEIGHT, "$\\bf{d}$  groove of the tip on its path (red), to scale", fontsize=8.5)
-    _draw_plies(plies, study)
-    _draw_chip(chip, study)
-    _draw_estimates(estimates, study)
-    _draw_crater(crater, study)
-    constants = axes_at(figure, 17.3, 1.1, 4.7, 13.1)
-    panel_title(constants, "e", "C for the measured depth")
-    _draw_constants(constants, study)
+    figure = blank_figure(22.4, 15.6)
+    _draw_plies(add_panel(figure, (1.3, 9.0, 5.6, 5.2), "Merchant's depth over the plies"), study)
+    _draw_chip(add_panel(figure, (8.4, 9.0, 7.3, 5.2), "chip and shear plane at the end, to scale"), study)
+    _draw_estimates(add_panel(figure, (4.4, 1.1, 3.6, 5.5), "every estimate"), study)
+    title = "groove of the tip on its path (red), to scale"
+    _draw_crater(add_panel(figure, (8.4, 0.0, 6.8, 6.6), title, projection="3d"), study)
+    _draw_constants(add_panel(figure, (17.3, 1.1, 4.7, 13.1), "C for the measured depth"), study)
     return figure
 
 
 def _draw_plies(axes: Axes, study: CraterStudy) -> None:
     crater = study.crater
     axes.axhline(MICRO * MEASURED, color=GREY, dashes=(4, 2), label="measured")
-    axes.set_xscale("log")
-    axes.set_xlabel("number of plies")
-    axes.set_ylabel("crater depth (µm)")
+    axes.set(xscale="log", xlabel="number of plies", ylabel="crater depth (µm)")
     if study.angles is None:
         axes.set_ylim(0.0, 150.0)
         axes.text(0.5, 0.5, "the shear plane\nstays below the surface", transform=axes.transAxes, ha="center")
         return
-    sums = [float(merchant_depth_course(dataclasses.replace(crater, plies=n))[-1]) for n in POINT_PLIES]
-    limit = merchant_depth_extrapolated(crater)
-    axes.plot(CURVE_PLIES, MICRO * merchant_depth_sum(crater, CURVE_PLIES), color=BLUE, label="sum (4.50)")
+    curve, points = np.unique(np.geomspace(1, 1e5, 61).astype(int)), (1, 3, 10, 30, 100, 300, 1000, 10000, 100000)
+    sums = [float(merchant_depth_course(dataclasses.replace(crater, plies=n))[-1]) for n in points]
+    limit, own = merchant_depth_extrapolated(crater), float(merchant_depth_sum(crater, crater.plies))
+    axes.plot(curve, MICRO * merchant_depth_sum(crater, curve), color=BLUE, label="sum (4.50)")
     printed: dict[str, Any] = {"markersize": 3.6, "markerfacecolor": "white", "label": "(4.57) as printed"}
-    axes.plot(POINT_PLIES, MICRO * np.array(sums), "o", color=BLUE, **printed)
+    axes.plot(points, MICRO * np.array(sums), "o", color=BLUE, **printed)
     axes.axhline(MICRO * limit, color=BLUE, dashes=(1, 1.5), linewidth=0.9, label=f"limit {MICRO * limit:.2f} µm")
-    own = float(merchant_depth_sum(crater, crater.plies))
-    axes.plot([crater.plies], [MICRO * own], label=f"{MICRO * own:.2f} µm with {crater.plies:g}", **OWN)
+    axes.plot([crater.plies], [MICRO * own], label=f"{MICRO * own:.2f} µm with {crater.plies:g}", zorder=4, **OWN)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.05), labelspacing=0.3)
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     """Draw workpart, path, rake face and the two shear planes, in um; x is the tip's direction of travel."""
-    gamma, mu = study.impact_angle, study.crater.friction
+    gamma, upright = study.impact_angle, math.pi / 2.0 + LEAN
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     tip, depth = path * _direction(-gamma), path * math.sin(gamma)
-    view = _view(depth, path * math.cos(gamma))
-    axes.fill_between(view[0], 0.0, view[2], color=STEEL, linewidth=0.0, zorder=0)
-    axes.fill(
-        *np.transpose([(0.0, 0.0), tip, tip + depth / math.cos(LEAN) * _direction(UPRIGHT)]), color="white", zorder=1
-    )
-    axes.plot(view[0], (0.0, 0.0), color=GREY, linewidth=0.8)
-    axes.plot(*np.transpose([(0.0, 0.0), tip]), color=BLACK, label="path")
-    _draw_tool(axes, tip, gamma, depth)
-    for label, color, slope, length in _shear_planes(study, gamma, mu, depth):
+    width = max(3.3 * path * math.cos(gamma), 7.0 * depth, 1.0)
+    sides, height = (-0.12 * width, 0.88 * width), width * 5.2 / 7.3
+    bottom = -max(1.7 * depth, 0.25 * height)
+    cut = np.array([(0.0, 0.0), tip, tip + depth / math.cos(LEAN) * _direction(upright)])
+    axes.fill_between(sides, 0.0, bottom, color="#e3e6ea", linewidth=0.0, zorder=0)
+    axes.fill(*cut.T, color="white", zorder=1)
+    axes.plot(sides, (0.0, 0.0), color=GREY, linewidth=0.8)
+    axes.plot(*cut[:2].T, color=BLACK, label="path")
+    _draw_tip(axes, tip, 3.2 * depth * _direction(upright), gamma)
+    rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, study.crater.friction)
+    planes = [("shear plane to the surface", GREEN, rising, depth / math.sin(rising))]
+    if study.angles is not None:  # as long as (4.28) has it
+        eta = float(study.angles.shear)
+        planes.insert(0, ("shear plane of (4.28)", VERMILION, eta - gamma, depth / math.cos(gamma) / math.sin(eta)))
+    for label, color, slope, length in planes:
         axes.plot(*np.transpose([tip, tip + length * _direction(slope)]), color=color, label=label)
-    axes.set(xlim=view[0], ylim=view[1], aspect="equal", xlabel="along the workpart (µm)", ylabel="height (µm)")
+    limits: dict[str, Any] = {"xlim": sides, "ylim": (bottom, bottom + height), "aspect": "equal"}
+    axes.set(**limits, xlabel="along the workpart (µm)", ylabel="height (µm)")
     axes.legend(loc="upper right", labelspacing=0.3)
 
 
-def _view(depth: float, reach: float) -> tuple[tuple[float, float], tuple[float, float], float]:
-    """Return limits of x and y in the panel's shape, and the bottom."""
-    width = max(3.3 * reach, 7.0 * depth, 1.0)
-    height = width * 5.2 / 7.3
-    bottom = -max(1.7 * depth, 0.25 * height)
-    return (-0.12 * width, 0.88 * width), (bottom, bottom + height), bottom
-
-
-def _draw_tool(axes: Axes, tip: Array, gamma: float, depth: float) -> None:
+def _draw_tip(axes: Axes, tip: Array, face: Array, gamma: float) -> None:
     """Draw the tip behind its rake face; the heel clears the path."""
-    size = 3.2 * depth
-    face, heel = size * _direction(UPRIGHT), 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))
+    size = math.hypot(*face)
+    heel = 0.8 * size * _direction(math.pi - gamma - math.radians(12.0))
     back = np.array([heel[0] + 0.1 * size, face[1]])
     axes.fill(*np.transpose([tip, tip + face, tip + back, tip + heel]), color=GREY, alpha=0.55, linewidth=0.0, zorder=2)
-    place = tip + 0.6 * face
-    axes.text(place[0] - 0.08 * size, place[1], "tip", fontsize=7.0, ha="right", color="white", zorder=3)
-
-
-def _shear_planes(study: CraterStudy, gamma: float, mu: float, depth: float) -> list[tuple[str, str, float, float]]:
-    """Return label, colour, slope (rad) and length (um): as long as (4.28) has it, and to the real surface."""
-    rising = math.pi / 4.0 - 0.5 * math.atan2(1.0, mu)
-    planes = [("shear plane to the surface", GREEN, rising, depth / math.sin(rising))]
-    if study.angles is not None:
-        eta = float(study.angles.shear)
-        planes.insert(0, ("shear plane of (4.28)", VERMILION, eta - gamma, depth / math.cos(gamma) / math.sin(eta)))
-    return planes
+    x, y = tip + 0.6 * face
+    axes.text(x - 0.08 * size, y, "tip", fontsize=7.0, ha="right", color="white", zorder=3)
 
 
 def _direction(angle: float) -> Array:
@@ -162,34 +111,30 @@ def _direction(angle: float) -> Array:
 
 
 def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
-    rows = [(name, value, color) for name, value, color in _estimates(study) if value is not None]
-    for row, (_, value, color) in enumerate(reversed(rows)):
-        axes.plot([MICRO * value], [row], "o", color=color, markersize=4.5)
+    """Draw every estimate of the depth; the work-energy sum, millimetres, is left out."""
+    crater, inclined = study.crater, study.inclined
+    force = study.parallel if study.parallel is not None and study.parallel.shear_plane_emerges else None
+    ratio = float(energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time))
+    rows = [
+        ("contact's energy,\nshear to the surface", inclined.depth_from_energy if inclined else None, VERMILION),
+        ("contact's energy", force.depth_from_energy if force else None, VERMILION),
+        ("contact's force", force.depth_from_force if force else None, VERMILION),
+        ("work and energy,\nratio of sums, 5 plies", ratio, GREEN),
+    ]
+    if study.angles is not None:
+        rows.append(("Merchant, limit", merchant_depth_extrapolated(crater), BLUE))
+        rows.append((f"Merchant, {crater.plies:g} plies", float(merchant_depth_sum(crater, crater.plies)), BLUE))
+    shown = [(name, MICRO * depth, color) for name, depth, color in rows if depth is not None]
+    for row, (_, depth, color) in enumerate(shown):
+        axes.plot([depth], [row], "o", color=color, markersize=4.5)
         box = {"facecolor": "white", "linewidth": 0.0, "pad": 0.5}
-        note(axes, f"{MICRO * value:.3g}", (MICRO * value, row), (5.0, 0.0), va="center", color=color, bbox=box)
+        note(axes, f"{depth:.3g}", (depth, row), (5.0, 0.0), va="center", color=color, bbox=box)
     axes.axvline(MICRO * MEASURED, color=GREY, dashes=(4, 2))
-    axes.annotate("measured", (MICRO * MEASURED, 1.0), (2, 2), ("data", "axes fraction"),
-                  "offset points", fontsize=7.0, color=GREY)  # fmt: skip
-    axes.set_yticks(range(len(rows)), [name for name, _, _ in reversed(rows)])
-    axes.set_xlim(0.0, 1.3 * MICRO * max(MEASURED, *(value for _, value, _ in rows)))
+    note(axes, "measured", (MICRO * MEASURED, 1.0), (2, 2), xycoords=("data", "axes fraction"))
+    axes.set_yticks(range(len(shown)), [name for name, _, _ in shown])
+    axes.set_xlim(0.0, 1.3 * max(MICRO * MEASURED, *(depth for _, depth, _ in shown)))
     axes.margins(y=0.08)
     axes.set_xlabel("crater depth (µm)")
-
-
-def _estimates(study: CraterStudy) -> list[tuple[str, float | None, str]]:
-    """Return name, depth in m and colour; the work-energy sum, millimetres, is left out."""
-    crater, chip = study.crater, study.angles is not None
-    parallel, inclined = study.parallel, study.inclined
-    emerges = parallel is not None and parallel.shear_plane_emerges
-    ratio = float(energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time))
-    return [
-        (f"Merchant, {crater.plies:g} plies", float(merchant_depth_sum(crater, crater.plies)) if chip else None, BLUE),
-        ("Merchant, limit", merchant_depth_extrapolated(crater) if chip else None, BLUE),
-        ("work and energy,\nratio of sums, 5 plies", ratio, GREEN),
-        ("contact's force", parallel.depth_from_force if parallel and emerges else None, VERMILION),
-        ("contact's energy", parallel.depth_from_energy if parallel and emerges else None, VERMILION),
-        ("contact's energy,\nshear to the surface", inclined.depth_from_energy if inclined else None, VERMILION),
-    ]
 
 
 def crater_floor(x: Array, y: Array, impact_angle: float, path: float, face: TipFace | None = None) -> Array:
@@ -210,17 +155,15 @@ def _draw_crater(axes: Any, study: CraterStudy) -> None:
     """``axes`` are matplotlib's three-dimensional ones, which carry no types."""
     path = float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     gamma, reach = study.impact_angle, path * math.cos(study.impact_angle)
-    x = np.linspace(-0.35 * reach, 1.5 * reach, 150)
-    y = np.linspace(-0.45e-3, 0.45e-3, 121)
+    x, y = np.linspace(-0.35 * reach, 1.5 * reach, 150), np.linspace(-0.45e-3, 0.45e-3, 121)
     z = crater_floor(x[:, np.newaxis], y, gamma, path)
     deepest = max(path * math.sin(gamma), 1e-9)
     light = LightSource(azdeg=250, altdeg=45).hillshade(z, vert_exag=0.6, dx=float(x[1] - x[0]), dy=float(y[1] - y[0]))
-    shades = DEPTHS(1.0 + z / deepest)
+    shades = LinearSegmentedColormap.from_list("depths", ["#0b3c5d", "#4d8fbf", "#dfe3e7"])(1.0 + z / deepest)
     shades[..., :3] *= 0.75 + 0.25 * light[..., np.newaxis]
     across, along = np.meshgrid(MICRO * y, MICRO * x)
-    axes.plot_surface(
-        along, across, MICRO * z, facecolors=shades, rstride=1, cstride=1, linewidth=0, antialiased=False, shade=False
-    )
+    look = {"rstride": 1, "cstride": 1, "linewidth": 0, "antialiased": False, "shade": False}
+    axes.plot_surface(along, across, MICRO * z, facecolors=shades, **look)
     axes.plot((0.0, MICRO * reach), (0.0, 0.0), (0.0, -MICRO * deepest), color=VERMILION, zorder=10)
     axes.set_box_aspect((np.ptp(x), np.ptp(y), 1.6 * deepest), zoom=0.98)
     axes.set_zlim(-1.3 * MICRO * deepest, 0.3 * MICRO * deepest)
@@ -244,11 +187,11 @@ def _draw_constants(axes: Axes, study: CraterStudy) -> None:
     own = constants_over(study.crater, MEASURED, (study.crater.friction,), (study.crater.impact_angle_deg,))[0]
     if own["constant_deg"] is not None:
         label = f"{own['constant_deg']:.1f}° with {own['friction']:g}"
-        axes.plot([own["friction"]], [own["constant_deg"]], label=label, **OWN)
+        axes.plot([own["friction"]], [own["constant_deg"]], label=label, zorder=4, **OWN)
     axes.axhline(90.0, color=GREY, linewidth=0.8)
     note(axes, "least work", (HIGHEST, 90.0), (0.0, 2.0), ha="right")
     axes.set_xscale("log")
-    axes.set_xticks(TICKS, [f"{each:g}" for each in TICKS])
+    axes.set_xticks((0.5, 1.0, 2.0, 4.0), ["0.5", "1", "2", "4"])
     axes.minorticks_off()
     axes.set(xlim=(LOWEST, HIGHEST), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (°)")
     axes.legend(loc="lower left", title="impact angle", labelspacing=0.3, title_fontsize=7.0)

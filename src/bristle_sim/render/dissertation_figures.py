@@ -5,7 +5,6 @@ Closed forms are lines, what checks them points, and the operating point a dot.
 
 from __future__ import annotations
 
-import argparse
 import sys
 import textwrap
 from collections.abc import Iterable, Sequence
@@ -22,15 +21,13 @@ from PIL import Image
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.files import complete_or_absent
+from bristle_sim.render.colours import BLACK, GREY, LIGHT
 from bristle_sim.render.panels import draw_panel, line_entries, point_entries
-from bristle_sim.render.style import BLACK, GREY, LIGHT, axes_at, blank_figure, checked_target, save_figure, styled
+from bristle_sim.render.style import axes_at, blank_figure, save_figure, styled, write_page
 from bristle_sim.studies.curves import Panel
 
 SHEET_DOTS_PER_INCH = 100.0
 """A sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in."""
-
-COLUMNS, SHEET_COLUMNS = 3, 4
-"""Panels side by side, on the page of one figure and on the sheet of all."""
 
 CELL, PAGE_CELL = (8.25, 5.9), (15.0, 8.2)
 """Width and height of a panel with its scales, of several on a page and of the only one, cm."""
@@ -44,16 +41,12 @@ FOOT, HEAD, TITLES = 1.0, 1.2, 1.2
 TABLE_MARGIN = 1.2
 """By how much a table is wider than a panel, which has its scale there, cm."""
 
-TITLE = 50
-"""Characters of a title that fit in a line of a cell, those that make the number bold included."""
-
 
 @styled()
 def draw(figure: Redrawn) -> Figure:
     """Draw one figure or table on a page, its number, title and note at the head."""
     cells = [(figure, panel) for panel in figure.panels or (None,)]
-    columns = min(len(cells), COLUMNS)
-    page = _page(cells, columns, PAGE_CELL if len(cells) == 1 else CELL, 0.0, 200.0)
+    page = _page(cells, min(len(cells), 3), PAGE_CELL if len(cells) == 1 else CELL, 0.0, 200.0)
     width, height = page.get_size_inches() * 2.54
     left = (PANEL[0] - (0.0 if figure.panels else TABLE_MARGIN)) / width
     page.text(left, 1.0 - 0.6 / height, _bold(figure), fontsize=9.0)
@@ -65,9 +58,9 @@ def draw(figure: Redrawn) -> Figure:
 def contact_sheet(figures: Iterable[Redrawn]) -> Figure:
     """Draw all figures on one sheet, a panel a cell."""
     cells = [(figure, panel) for figure in figures for panel in figure.panels or (None,)]
-    sheet = _page(cells, SHEET_COLUMNS, CELL, TITLES, SHEET_DOTS_PER_INCH)
+    sheet = _page(cells, 4, CELL, TITLES, SHEET_DOTS_PER_INCH)
     for (figure, _), axes in zip(cells, sheet.axes, strict=True):
-        axes.set_title("\n".join(textwrap.wrap(_bold(figure), TITLE)), loc="left", fontsize=8.0, pad=15.0)
+        axes.set_title("\n".join(textwrap.wrap(_bold(figure), 50)), loc="left", fontsize=8.0, pad=15.0)
     return sheet
 
 
@@ -91,31 +84,23 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write the sheet of all figures to the file named; ends with status 2 where that cannot be done."""
-    parser = argparse.ArgumentParser(prog="python -m bristle_sim.render.dissertation_figures", description=__doc__)
-    parser.add_argument("target", metavar="FILE.png")
-    try:
-        target = checked_target(parser.parse_args(arguments).target, (".png",))
-    except ValueError as error:
-        print(f"{parser.prog}: error: {error}", file=sys.stderr)
-        return 2
+    return write_page(arguments, "dissertation_figures", ".png", _write_sheet)
+
+
+def _write_sheet(partial: Path) -> None:
     canvas: Any = FigureCanvasAgg(contact_sheet(redrawn(number) for number in NUMBERS))
     with styled():
         canvas.draw()
     # 256 colours look the same and take a fifth of the bytes.
     picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    with complete_or_absent(target) as partial:
-        colours = picture.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-        colours.save(partial, format="png", optimize=True)
-    return 0
+    colours = picture.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    colours.save(partial, format="png", optimize=True)
 
 
-def _page(
-    cells: Sequence[tuple[Redrawn, Panel | None]],
-    columns: int,
-    size: tuple[float, float],
-    titles: float,
-    dots_per_inch: float,
-) -> Figure:
+Cells = Sequence[tuple[Redrawn, Panel | None]]
+
+
+def _page(cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float) -> Figure:
     """Draw panels and tables in rows of cells with room for titles (cm) above each, and a key of points at the foot."""
     rows = -(-len(cells) // columns)
     width, height = size[0], size[1] + titles
@@ -166,11 +151,11 @@ def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
     for line, row in enumerate(table):
         if line % 2:
             axes.axhspan(line, line + 1, color=LIGHT, alpha=0.45, linewidth=0.0)
+        if line in (1, last):
+            axes.axhline(line, color=BLACK, linewidth=0.8)
         weight = "bold" if line in (0, last) else "normal"
         for right, cell in enumerate(row, start=1):
             axes.text(right - 0.1, line + 0.5, cell, ha="right", va="center", fontweight=weight, fontsize=6.0)
-    for line in (1, last):
-        axes.axhline(line, color=BLACK, linewidth=0.8)
 
 
 if __name__ == "__main__":

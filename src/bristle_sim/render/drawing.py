@@ -1,21 +1,34 @@
-"""Draw to scale: views of equal scales around points, a bar of round length, and arrows that move."""
+"""Draw to scale in millimetres: views, a bar of round length, arrows that move, and the tool's hub, wire, bar and workpart."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import FancyArrowPatch
+from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
-from bristle_sim.render.style import BLACK, scale_for
+from bristle_sim.arrays import Array
+from bristle_sim.parameters import Tool
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
+from bristle_sim.render.style import MILLIMETRES, scale_for
 
 LONGEST_BAR = 0.28
 """Longest scale bar as a fraction of the axes' width."""
+
+HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
+
+GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
+"""Look of what does not move: a workpart, the bracket of a hinge."""
+
+SHARPEST = 0.5
+"""Least 1 + cos of a corner's angle that is mitred in full: 120 degrees, beyond any knee."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +58,20 @@ class View:
         axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top))
         axes.set_aspect("equal", adjustable="box")
 
+    def place(self, across: float, up: float) -> tuple[float, float]:
+        """Return the place at fractions of width and height."""
+        return self.left + across * (self.right - self.left), self.bottom + up * (self.top - self.bottom)
+
+
+def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> View:
+    """Return the smallest view, mm, that holds wires (shape (..., 2), m), the bar and the workpart's surface."""
+    points = [lines]
+    if tool.bar is not None:
+        points.append(np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
+    if tool.workpart is not None:
+        points.append(np.array([[lines[..., 0].mean(), -tool.workpart_depth]]))
+    return View.around([MILLIMETRES * each for each in points], aspect, margin)
+
 
 def draw_scale_bar(
     axes: Axes, metres: float, place: tuple[float, float], letter_size: float, *, leftwards: bool = False
@@ -57,15 +84,9 @@ def draw_scale_bar(
     shown, halo = scale_for(length, "m"), [withStroke(linewidth=4.0, foreground="white")]
     ends = sorted([place[0], place[0] + (-length if leftwards else length) / metres])
     axes.plot(ends, [place[1], place[1]], "|-", color=BLACK, linewidth=1.5, path_effects=halo)
-    axes.annotate(
-        f"{length * shown.factor:g} {shown.unit}",
-        (0.5 * sum(ends), place[1]),
-        (0.0, 5.0),
-        textcoords="offset points",
-        ha="center",
-        fontsize=letter_size,
-        path_effects=halo,
-    )
+    look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "path_effects": halo}
+    words = f"{length * shown.factor:g} {shown.unit}"
+    axes.annotate(words, (0.5 * sum(ends), place[1]), (0.0, 5.0), fontsize=letter_size, **look)
 
 
 def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> FancyArrowPatch:
@@ -80,3 +101,120 @@ def point_arrow(arrow: FancyArrowPatch, start: tuple[float, float], end: tuple[f
     """Show an arrow from start to end, unless it is shorter than ``shortest``, where its head would hide it."""
     arrow.set_visible(math.dist(start, end) > shortest)
     arrow.set_positions(start, end)
+
+
+def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> None:
+    """Draw what does not move in a film: the tool with the names of its parts, and a scale bar instead of scales."""
+    view.apply(axes)
+    axes.set_axis_off()
+    draw_tool(axes, tool, view)
+    name_parts(axes, tool, letter_size)
+    draw_scale_bar(axes, 1.0 / MILLIMETRES, view.place(0.975, 0.03), letter_size, leftwards=True)
+
+
+def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
+    """Draw the hub, the bar and the workpart that a tool has."""
+    draw_hub(axes, tool)
+    if tool.bar is not None:
+        draw_bar(axes, *tool.bar.centre, tool.bar.radius)
+    if tool.workpart is not None:
+        draw_workpart(axes, tool.workpart_depth, view)
+
+
+def draw_hub(axes: Axes, tool: Tool) -> None:
+    """Draw the root circle that carries the belt, the hub's centre, and an arrow in the direction of its turn."""
+    radius = tool.hub.radius * MILLIMETRES
+    axes.add_patch(Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8))
+    axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
+    if tool.hub.speed > 0.0:
+        ends = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
+        style, bend = "-|>,head_length=4,head_width=2", "arc3,rad=0.33"
+        axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, connectionstyle=bend, color=GREY, linewidth=0.8))
+
+
+def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> None:
+    """Draw an accelerator bar, lengths in m; ``options`` as for a patch."""
+    look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
+    axes.add_patch(Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options)))
+
+
+def draw_workpart(axes: Axes, depth: float, view: View) -> None:
+    """Draw the workpart, hatched from its surface ``depth`` (m) below the hub's centre down to the view's edge."""
+    beyond = 10.0  # drawn beyond the view, so that only the surface shows an edge
+    place = (view.left - beyond, view.bottom - beyond)
+    size = (view.right - view.left + 2.0 * beyond, -depth * MILLIMETRES - view.bottom + beyond)
+    axes.add_patch(Rectangle(place, *size, **GROUND))
+
+
+def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
+    """Write the names of hub, bar and workpart, haloed so that they read on any ground; ``letter_size`` in points."""
+    (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
+    width, height, radius = right - left, top - bottom, tool.hub.radius * MILLIMETRES
+    # As near to the hub's centre as the view lets it.
+    x = float(np.clip(0.0, left + 0.08 * width, right - 0.08 * width))
+    y = float(np.clip(-0.25 * radius, bottom + 0.05 * height, top - 0.05 * height))
+    names = [("hub", (x, y), "center", HUB_COLOUR)] if math.hypot(x, y) < 0.9 * radius else []
+    if tool.bar is not None:
+        centre = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1])
+        names.append(("bar", centre, "center", BAR_COLOUR))
+    if tool.workpart is not None:
+        names.append(("workpart", (left + 0.025 * width, bottom + 0.03 * height), "left", "white"))
+    for name, place, side, ground in names:
+        halo = [withStroke(linewidth=2.5, foreground=ground)]
+        axes.text(*place, name, ha=side, va="center", fontsize=letter_size, path_effects=halo, zorder=7, clip_on=True)
+
+
+def toward(angle: ArrayLike) -> Array:
+    """Return the direction on the page of an angle from the workpart's, (sin, -cos), shape (*angle.shape, 2)."""
+    return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+
+
+def wire_outline(centre_line: Array, diameter: float) -> Array:
+    """Return the outline of a flat-ended wire about its centre line: along its left side to the tip and back along its right.
+
+    Corners are mitred, at most to SHARPEST, where a chain folds back on itself.
+
+    Args:
+        centre_line: shape (corners, 2), in the unit of ``diameter``.
+
+    Returns:
+        Shape (2 corners, 2); the tip lies midway between the two points in the middle.
+    """
+    along = np.diff(centre_line, axis=0)
+    along /= np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)[:, np.newaxis]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=-1)
+    before, after = np.vstack([across[:1], across]), np.vstack([across, across[-1:]])
+    # The mitre m has the projection 1 on both normals: m = (b + a)/(1 + b.a).
+    mitre = (before + after) / np.maximum(1.0 + (before * after).sum(axis=1), SHARPEST)[:, np.newaxis]
+    side = 0.5 * diameter * mitre
+    return np.concatenate([centre_line + side, (centre_line - side)[::-1]])
+
+
+class WireDrawing:
+    """The wire and its root in the belt; with details also the radial line it is measured from, and a ring of roots."""
+
+    def __init__(self, axes: Axes, tool: Tool, *, color: str = BLUE, alpha: float = 1.0, details: bool = False) -> None:
+        self._diameter = tool.bristle.wire_diameter * MILLIMETRES
+        # The outline's line keeps a hair-thin wire visible.
+        self.wire = Polygon(np.zeros((4, 2)), facecolor=color, edgecolor=color, linewidth=0.5, alpha=alpha, zorder=4)
+        self.wire.set_joinstyle("round")
+        axes.add_patch(self.wire)
+        (self.root,) = axes.plot([], [], "o", color=GREEN, markersize=4.5, markeredgecolor="white", zorder=5)
+        self.artists: list[Artist] = [self.wire, self.root]
+        if details:
+            (self.radial,) = axes.plot([], [], color=GREY, linewidth=0.8, dashes=(5, 3), zorder=2)
+            (self.ring,) = axes.plot([], [], "o", color=GREY, markersize=3, zorder=3)
+            self.artists = [self.radial, self.ring, *self.artists]
+
+    def place(self, centre_line: Array) -> None:
+        """Move everything to where the centre line's corners are, from the hub's centre, shape (corners, 2), m."""
+        corners = np.asarray(centre_line) * MILLIMETRES
+        root = corners[0]
+        self.wire.set_xy(wire_outline(corners, self._diameter))
+        self.root.set_data(root[:1], root[1:])
+        if len(self.artists) > 2:
+            rim, length = math.hypot(*root), float(np.hypot(*np.diff(corners, axis=0).T).sum())
+            outward = root / rim if rim > 0.0 else np.zeros(2)
+            self.radial.set_data(*np.array([root, root + length * outward]).T)
+            turns = np.exp(1j * np.arange(1, 12) * (np.pi / 6.0)) * complex(*root)
+            self.ring.set_data(turns.real, turns.imag)

@@ -1,4 +1,4 @@
-"""What the films share: slow motion, a header with caption and read-outs, and pictures evenly spaced in film time."""
+"""What the films share: slow motion, a header with caption and read-outs, hands on panels over time, and the file."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
+from bristle_sim.render.colours import BLACK
 from bristle_sim.render.readout import Readout
-from bristle_sim.render.style import BLACK, styled
+from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
 from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
 
 LONGEST = 3600.0
@@ -24,6 +27,8 @@ NODES = 4001
 
 HEADER = 0.135
 """Fraction of the picture's height above the drawing: caption and read-outs."""
+
+CLOCK = Scale(MILLISECONDS, "ms")
 
 BORDER = 0.02
 """Free border left and right of the header, as a fraction of the picture's width."""
@@ -78,18 +83,32 @@ def slow_motion(
 
 
 class FilmScene(ABC):
-    """The drawing that a film shows, at any film time; a subclass adds what is below the header."""
+    """The drawing that a film shows, at any film time; a subclass draws what is below the header and moves it.
+
+    Attributes:
+        size, letter_size: width and height of the picture by default, px, and height of its letters, px.
+        hands: lines across panels over time that show the instant.
+    """
+
+    size, letter_size = (640, 480), 13.0
 
     def __init__(
-        self, warp: TimeWarp, width: int, height: int, letters: float, columns: Sequence[tuple[int, str]]
+        self,
+        warp: TimeWarp,
+        width: int,
+        height: int,
+        columns: Sequence[tuple[int, str]],
+        clock: Scale = CLOCK,
     ) -> None:
-        """``letters``: their size, px; ``columns``: characters and colour of each read-out."""
-        self.warp, self.letters, self.stage = warp, letters, Stage(width, height)
+        """``columns``: characters and colour of the read-outs after time and slow-down; ``clock``: unit of the time."""
+        self.warp, self.clock, self.stage = warp, clock, Stage(width, height)
+        self.hands: list[Line2D] = []
+        self.letters = letters = self.letter_size * min(width / self.size[0], height / self.size[1])
         with styled():
-            self.caption = self.stage.figure.text(
-                BORDER, 1.0 - 0.33 * HEADER, "", va="center", fontsize=letters, weight="bold", color=BLACK
-            )
-        self.readouts = tuple(Readout(0, 0, letters, color=color) for _, color in columns)
+            look: dict[str, Any] = {"va": "center", "weight": "bold", "color": BLACK, "fontsize": letters}
+            self.caption = self.stage.figure.text(BORDER, 1.0 - 0.33 * HEADER, "", **look)
+        columns = [(16, BLACK), (15, BLACK), *columns]
+        self.readouts = [Readout(0, 0, letters, color=color) for _, color in columns]
         widths = [each.width(characters) for each, (characters, _) in zip(self.readouts, columns, strict=True)]
         gap = ((1.0 - 2.0 * BORDER) * width - sum(widths)) / (len(widths) - 1)
         for number, readout in enumerate(self.readouts):
@@ -98,8 +117,23 @@ class FilmScene(ABC):
         self.stage.write(*self.readouts)
 
     @abstractmethod
+    def move(self, time: float) -> Sequence[str]:
+        """Move everything to an instant of the run, s; return the caption and the texts of the read-outs."""
+
     def show(self, film_time: float) -> None:
-        """Move everything to a film time, s."""
+        """Move everything to a film time, s; a new caption redraws what is still."""
+        time, slow = float(self.warp.physical_time(film_time)), float(self.warp.slow_down_at(film_time))
+        shown = time * self.clock.factor
+        for hand in self.hands:
+            hand.set_xdata([shown, shown])
+        caption, *texts = self.move(time)
+        if caption != self.caption.get_text():
+            self.caption.set_text(caption)
+            self.stage.refresh()
+        slowed = f"slowed {slow:{'7.0f' if slow < 1e7 else '7.0e'}}\N{MULTIPLICATION SIGN}"
+        texts = [f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts]
+        for readout, text in zip(self.readouts, texts, strict=True):
+            readout.text = text
 
     def frames(self, total: int) -> Iterator[memoryview]:
         """Yield ``total`` pictures evenly spaced in film time, the first and the last instant included."""
@@ -107,27 +141,16 @@ class FilmScene(ABC):
             self.show(float(film_time))
             yield self.stage.frame()
 
-    def write_words(self, caption: str, texts: Sequence[str]) -> None:
-        """Change the caption, which redraws what is still, and the read-outs."""
-        if caption != self.caption.get_text():
-            self.caption.set_text(caption)
-            self.stage.refresh()
-        for readout, text in zip(self.readouts, texts, strict=True):
-            readout.text = text
 
-
-def write_film(
-    path: str | Path, build: Callable[[], FilmScene], size: tuple[int, int], fps: float, duration: float
-) -> Path:
-    """Check what can be checked before anything is computed, then build the scene and write its film.
+def write_film(path: str | Path, build: Callable[[], FilmScene], fps: float) -> Path:
+    """Check the file's name before anything is computed, then build the scene and write its film.
 
     Raises:
         ValueError: for a file that cannot be written or settings out of range.
         OSError: if the encoder fails.
     """
     target = checked_video_target(path)
-    check_film(target.suffix, size, fps)
-    if not 0.0 < duration <= LONGEST:
-        raise ValueError(f"duration = {duration:g}: must be 0 < duration <= {LONGEST:g} (in s)")
-    total = max(2, math.ceil(duration * fps))
-    return write_video(target, build().frames(total), size, fps, total)
+    scene = build()
+    check_film(target.suffix, scene.stage.size, fps)
+    total = max(2, math.ceil(fps * scene.warp.film[-1] - 1e-6))
+    return write_video(target, scene.frames(total), scene.stage.size, fps, total)

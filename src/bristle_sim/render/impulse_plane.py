@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from bristle_sim.render.panels import note
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, Scale, scale_for
+from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.panels import note, say
+from bristle_sim.render.style import scale_for
 from bristle_sim.studies.impulse_course import ImpulseCourse
 
 PHASE_COLOURS = {
@@ -32,73 +33,55 @@ def draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCours
 
     Phases are shaded and named; p_c, p_s and p_f are marked. Impulses and velocities take readable prefixes.
     """
+    last = float(course.impulse[-1])
     fastest = float(np.abs([course.normal_velocity, course.tangential_velocity]).max())
-    impulse, speed = scale_for(course.impulse[-1], "N·s"), scale_for(fastest, "m/s")
-    axes.set_xlabel(f"normal impulse p ({impulse.unit})")
-    axes.set_ylabel(f"velocity of the tip ({speed.unit})")
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
+    impulse, speed = scale_for(last, "N·s"), scale_for(fastest, "m/s")
+    axes.set(xlabel=f"normal impulse p ({impulse.unit})", ylabel=f"velocity of the tip ({speed.unit})")
     if course.impulse.size < 2:
-        axes.text(0.5, 0.6, "the tip does not approach: no contact", transform=axes.transAxes, ha="center", color=GREY)
-        axes.set(xticks=[], yticks=[])
+        say(axes, "the tip does not approach: no contact")
         return
-    _draw_velocities(axes, course, impulse, speed)
-    if recorded is not None:
-        _draw_points(axes, recorded, course.impulse[-1], impulse, speed)
-    _frame(axes, course, impulse)
-    _shade_phases(axes, course, impulse)
-    _mark_impulses(axes, course, impulse)
-
-
-def _draw_velocities(axes: Axes, course: ImpulseCourse, impulse: Scale, speed: Scale) -> None:
-    """Draw both velocities, each named on the side of its line that is away from zero."""
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
     for name, color, which in LINES:
         place, values = course.impulse * impulse.factor, getattr(course, which) * speed.factor
         axes.plot(place, values, color=color, gid=which)
-        quarter = 0.25 * float(place[1])
-        side = -1.0 if values[0] < 0.0 else 1.0
+        # Named on the side of the line that is away from zero.
+        quarter, side = 0.25 * float(place[1]), -1.0 if values[0] < 0.0 else 1.0
         look: dict[str, Any] = {"color": color, "fontsize": 9.0, "va": "top" if side < 0.0 else "bottom"}
         note(axes, name, (quarter, float(np.interp(quarter, place, values))), (3.0, 3.0 * side), **look)
-
-
-def _draw_points(axes: Axes, recorded: ImpulseCourse, last: float, impulse: Scale, speed: Scale) -> None:
-    """Draw the contact resolved in time, up to the energetic law's impulse: a tip in stiction stays pressed on."""
-    shown = recorded.impulse <= 1.01 * last
-    look: dict[str, Any] = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
-    for _, _, which in LINES:
-        place, value = recorded.impulse * impulse.factor, getattr(recorded, which) * speed.factor
-        axes.plot(place[shown], value[shown], "x", color=BLACK, gid=f"{which}, resolved in time", **look)
-
-
-def _frame(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
-    """Set limits with room for the phases' names above and the impulses' names below."""
-    axes.set_xlim(0.0, 1.03 * float(course.impulse[-1]) * impulse.factor)
+        if recorded is not None:  # up to the energetic law's impulse: a tip in stiction stays pressed on
+            shown = recorded.impulse <= 1.01 * last
+            points = (recorded.impulse[shown] * impulse.factor, getattr(recorded, which)[shown] * speed.factor)
+            look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
+            axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
     bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))
+    axes.set_xlim(0.0, 1.03 * last * impulse.factor)
+    axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))  # room for names above and below
+    _shade_phases(axes, course, impulse.factor)
+    _mark_impulses(axes, course, impulse.factor)
 
 
-def _shade_phases(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
+def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
     """Shade the phases and write compression or restitution above, and slip or stick below that."""
-    ends = (course.impulse * impulse.factor).tolist()
+    ends = (course.impulse * factor).tolist()
     halves: dict[str, tuple[float, float]] = {}
     for name, start, end in zip(course.phases, ends, ends[1:], strict=False):
         axes.axvspan(start, end, color=PHASE_COLOURS[name], linewidth=0.0, zorder=0, gid=name)
         half, motion = name.split(" ", 1)
         halves[half] = (halves.get(half, (start, end))[0], end)
-        fraction = (end - start) / ends[-1]
-        _write_above(axes, 0.89, motion if fraction > 0.25 else motion.replace(" ", "\n"), start, end)
+        narrow = end - start < 0.25 * ends[-1]
+        _write_above(axes, 0.89, motion.replace(" ", "\n") if narrow else motion, start, end)
     for half, (start, end) in halves.items():
         _write_above(axes, 0.97, half, start, end, weight="bold")
 
 
 def _write_above(axes: Axes, height: float, words: str, start: float, end: float, **look: Any) -> None:
     """Write words centred over a phase, unless it is too narrow for any."""
-    if end - start < NARROW * axes.get_xlim()[1]:
-        return
-    look |= {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0, "linespacing": 1.05}
-    axes.text(0.5 * (start + end), height, words, **look)
+    if end - start >= NARROW * axes.get_xlim()[1]:
+        look |= {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0}
+        axes.text(0.5 * (start + end), height, words, linespacing=1.05, **look)
 
 
-def _mark_impulses(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
+def _mark_impulses(axes: Axes, course: ImpulseCourse, factor: float) -> None:
     """Draw dashed lines at p_c, p_s and p_f; those that fall together share a name."""
     marks: dict[float, list[str]] = {}
     last = float(course.impulse[-1])
@@ -108,8 +91,12 @@ def _mark_impulses(axes: Axes, course: ImpulseCourse, impulse: Scale) -> None:
             marks.setdefault(near, []).append(name)
     for place, names in marks.items():
         # Slip may stop within compression or restitution, whose names stand above.
-        highest = 0.8 if names == ["p_s"] else 1.0
-        look: dict[str, Any] = {"color": BLACK, "linewidth": 0.7, "dashes": (4, 2), "zorder": 1, "gid": " ".join(names)}
-        axes.axvline(place * impulse.factor, ymax=highest, **look)
+        look: dict[str, Any] = {
+            "linewidth": 0.7,
+            "dashes": (4, 2),
+            "zorder": 1,
+            "ymax": 0.8 if names == ["p_s"] else 1.0,
+        }
+        axes.axvline(place * factor, color=BLACK, gid=" ".join(names), **look)
         foot: dict[str, Any] = {"xycoords": axes.get_xaxis_transform(), "ha": "right", "color": BLACK, "fontsize": 8.0}
-        note(axes, f"${' = '.join(names)}$", (place * impulse.factor, 0.03), (-3.0, 0.0), **foot)
+        note(axes, f"${' = '.join(names)}$", (place * factor, 0.03), (-3.0, 0.0), **foot)

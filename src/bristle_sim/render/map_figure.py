@@ -11,15 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bar
-from bristle_sim.render.panels import panel_title
-from bristle_sim.render.style import BLACK, BLUE, GREY, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
+from bristle_sim.render.panels import add_panel
+from bristle_sim.render.style import MILLIMETRES, axes_at, blank_figure, styled
 from bristle_sim.studies.cue_map import CueMap
 
 if TYPE_CHECKING:
     import xarray as xr
 
-MILLIMETRES = 1e3
-PANELS: tuple[tuple[str, str, str, float, str], ...] = (
+MAPS: tuple[tuple[str, str, str, float, str], ...] = (
     ("lag_deg_at_contact", "lag at the strike", "°", 1.0, "RdBu"),
     ("tip_speed_at_contact", "tip speed at the strike", "m/s", 1.0, "viridis"),
     ("normal_compressive_work", "normal work of compression", "mJ", -1e3, "viridis"),
@@ -28,13 +28,7 @@ PANELS: tuple[tuple[str, str, str, float, str], ...] = (
 """Result, title, unit shown, factor to it, colours."""
 
 HIGHEST = 97.0
-"""Percentile of the values at which the colours end."""
-
-AXES = {
-    "hub_speed": ("hub speed (rad/s)", 1.0),
-    "belt_stiffness": ("belt stiffness (mN·m/rad)", 1e3),
-    "belt_damping_ratio": ("belt damping ratio", 1.0),
-}
+"""Percentile of the values at which the colours end: the few points next to a jam, where work has no bound, lie beyond."""
 
 
 @styled()
@@ -43,28 +37,44 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
 
     ``maps`` is what :func:`bristle_sim.studies.cue_map.position_map` computes.
     """
-    figure = blank_figure(16.0, 19.4)
-    for number, (name, title, unit, factor, colors) in enumerate(PANELS):
-        axes = axes_at(figure, 1.5 + 7.9 * (number % 2), 13.1 - 6.6 * (number // 2), 5.2, 4.9)
-        _draw_map(figure, axes, maps, name, unit, factor, colors)
-        _mark_places(axes, found)
-        panel_title(axes, "abcd"[number], title, "white: the bar cues no strike")
-        if number % 2 == 0:
-            axes.set_ylabel("S_V, normal to the workpart (mm)")
-        if number >= 2:
-            axes.set_xlabel("S_H, along the workpart (mm)")
-    for number, key in enumerate(AXES):
-        _draw_moves(axes_at(figure, 1.5 + 4.95 * number, 1.7, 4.0, 2.5), found, key, first=number == 0)
-    _explain(figure, found)
+    figure, tool, places = blank_figure(16.0, 19.4), found.tool, _places(found)
+    for number, (name, title, unit, factor, colors) in enumerate(MAPS):
+        place = (1.5 + 7.9 * (number % 2), 13.1 - 6.6 * (number // 2), 5.2, 4.9)
+        axes = add_panel(figure, place, title, "white: the bar cues no strike")
+        values = factor * maps[name].values if name in maps else None
+        _draw_map(figure, axes, maps, values, unit, colors)
+        _mark_places(axes, found, places)
+        axes.set_ylabel("" if number % 2 else "S_V, normal to the workpart (mm)")
+        axes.set_xlabel("S_H, along the workpart (mm)" if number >= 2 else "")
+    own = {
+        "hub_speed": (tool.hub.speed, 1.0, "hub speed (rad/s)"),
+        "belt_stiffness": (tool.belt.stiffness, 1e3, "belt stiffness (mN·m/rad)"),
+        "belt_damping_ratio": (tool.belt.damping_ratio, 1.0, "belt damping ratio"),
+    }
+    title = "the bar direction for a radial strike moves with hub speed, stiffness and damping"
+    for number, (key, (value, factor, label)) in enumerate(own.items()):
+        spot = (1.5 + 4.95 * number, 1.7, 4.0, 2.5)
+        axes = axes_at(figure, *spot) if number else add_panel(figure, spot, title)
+        _draw_moves(axes, found, key, value, factor)
+        axes.set(xlabel=label, ylabel="" if number else "bar direction (°)")
+    handles = [*(Line2D([], [], **look) for _, look in places.values()), Line2D([], [], color=BLACK, linewidth=0.9)]
+    names = [*(f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in places.items()), "lag zero"]
+    figure.legend(handles, names, loc="lower center", ncols=5, columnspacing=1.0, handletextpad=0.3)
     return figure
 
 
-def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, name: str, unit: str, factor: float, colors: str) -> None:
+def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, values: np.ndarray | None, unit: str, colors: str) -> None:
+    """Draw values over the bar's position with their scale, and the line of no lag."""
     x, y = (maps[each].values * MILLIMETRES for each in ("bar_horizontal", "bar_vertical"))
-    values = np.full((y.size, x.size), math.nan)
-    if name in maps:
-        values = factor * maps[name].values
-    low, high = _limits(values, symmetric=colors == "RdBu")
+    values = np.full((y.size, x.size), math.nan) if values is None else values
+    finite = values[np.isfinite(values)]
+    low, high = 0.0, 1.0
+    if finite.size and colors == "RdBu":
+        high = float(np.abs(finite).max())
+        low = -high
+    elif finite.size:
+        low = float(finite.min())
+        high = max(float(np.percentile(finite, HIGHEST)), low + 1e-12)
     axes.grid(visible=False)
     image = axes.pcolormesh(x, y, values, cmap=colors, shading="nearest", rasterized=True, vmin=low, vmax=high)
     left, bottom, width, height = axes.get_position().bounds
@@ -75,16 +85,6 @@ def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, name: str, unit: str
     lag = maps.get("lag_deg_at_contact")
     if lag is not None and np.nanmin(lag.values) < 0.0 < np.nanmax(lag.values):
         axes.contour(x, y, lag.values, levels=[0.0], colors=[BLACK], linewidths=0.9)
-
-
-def _limits(values: np.ndarray, *, symmetric: bool) -> tuple[float, float]:
-    """Return the limits of the colours; the few points next to a jam, where work grows without bound, lie beyond."""
-    finite = values[np.isfinite(values)]
-    if not finite.size:
-        return 0.0, 1.0
-    low, high = float(finite.min()), float(np.percentile(finite, HIGHEST))
-    most = max(-low, float(finite.max()))
-    return (-most, most) if symmetric else (low, max(high, low + 1e-12))
 
 
 def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
@@ -101,43 +101,23 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
     return places
 
 
-def _mark_places(axes: Axes, found: CueMap) -> None:
+def _mark_places(axes: Axes, found: CueMap, places: dict[str, tuple[float, dict[str, Any]]]) -> None:
     """Mark the places on the circle of the bar's distance; the map's limits stay."""
     assert found.tool.bar is not None
-    limits = axes.get_xlim(), axes.get_ylim()
+    axes.autoscale(enable=False)
     distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
     turn = np.linspace(0.0, np.pi, 721)
     axes.plot(distance * np.sin(turn), distance * np.cos(turn), color=GREY, linewidth=0.7, dashes=(3, 2))
-    for name, (direction, look) in _places(found).items():
+    for name, (direction, look) in places.items():
         axes.plot([distance * math.sin(direction)], [distance * math.cos(direction)], gid=name, zorder=5, **look)
-    axes.set(xlim=limits[0], ylim=limits[1])
 
 
-def _draw_moves(axes: Axes, found: CueMap, key: str, *, first: bool) -> None:
+def _draw_moves(axes: Axes, found: CueMap, key: str, own: float, factor: float) -> None:
     """Draw the direction for a radial strike over one parameter, simulated and by the formula."""
-    own = {"hub_speed": found.tool.hub.speed, "belt_stiffness": found.tool.belt.stiffness}
-    label, factor = AXES[key]
-    rows = [
-        (row["value"], row["bar_direction_for_radial_strike_deg"], row["theory"])
-        for row in found.moves
-        if row["key"] == key
-    ]
+    columns = ("value", "bar_direction_for_radial_strike_deg", "theory")
     formula = None if found.formula is None else math.degrees(found.formula)
-    rows.append((own.get(key, found.tool.belt.damping_ratio), math.degrees(found.radial.direction), formula))
-    rows.sort(key=lambda row: row[0])
-    value, simulated, theory = (np.array(each, dtype=float) for each in zip(*rows, strict=True))
+    rows = [tuple(row[name] for name in columns) for row in found.moves if row["key"] == key]
+    rows = sorted([*rows, (own, math.degrees(found.radial.direction), formula)], key=lambda row: row[0])
+    value, simulated, theory = np.array(rows, dtype=float).T
     axes.plot(factor * value, simulated, "o-", color=VERMILION, markersize=3.0, gid=f"simulated {key}")
     axes.plot(factor * value, theory, "^--", color=BLUE, markersize=3.0, gid=f"formula {key}")
-    axes.set_xlabel(label)
-    if first:
-        axes.set_ylabel("bar direction (°)")
-        panel_title(axes, "e", "the bar direction for a radial strike moves with hub speed, stiffness and damping")
-
-
-def _explain(figure: Figure, found: CueMap) -> None:
-    """Explain the marks at the foot."""
-    handles = [Line2D([], [], **look) for _, look in _places(found).values()]
-    names = [f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in _places(found).items()]
-    handles.append(Line2D([], [], color=BLACK, linewidth=0.9))
-    names.append("lag zero")
-    figure.legend(handles, names, loc="lower center", ncols=5, columnspacing=1.0, handletextpad=0.3)

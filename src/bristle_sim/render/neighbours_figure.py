@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,15 +12,12 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.render.drawing import View, draw_scale_bar
-from bristle_sim.render.panels import note, panel_title, say
-from bristle_sim.render.style import BLACK, BLUE, SERIES, VERMILION, axes_at, blank_figure, styled
-from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, draw_tool, name_parts
+from bristle_sim.render.colours import BLACK, BLUE, SERIES, VERMILION
+from bristle_sim.render.drawing import View, WireDrawing, draw_film_tool
+from bristle_sim.render.panels import add_panel, note, say
+from bristle_sim.render.style import MILLIMETRES, blank_figure, styled
 from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
 from bristle_sim.trajectory.sampled_motion import SampledMotion
-
-WIDTH, HEIGHT = 16.0, 13.4
-"""Printed size, cm."""
 
 BELOW = 4e-3
 """How far below the workpart's surface a drawing shows, m."""
@@ -27,7 +25,7 @@ BELOW = 4e-3
 BESIDE = 0.02
 """How far beside a least pitch the strike is computed, deg."""
 
-AXES = {
+STRIKES = {
     "relative_speed_at_contact": ("speed at its strike", "relative rate (rad/s)", 1.0),
     "lag_deg_at_contact": ("lag at its strike", "short of radial (deg)", 1.0),
     "normal_final_impulse": ("impulse of its strike", "normal impulse (mN s)", 1e3),
@@ -55,20 +53,22 @@ def pitches_to_draw(row: Row) -> list[float]:
 @styled()
 def neighbours_figure(row: Row, pitches: Sequence[float], strikes: Mapping[str, Array]) -> Figure:
     """Draw a row at two instants, and its last bristle's strike over the pitch in degrees."""
-    figure = blank_figure(WIDTH, HEIGHT)
-    for letter, left, (title, time) in zip("ab", (0.2, 8.2), instants(row), strict=True):
-        axes = axes_at(figure, left, 6.4, 7.6, 5.8)
-        panel_title(axes, letter, title, f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms")
-        _draw_row(axes, row, time, 7.6 / 5.8)
+    figure = blank_figure(16.0, 13.4)
+    for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
+        words = f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms"
+        _draw_row(add_panel(figure, (left, 6.4, 7.6, 5.8), title, words), row, time)
     alone = strike_values(row.tool, row.lone)
-    for letter, left, name in zip("cde", (1.5, 6.8, 12.0), AXES, strict=True):
-        axes = axes_at(figure, left, 1.9, 3.7, 3.2)
-        title, label, factor = AXES[name]
+    look: dict[str, Any] = {"color": VERMILION, "markersize": 2.6, "zorder": 3}
+    for left, (name, (title, label, factor)) in zip((1.5, 6.8, 12.0), STRIKES.items(), strict=True):
+        axes = add_panel(figure, (left, 1.9, 3.7, 3.2), title)
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
-        _draw_over_pitch(axes, row, pitches, factor * strikes[name])
+        axes.plot(pitches, factor * strikes[name], "o", label=f"bristle {len(row.bristles)} of the row", **look)
+        for each in row.least:
+            words, dashes = LEAST[each.name]
+            if (least := each.by_theory) is not None:
+                axes.axvline(least, color=BLACK, linewidth=0.8, dashes=dashes, zorder=1, label=f"{least:.2f}°: {words}")
         axes.set(xlabel="pitch (deg)", ylabel=label, xlim=(0.0, None))
-        panel_title(axes, letter, title)
         if np.isnan(strikes[name]).all():
             say(axes, "no strike at any pitch")
     handles, names = axes.get_legend_handles_labels()
@@ -102,9 +102,9 @@ def touch_place(first: Array, second: Array, diameter: float) -> Array | None:
     return None
 
 
-def row_view(tool: Tool, lines: Sequence[Array], aspect: float) -> View:
-    """Return the view of wires, shape (..., 2) in m, with the bar and some of the workpart."""
-    points = list(lines)
+def row_view(tool: Tool, lines: Array, aspect: float) -> View:
+    """Return the view of wires, shape (..., 2) in m, with the bar and some of the workpart below the hub."""
+    points = [lines]
     if tool.bar is not None:
         points.append(np.array(tool.bar.centre) - tool.bar.radius)
     if tool.workpart is not None:
@@ -112,13 +112,9 @@ def row_view(tool: Tool, lines: Sequence[Array], aspect: float) -> View:
     return View.around([MILLIMETRES * each for each in points], aspect, 0.06)
 
 
-def _draw_row(axes: Axes, row: Row, time: float, aspect: float) -> None:
+def _draw_row(axes: Axes, row: Row, time: float) -> None:
     lines = [SampledMotion(run).centre_line(time) for run in row.bristles]
-    view = row_view(row.tool, lines, aspect)
-    view.apply(axes)
-    axes.set_axis_off()
-    draw_tool(axes, row.tool, view)
-    name_parts(axes, row.tool, 7.0)
+    draw_film_tool(axes, row.tool, row_view(row.tool, np.array(lines), 7.6 / 5.8), 7.0)
     for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
         WireDrawing(axes, row.tool, color=color).place(line)
         note(axes, str(number), tuple(0.9 * MILLIMETRES * line[0]), (0.0, 0.0), ha="center", va="center", color=color)
@@ -126,15 +122,3 @@ def _draw_row(axes: Axes, row: Row, time: float, aspect: float) -> None:
         place = touch_place(first, second, row.tool.bristle.wire_diameter)
         if place is not None:
             axes.plot(*(MILLIMETRES * place), "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
-    draw_scale_bar(axes, 1.0 / MILLIMETRES, (view.right - 1.0, view.bottom + 1.5), 7.0, leftwards=True)
-
-
-def _draw_over_pitch(axes: Axes, row: Row, pitches: Sequence[float], values: Array) -> None:
-    axes.plot(
-        pitches, values, "o", color=VERMILION, markersize=2.6, zorder=3, label=f"bristle {len(row.bristles)} of the row"
-    )
-    for each in row.least:
-        words, dashes = LEAST[each.name]
-        if each.by_theory is not None:
-            label = f"{each.by_theory:.2f}°: {words}"
-            axes.axvline(each.by_theory, color=BLACK, linewidth=0.8, dashes=dashes, zorder=1, label=label)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,56 +15,29 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
+from bristle_sim.render.drawing import WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.render.story import CARRIED, key_events, story_end
-from bristle_sim.render.style import (
-    BLACK,
-    BLUE,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    VERMILION,
-    axes_at,
-    blank_figure,
-    signed,
-    styled,
-)
-from bristle_sim.render.tool_drawing import MILLIMETRES, WireDrawing, close_up, draw_tool, name_parts, toward
+from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
 from bristle_sim.trajectory import Event, Trajectory
 from bristle_sim.trajectory.sampled_motion import Course, SampledMotion
 
-MILLISECONDS, MILLIJOULES = 1e3, 1e3
-
-WIDTH, HEIGHT = 16.0, 20.0
-"""Printed size, cm; the width is that of a page's text."""
-
-DRAWING = (8.7, 6.6)
-"""Width and height of the drawing of the tool, cm."""
-
-PANEL = 13.4
-"""Width of a panel over time, cm."""
-
-LEGEND = 11.4
-"""Height of the row that explains the drawing's colours, cm."""
+DRAWING, PANEL = (8.7, 6.6), (13.4, 2.9)
+"""Width and height of the drawing of the tool and of a panel over time, cm."""
 
 BADGE_GAP = 0.035
 """Least distance between the numbers above a panel, as a fraction of its width."""
 
 _GHOSTS = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
+"""Events at which the drawing of the tool shows the wire, with its colour; other events are grey."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Mark:
+class _Mark(NamedTuple):
     """A numbered instant, shown in every panel."""
 
     number: int
     event: Event
     color: str
-
-    @property
-    def has_ghost(self) -> bool:
-        """Whether the drawing of the tool shows the wire at this instant."""
-        return self.color != GREY
 
 
 @styled()
@@ -79,28 +51,36 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     """
     motion = SampledMotion(trajectory)
     course = motion.course(story_end(trajectory) if until is None else until)
-    end = float(course.time[-1])
-    marks = _marks(trajectory, end)
-    figure = blank_figure(WIDTH, HEIGHT)
-    path, table = axes_at(figure, 1.4, 13.0, *DRAWING), axes_at(figure, 10.25, 13.0, 5.6, 6.6)
+    marks = _marks(trajectory, float(course.time[-1]))
+    figure = blank_figure(16.0, 20.0)
+    path = axes_at(figure, 1.4, 13.0, *DRAWING)
     _draw_path(path, course, tool, trajectory.event_time("strike"))
     _draw_ghosts(path, tool, motion, marks)
-    _draw_table(table, motion, marks)
-    _describe_strike(table, len(marks) + 1.6, trajectory)
-    _explain_colours(figure, path)
-    retraction = axes_at(figure, 2.0, 7.5, PANEL, 2.9)
-    speed = axes_at(figure, 2.0, 4.3, PANEL, 2.9, sharex=retraction)
-    energy = axes_at(figure, 2.0, 1.1, PANEL, 2.9, sharex=retraction)
-    _draw_line(retraction, course.time, np.degrees(course.retraction), "retraction", "retraction (°)")
-    _draw_line(speed, course.time, course.relative_speed, "relative speed", "relative\nspeed (rad/s)")
-    _draw_energy(energy, course, trajectory, motion, "belt" if tool.gravity == 0.0 else "belt and gravity")
-    path.yaxis.set_label_coords(-1.05 / DRAWING[0], 0.5)
-    for axes in (retraction, speed, energy):
-        axes.yaxis.set_label_coords(-1.05 / PANEL, 0.5)  # in line, however wide the numbers are
-        for mark in marks:
-            axes.axvline(mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1)
-    retraction.set_xlim(course.time[0] * MILLISECONDS, end * MILLISECONDS)
-    _number_instants(retraction, marks)
+    handles = [
+        *path.get_legend_handles_labels()[0],
+        Line2D([], [], color=GREY, linewidth=3.0, label="wire, in the colour of its instant"),
+        Line2D([], [], color=GREEN, linestyle="none", marker="o", markersize=4.5, label="root in the belt"),
+    ]
+    figure.legend(handles=handles, loc="center", bbox_to_anchor=(0.5, 0.57), ncols=len(handles), columnspacing=1.6)
+    _draw_table(axes_at(figure, 10.25, 13.0, 5.6, 6.6), motion, marks, trajectory)
+    potential = "belt" if tool.gravity == 0.0 else "belt and gravity"
+    energies: dict[str, tuple[Array, dict[str, Any]]] = {
+        "sum": (trajectory.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
+        "bristle, kinetic": (trajectory.kinetic_energy, {"color": BLUE}),
+        potential: (trajectory.potential_energy, {"color": GREEN}),
+    }
+    rows: tuple[tuple[str, dict[str, tuple[Array, dict[str, Any]]]], ...] = (
+        ("retraction (°)", {"retraction": (np.degrees(course.retraction), {"color": BLUE})}),
+        ("relative\nspeed (rad/s)", {"relative speed": (course.relative_speed, {"color": BLUE})}),
+        ("energy (mJ)", {name: (1e3 * motion.along(course.time, at), look) for name, (at, look) in energies.items()}),
+    )
+    panels: list[Axes] = []
+    for (label, lines), bottom in zip(rows, (7.5, 4.3, 1.1), strict=True):
+        panels.append(axes_at(figure, 2.0, bottom, *PANEL, sharex=panels[0] if panels else None))
+        _draw_lines(panels[-1], label, course.time, lines, marks)
+    panels[0].set_xlim(course.time[0] * MILLISECONDS, course.time[-1] * MILLISECONDS)
+    panels[-1].set_xlabel("time (ms)")
+    _number_instants(panels[0], marks)
     return figure
 
 
@@ -123,32 +103,27 @@ def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> A
     offsets = gap * np.arange(wanted.size)
     rightward = np.maximum.accumulate(wanted - offsets) + offsets
     leftward = np.minimum.accumulate((wanted - offsets)[::-1])[::-1] + offsets
-    centred = 0.5 * (rightward + leftward)
-    below_top = np.minimum(centred, highest - offsets[::-1])
+    below_top = np.minimum(0.5 * (rightward + leftward), highest - offsets[::-1])
     return np.asarray(np.maximum(below_top, lowest + offsets))
 
 
-def _draw_line(axes: Axes, time: Array, values: Array, name: str, label: str) -> None:
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
-    axes.plot(time * MILLISECONDS, values, color=BLUE, gid=name)
+def _draw_lines(
+    axes: Axes, label: str, time: Array, lines: dict[str, tuple[Array, dict[str, Any]]], marks: Sequence[_Mark]
+) -> None:
+    """Draw quantities over time and the numbered instants; several lines are named in a row above them."""
+    for name, (values, look) in lines.items():
+        axes.plot(time * MILLISECONDS, values, label=name, gid=name, **look)
+    for mark in marks:
+        axes.axvline(mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1)
     axes.set_ylabel(label, linespacing=1.4)
-    axes.tick_params(labelbottom=False)
-
-
-def _draw_energy(axes: Axes, course: Course, trajectory: Trajectory, motion: SampledMotion, potential: str) -> None:
-    lines: tuple[tuple[str, Array, dict[str, Any]], ...] = (
-        ("sum", trajectory.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
-        ("bristle, kinetic", trajectory.kinetic_energy, {"color": BLUE}),
-        (potential, trajectory.potential_energy, {"color": GREEN}),
-    )
-    for name, samples, look in lines:
-        values = motion.along(course.time, samples) * MILLIJOULES
-        axes.plot(course.time * MILLISECONDS, values, label=name, gid=f"energy, {name}", **look)
-    axes.set_ylabel("energy (mJ)")
-    axes.set_xlabel("time (ms)")
-    axes.legend(loc="upper left", ncols=3, borderaxespad=0.2, columnspacing=1.2)
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(bottom, top + 0.25 * (top - bottom))  # room for the legend
+    axes.yaxis.set_label_coords(-1.05 / PANEL[0], 0.5)  # in line, however wide the numbers are
+    axes.tick_params(labelbottom=len(lines) > 1)
+    if len(lines) > 1:
+        axes.legend(loc="upper left", ncols=3, borderaxespad=0.2, columnspacing=1.2)
+        bottom, top = axes.get_ylim()
+        axes.set_ylim(bottom, top + 0.25 * (top - bottom))  # room for the legend
+    else:
+        axes.axhline(0.0, color=GREY, linewidth=0.6)
 
 
 def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
@@ -158,11 +133,11 @@ def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
     above = axes.get_xaxis_transform()
     for mark, time, place in zip(marks, times, spread(times, BADGE_GAP * (last - first), first, last), strict=True):
         axes.plot([time, place], [1.0, 1.06], color=mark.color, linewidth=0.6, transform=above, clip_on=False)
-        _badge(axes, (place, 1.12), str(mark.number), mark.color, above)
+        _badge(axes, (place, 1.12), mark, above)
 
 
 def _draw_path(axes: Axes, course: Course, tool: Tool, strike: float | None) -> None:
-    view = close_up(course, tool, DRAWING[0] / DRAWING[1])
+    view = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1])
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
     # The sample after an impact begins the second line, so that the two meet at the strike.
@@ -174,67 +149,51 @@ def _draw_path(axes: Axes, course: Course, tool: Tool, strike: float | None) -> 
     if strike is not None:
         axes.plot(*tip[after - 1 :].T, color=PURPLE, gid="tip path after the strike", label="tip path after it", **look)
     view.apply(axes)
-    axes.set_xlabel("x (mm)")
-    axes.set_ylabel("y (mm)")
+    axes.set(xlabel="x (mm)", ylabel="y (mm)")
+    axes.yaxis.set_label_coords(-1.05 / DRAWING[0], 0.5)
     name_parts(axes, tool, 7.0)
-
-
-def _explain_colours(figure: Figure, path: Axes) -> None:
-    """Explain the lines of the drawing in a row below it."""
-    handles = [*path.get_legend_handles_labels()[0]]
-    handles.append(Line2D([], [], color=GREY, linewidth=3.0, label="wire, in the colour of its instant"))
-    handles.append(Line2D([], [], color=GREEN, linestyle="none", marker="o", markersize=4.5, label="root in the belt"))
-    place = (0.5, LEGEND / HEIGHT)
-    figure.legend(handles=handles, loc="center", bbox_to_anchor=place, ncols=len(handles), columnspacing=1.6)
 
 
 def _draw_ghosts(axes: Axes, tool: Tool, motion: SampledMotion, marks: Sequence[_Mark]) -> None:
     """Draw the wire at the first touch, the release and the strike, numbered at its root."""
-    ghosts = [mark for mark in marks if mark.has_ghost]
-    radius = max(tool.hub.radius * MILLIMETRES - 0.045 * np.ptp(axes.get_ylim()), 0.0)
-    apart = 0.065 * np.ptp(axes.get_ylim()) / max(radius, 1e-9)
+    ghosts = [mark for mark in marks if mark.color != GREY]
+    height = float(np.ptp(axes.get_ylim()))
+    radius = max(tool.hub.radius * MILLIMETRES - 0.045 * height, 0.0)
     roots = motion.hub_angle([mark.event.time for mark in ghosts])
-    for mark, place in zip(ghosts, spread(roots, apart, -np.inf, np.inf), strict=True):
+    for mark, place in zip(ghosts, spread(roots, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf), strict=True):
         ghost = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
         ghost.wire.set_gid(f"wire {mark.number}")
         ghost.place(motion.centre_line(mark.event.time))
-        _badge(axes, radius * toward(place), str(mark.number), mark.color)
+        _badge(axes, radius * toward(place), mark)
 
 
-def _badge(axes: Axes, place: ArrayLike, text: str, color: str, transform: Transform | None = None) -> None:
+def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | None = None) -> None:
+    """Write an instant's number in a circle."""
     x, y = np.asarray(place, dtype=float)
-    box = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": color, "linewidth": 0.8}
+    box = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": mark.color, "linewidth": 0.8}
     look: dict[str, Any] = {"fontsize": 6.5, "ha": "center", "va": "center", "bbox": box, "zorder": 6}
-    axes.text(x, y, text, color=color, transform=transform or axes.transData, **look)
+    axes.text(x, y, str(mark.number), color=mark.color, transform=transform or axes.transData, **look)
 
 
-def _draw_table(axes: Axes, motion: SampledMotion, marks: Sequence[_Mark]) -> None:
-    """List the numbered instants with their figures."""
+def _draw_table(axes: Axes, motion: SampledMotion, marks: Sequence[_Mark], trajectory: Trajectory) -> None:
+    """List the numbered instants, and below them the strike's speeds, or why there is none."""
     axes.set_axis_off()
-    axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(-14.5, 1.0)
-    columns = {0.08: "event", 0.765: "time\n(ms)", 1.0: "retraction\n(°)"}
-    for x, heading in columns.items():
+    axes.set(xlim=(0.0, 1.0), ylim=(-14.5, 1.0))
+    for x, heading in {0.08: "event", 0.765: "time\n(ms)", 1.0: "retraction\n(°)"}.items():
         axes.text(x, 0.4, heading, ha="left" if x < 0.5 else "right", va="center", fontsize=7.0, color=GREY)
     for row, mark in enumerate(marks, start=1):
-        retraction = np.degrees(motion.retraction(mark.event.time))
-        _badge(axes, (0.03, 0.12 - row), str(mark.number), mark.color)
+        retraction = float(np.degrees(motion.retraction(mark.event.time)))
+        _badge(axes, (0.03, 0.12 - row), mark)
         axes.text(0.08, -row, mark.event.name, fontsize=7.0)
         axes.text(0.765, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
-        axes.text(1.0, -row, signed(float(retraction), 2), fontsize=7.0, ha="right")
-
-
-def _describe_strike(axes: Axes, row: float, trajectory: Trajectory) -> None:
-    """Write speeds before and after the first strike, or why there is none."""
+        axes.text(1.0, -row, signed(retraction, 2), fontsize=7.0, ha="right")
     contact = trajectory.first_contact("workpart")
-    if contact is None:
-        lines = ["no strike; the run ended:", trajectory.stop_reason]
-    else:
-        arriving, leaving = math.hypot(*contact.velocity_before), math.hypot(*contact.velocity_after)
+    lines = ["no strike; the run ended:", str(trajectory.stop_reason)]
+    if contact is not None:
         lines = [
             f"strike: {contact.rates_before[0] - trajectory.hub_speed:.1f} rad/s relative to the hub,",
-            f"tip arrives at {arriving:.2f} m/s",
-            f"and leaves at {leaving:.2f} m/s ({contact.outcome})",
+            f"tip arrives at {math.hypot(*contact.velocity_before):.2f} m/s",
+            f"and leaves at {math.hypot(*contact.velocity_after):.2f} m/s ({contact.outcome})",
         ]
     for number, line in enumerate(lines):
-        axes.text(0.0, -row - 0.9 * number, line, fontsize=7.0)
+        axes.text(0.0, -len(marks) - 1.6 - 0.9 * number, line, fontsize=7.0)

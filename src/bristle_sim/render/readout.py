@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from bristle_sim.render.style import BLACK
+from bristle_sim.render.colours import BLACK
 
 Pixels = NDArray[np.uint8]
 

@@ -22,7 +22,7 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import Choice, Range
 from bristle_sim.render.story import phases, story_end
-from bristle_sim.render.tool_drawing import MILLIMETRES
+from bristle_sim.render.style import MILLIMETRES
 from bristle_sim.trajectory import Trajectory
 
 Parameter = tuple[Range | Choice, Any, Any]
@@ -61,7 +61,6 @@ def write_report(
         OSError: naming the file, if it cannot be written.
     """
     run, tool = getattr(report.subject, "trajectory", None), getattr(report.subject, "tool", None)
-    motion = motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("bristle_sim.render", "."), autoescape=True, undefined=jinja2.StrictUndefined
     )
@@ -72,13 +71,12 @@ def write_report(
         answer=answer(report),
         command=command,
         table=cells(report.quantities),
-        outcome=report.outcome,
         phases=report.phases,
         remarks=[each for each in report.remarks if each],
         parameters=[(declared, _shown(value), value == default) for declared, value, default in parameters],
         figures=[] if plot is None else _figures(report, plot, plot_is_folder),
         video=None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
-        motion=motion,
+        motion=motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
         versions={"bristle_sim": bristle_sim.__version__, "Python": platform.python_version()}
         | {library: metadata.version(library) for library in LIBRARIES},
     )
@@ -119,8 +117,9 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     }
     bar, end = tool.bar, float(run.time[shown][-1])
     return {
-        "time": _rounded(1e3 * run.time[shown]),
-        **{name: _rounded(row[shown].reshape(shown.sum(), -1)) for name, row in rows.items()},
+        # To nanometres and picoseconds, which keeps a page small.
+        "time": np.round(1e3 * run.time[shown], 6).tolist(),
+        **{name: np.round(row[shown].reshape(shown.sum(), -1), 6).tolist() for name, row in rows.items()},
         "hubRadius": tool.hub.radius * MILLIMETRES,
         "wire": tool.bristle.wire_diameter * MILLIMETRES,
         "bar": None if bar is None else [each * MILLIMETRES for each in (*bar.centre, bar.radius)],
@@ -134,11 +133,6 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     }
 
 
-def _rounded(values: Any) -> Any:
-    """Nested lists of numbers to nanometres and picoseconds, which keeps a page small."""
-    return np.round(values, 6).tolist()
-
-
 def _figures(report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool) -> list[Markup]:
     with TemporaryDirectory() as folder:
         target = Path(folder)
@@ -147,7 +141,7 @@ def _figures(report: Report, plot: Callable[[Report, Path], None], plot_is_folde
 
 
 def _inline(path: Path) -> Markup:
-    """A figure as an element of the page: an SVG without its XML head, another picture by its bytes."""
+    """Return a figure as an element of the page: an SVG without its XML head, another picture by its bytes."""
     if path.suffix != ".svg":
         return Markup('<img src="{}" alt="{}">').format(_embedded(path), path.stem.replace("_", " "))
     drawing = path.read_text(encoding="utf-8")

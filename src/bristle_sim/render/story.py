@@ -19,15 +19,15 @@ SAME_INSTANT = 1e-9
 CARRIED = math.radians(1.0)
 """A bristle that starts nearer than this to the radial direction is carried along, not thrown, rad."""
 
-_LAST_COUNTS = ("bar release", "workpart release")  # after a few taps the last release is the one that matters
-
+THROWN = "released: the belt throws the tip"
+OUTCOMES = {"stiction": "stiction: no rebound", "jam": "jammed"}
 _CAPTIONS = {
-    "bar release": "released: the belt throws the tip",
+    "bar release": THROWN,
     "workpart release": "off the workpart",
-    "retraction limit": "retraction limit",
     "jam": "jammed",
+    "retraction limit": "retraction limit",
 }
-_OUTCOMES = {"rebound": "rebound", "no rebound": "no rebound", "stiction": "stiction: no rebound", "jam": "jammed"}
+_SUSTAINED = {"bar": "held back by the bar", "workpart": "drags along the workpart"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +51,13 @@ def story_end(trajectory: Trajectory) -> float:
 def key_events(trajectory: Trajectory, until: float = math.inf) -> tuple[Event, ...]:
     """Return the events that are labelled, in order of time: of each name one up to the strike and one after it.
 
-    Of several it is the first that counts; of releases, the last. At most nine are returned.
+    Of several it is the first that counts; of releases, after a few taps, the last. At most nine are returned.
     """
     strike = trajectory.event_time("strike")
     chosen: dict[tuple[str, bool], Event] = {}
     for event in (each for each in _told(trajectory) if each.time <= until):
         rank = (event.name, strike is not None and event.time > strike)
-        if rank not in chosen or event.name in _LAST_COUNTS:
+        if rank not in chosen or event.name.endswith(" release"):
             chosen[rank] = event
     return tuple(sorted(chosen.values(), key=lambda event: event.time)[:MOST_LABELS])
 
@@ -68,13 +68,14 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
     ``strike_shown`` is the time in s for which the instant of the strike keeps its caption.
     """
     thrown = abs(trajectory.relative_angle[0]) > CARRIED
-    found = [Phase(float(trajectory.time[0]), "released: the belt throws the tip" if thrown else "turns with the hub")]
-    events = _told(trajectory)
+    found = [Phase(float(trajectory.time[0]), THROWN if thrown else "turns with the hub")]
+    events, contact = _told(trajectory), trajectory.first_contact("workpart")
+    outcome = "rebound" if contact is None else OUTCOMES.get(contact.outcome, contact.outcome)
     for number, event in enumerate(events):
         if event.name == "strike":
             later = (each.time for each in events[number + 1 :] if each.time > event.time)
             shown_until = min(event.time + strike_shown, next(later, math.inf))
-            found += [Phase(event.time, "strike"), Phase(shown_until, _outcome(trajectory))]
+            found += [Phase(event.time, "strike"), Phase(shown_until, outcome)]
         elif (caption := _caption(trajectory, events, number)) is not None:
             found.append(Phase(event.time, caption))
     return tuple(sorted(found, key=lambda phase: phase.start))
@@ -99,25 +100,14 @@ def _told(trajectory: Trajectory) -> tuple[Event, ...]:
 
 
 def _caption(trajectory: Trajectory, events: tuple[Event, ...], number: int) -> str | None:
+    """Return what begins with an event; a touch is sustained if a release follows, else a bounce."""
     event, strike = events[number], trajectory.event_time("strike")
-    if event.name in ("bar touch", "workpart touch"):
-        obstacle = event.name.removesuffix(" touch")
-        return _touch_caption(events[number + 1 :], obstacle)
+    obstacle = event.name.removesuffix(" touch")
+    if obstacle in _SUSTAINED:
+        following = (each.name for each in events[number + 1 :] if each.name.startswith(f"{obstacle} "))
+        return _SUSTAINED[obstacle] if next(following, "") == f"{obstacle} release" else f"bounces off the {obstacle}"
     if event.name == "largest retraction" and strike is not None and event.time > strike:
         return "thrown forward again"
     if event.name == "highest relative speed" and strike is None:
         return "past its highest speed"
     return _CAPTIONS.get(event.name)
-
-
-def _touch_caption(later: tuple[Event, ...], obstacle: str) -> str:
-    """Return the caption of a touch: sustained if a release follows, else a bounce."""
-    following = (each.name for each in later if each.name in (f"{obstacle} touch", f"{obstacle} release"))
-    held = next(following, None) == f"{obstacle} release"
-    sustained = {"bar": "held back by the bar", "workpart": "drags along the workpart"}
-    return sustained[obstacle] if held else f"bounces off the {obstacle}"
-
-
-def _outcome(trajectory: Trajectory) -> str:
-    contact = trajectory.first_contact("workpart")
-    return "rebound" if contact is None else _OUTCOMES.get(contact.outcome, contact.outcome)

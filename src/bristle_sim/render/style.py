@@ -6,9 +6,11 @@ Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 poi
 
 from __future__ import annotations
 
+import argparse
 import io
 import math
-from collections.abc import Collection, Iterator
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,46 +21,31 @@ from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.files import complete_or_absent
+from bristle_sim.files import checked_target, complete_or_absent
+from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES
 
-BLACK, GREY, LIGHT = "#1a1a1a", "#6b6b6b", "#e4e4e4"
-BLUE, ORANGE, GREEN, VERMILION = "#0072b2", "#e69f00", "#009e73", "#d55e00"
-PURPLE, SKY = "#b8578e", "#56b4e9"
-SERIES = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY, BLACK)
-
+MILLIMETRES, MILLISECONDS, MICROSECONDS = 1e3, 1e3, 1e6
+"""Of what is drawn in one metre or one second; everything else is in SI units."""
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54
 
 _SETTINGS: dict[Any, Any] = {
     "font.family": "DejaVu Sans",  # carried by matplotlib: the same letters on every machine
-    "font.size": 8.0,
-    "axes.labelsize": 8.0,
+    **dict.fromkeys(("font.size", "axes.labelsize"), 8.0),
+    **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), 7.0),
     "axes.titlesize": 9.0,
-    "axes.linewidth": 0.6,
-    "axes.edgecolor": GREY,
-    "axes.labelcolor": BLACK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
+    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
+    **dict.fromkeys(("axes.edgecolor", "xtick.color", "ytick.color"), GREY),
+    **dict.fromkeys(("axes.labelcolor", "xtick.labelcolor", "ytick.labelcolor"), BLACK),
+    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
+    **dict.fromkeys(("axes.grid", "axes.axisbelow"), True),
     "axes.prop_cycle": cycler(color=SERIES),
-    "xtick.labelsize": 7.0,
-    "ytick.labelsize": 7.0,
-    "xtick.color": GREY,
-    "ytick.color": GREY,
-    "xtick.labelcolor": BLACK,
-    "ytick.labelcolor": BLACK,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
     "grid.color": LIGHT,
-    "grid.linewidth": 0.5,
-    "axes.grid": True,
-    "axes.axisbelow": True,
+    **dict.fromkeys(("grid.linewidth", "hatch.linewidth"), 0.5),
     "lines.linewidth": 1.2,
     "lines.solid_capstyle": "round",
-    "legend.fontsize": 7.0,
-    "legend.frameon": False,
     "legend.handlelength": 1.6,
-    "hatch.linewidth": 0.5,
     "savefig.facecolor": "white",
     "svg.hashsalt": "bristle_sim",  # same picture, same bytes
     "svg.fonttype": "none",
@@ -124,22 +111,6 @@ def scale_for(largest: float, unit: str) -> Scale:
     return Scale(10.0**-exponent, _PREFIXES[exponent] + unit)
 
 
-def checked_target(path: str | Path, suffixes: Collection[str]) -> Path:
-    """Return the path of a file that can be written, or raise ValueError in one line.
-
-    Raises:
-        ValueError: if the suffix is none of ``suffixes``, or the folder does not exist.
-    """
-    target = Path(path)
-    if target.suffix.lower() not in suffixes:
-        raise ValueError(f"{target}: must be a file name that ends in {', '.join(sorted(suffixes))}")
-    if not target.parent.is_dir():
-        raise ValueError(f"{target}: must be a file name in an existing folder; {target.parent} does not exist")
-    if target.is_dir():
-        raise ValueError(f"{target}: must be a file name, not a folder")
-    return target
-
-
 def save_figure(figure: Figure, path: str | Path) -> Path:
     """Write a figure as png, svg or pdf by the path's suffix; equal figures give equal bytes.
 
@@ -152,3 +123,17 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     with complete_or_absent(target) as partial, styled():
         figure.savefig(partial, format=kind, metadata=undated)
     return target
+
+
+def write_page(arguments: Sequence[str] | None, module: str, suffix: str, write: Callable[[Path], object]) -> int:
+    """Write a page to the file that the only argument of ``python -m`` names; returns 2 where that cannot be done."""
+    parser = argparse.ArgumentParser(prog=f"python -m bristle_sim.render.{module}")
+    parser.add_argument("target", metavar=f"FILE{suffix}")
+    try:
+        target = checked_target(parser.parse_args(arguments).target, (suffix,))
+    except ValueError as error:
+        print(f"{parser.prog}: error: {error}", file=sys.stderr)
+        return 2
+    with complete_or_absent(target) as partial:
+        write(partial)
+    return 0

@@ -8,8 +8,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import BLACK, BLUE, SKY, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
+from bristle_sim.render.panels import add_panel, note
+from bristle_sim.render.style import axes_at, blank_figure, styled
 from bristle_sim.studies.sobol import Study
 
 SHOWN: dict[str, tuple[str, str, float]] = {
@@ -36,49 +37,35 @@ def tolerance_figure(study: Study) -> Figure:
     for number, output in enumerate(study.outputs):
         bottom = height - ROW * (number + 1) + 0.9
         title, unit, factor = SHOWN.get(output, (output.replace("_", " "), "", 1.0))
-        histogram = axes_at(figure, 1.3, bottom, 5.4, 2.1)
-        panel_title(histogram, "abcdefghij"[number % 10], title)
-        _draw_values(histogram, factor * study.values[number], unit)
+        axes, values = add_panel(figure, (1.3, bottom, 5.4, 2.1), title), factor * study.values[number]
+        axes.hist(values, bins="auto", color=SKY, gid="histogram")
+        axes.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)
+        axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
+        axes.set_yticks([])
+        axes.set_xlabel(unit, labelpad=1.0)
+        words = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
+        note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
         _draw_indices(axes_at(figure, 10.3, bottom, 5.3, 2.4), study, number)
-    _explain(figure)
+    handles = [
+        Patch(facecolor=SKY, label="passes"),
+        Patch(facecolor=BLUE, alpha=0.12, label="95 % of them"),
+        Patch(facecolor=VERMILION, alpha=0.45, label="total Sobol index"),
+        Line2D([], [], color=BLUE, marker="o", markersize=3.2, label="first-order index, 95 % intervals as lines"),
+    ]
+    figure.legend(handles=handles, loc="lower center", ncols=4, columnspacing=1.4)
     return figure
-
-
-def _draw_values(axes: Axes, values: np.ndarray, unit: str) -> None:
-    low, high = np.percentile(values, (2.5, 97.5))
-    axes.hist(values, bins="auto", color=SKY, gid="histogram")
-    axes.axvspan(low, high, color=BLUE, alpha=0.12, linewidth=0.0)
-    axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
-    axes.set_yticks([])
-    axes.set_xlabel(unit, labelpad=1.0)
-    words = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
-    note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
 
 
 def _draw_indices(axes: Axes, study: Study, number: int) -> None:
     """Draw bars of the total index with the first-order index as points, both with their intervals, largest first."""
     chosen = np.argsort(-study.total[number])[:MOST]
-    places = np.arange(chosen.size)
-    total, first = study.total[number, chosen], study.first_order[number, chosen]
-    axes.barh(places, total, color=VERMILION, alpha=0.45, height=0.7, gid="total")
-    sides = ((total, study.total_interval, VERMILION, "", 0.17), (first, study.first_order_interval, BLUE, "o", -0.17))
-    for values, intervals, color, marker, shift in sides:
-        ends = intervals[number, chosen]
-        axes.hlines(places + shift, ends[:, 0], ends[:, 1], color=color, linewidth=0.9)
-        if marker:
-            axes.plot(values, places + shift, marker, color=color, markersize=3.2, gid="first order")
+    places, first = np.arange(chosen.size), study.first_order[number, chosen]
+    axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7, gid="total")
+    axes.plot(first, places - 0.17, "o", color=BLUE, markersize=3.2, gid="first order")
+    sides = ((study.total_interval, VERMILION, 0.17), (study.first_order_interval, BLUE, -0.17))
+    for intervals, color, shift in sides:
+        axes.hlines(places + shift, *intervals[number, chosen].T, color=color, linewidth=0.9)
     axes.set_yticks(places, [study.inputs[each].replace("_", " ") for each in chosen])
     axes.invert_yaxis()
     axes.set_xlim(min(-0.02, float(study.first_order_interval[number, chosen].min())), None)
     axes.tick_params(axis="y", length=0.0)
-
-
-def _explain(figure: Figure) -> None:
-    handles = [
-        Patch(facecolor=SKY),
-        Patch(facecolor=BLUE, alpha=0.12),
-        Patch(facecolor=VERMILION, alpha=0.45),
-        Line2D([], [], color=BLUE, marker="o", markersize=3.2, linewidth=0.9),
-    ]
-    names = ["passes", "95 % of them", "total Sobol index", "first-order index, 95 % intervals as lines"]
-    figure.legend(handles, names, loc="lower center", ncols=4, columnspacing=1.4)

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -17,11 +17,11 @@ from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from bristle_sim.files import complete_or_absent
+from bristle_sim.files import checked_target, complete_or_absent
 from bristle_sim.render.readout import Readout
-from bristle_sim.render.style import checked_target, styled
+from bristle_sim.render.style import styled
 
-VIDEO_SUFFIXES = (".mp4", ".gif")
+VIDEO_SUFFIXES = (".gif", ".mp4")
 DOTS_PER_INCH = 100.0
 GIF_COLOURS = 64
 GIF_SAMPLES = 30
@@ -36,6 +36,7 @@ class Stage:
     """
 
     def __init__(self, width: int, height: int) -> None:
+        check_size((width, height))
         with styled():
             self.figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
         self.size = (width, height)
@@ -96,10 +97,15 @@ def check_film(suffix: str, size: tuple[int, int], fps: float) -> None:
     highest = 50.0 if kind == ".gif" else 1000.0
     if not 0.0 < fps <= highest:
         raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {highest:g} for {kind} (in 1/s)")
-    if not all(16 <= edge <= 8192 for edge in size):
-        raise ValueError(f"size = {size[0]} x {size[1]}: must be 16 to 8192 along either edge (in px)")
+    check_size(size)
     if kind == ".mp4" and any(edge % 2 for edge in size):
         raise ValueError(f"size = {size[0]} x {size[1]}: must be even numbers for .mp4 (in px)")
+
+
+def check_size(size: tuple[int, int]) -> None:
+    """Raise ValueError unless a picture can have this size, px."""
+    if not all(16 <= edge <= 8192 for edge in size):
+        raise ValueError(f"size = {size[0]} x {size[1]}: must be 16 to 8192 along either edge (in px)")
 
 
 def write_video(
@@ -119,11 +125,10 @@ def write_video(
         OSError: if the encoder fails.
     """
     target = checked_video_target(path)
-    writers: dict[str, Callable[..., None]] = {".mp4": _write_mp4, ".gif": _write_gif}
     check_film(target.suffix, size, fps)
     shown = _progress(_of_size(frames, size), total, target.name)
     with complete_or_absent(target) as partial:
-        writers[target.suffix.lower()](partial, shown, size, fps)
+        (_write_mp4 if target.suffix.lower() == ".mp4" else _write_gif)(partial, shown, size, fps)
     return target
 
 
@@ -175,17 +180,12 @@ def _write_mp4(partial: Path, frames: Iterable[memoryview], size: tuple[int, int
                 process.kill()
                 raise
             finally:
-                _close(process.stdin)
+                with suppress(BrokenPipeError):  # its reader may be gone
+                    process.stdin.close()
         if process.returncode:
             complaints.seek(0)
             words = complaints.read().decode(errors="replace").strip().splitlines()
             raise OSError(f"{partial.name}: ffmpeg failed: {words[-1] if words else process.returncode}")
-
-
-def _close(stream: Any) -> None:
-    """Close a pipe whose reader may be gone."""
-    with suppress(BrokenPipeError):
-        stream.close()
 
 
 def _write_gif(partial: Path, frames: Iterable[memoryview], size: tuple[int, int], fps: float) -> None:

@@ -8,19 +8,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.panels import note, panel_title
-from bristle_sim.render.style import BLACK, BLUE, GREY, SKY, VERMILION, axes_at, blank_figure, styled
+from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
+from bristle_sim.render.panels import add_panel, note
+from bristle_sim.render.style import MILLISECONDS, blank_figure, styled
 from bristle_sim.studies.turn_forces import SampledForce
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 
-WIDTH, HEIGHT = 16.0, 12.8
-"""Printed size, cm."""
-
 PASSES = 12
 """Bristles that pass in the second panel."""
-
-BANDWIDTHS = np.geomspace(100.0, 1e4, 21)
-"""Bandwidths of the third panel, Hz."""
 
 
 @styled()
@@ -32,51 +27,42 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
     """
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is nothing to draw")
-    figure = blank_figure(WIDTH, HEIGHT)
-    one = axes_at(figure, 1.5, 8.4, 12.8, 3.4)
-    shown, over = axes_at(figure, 1.5, 1.2, 7.0, 4.7), axes_at(figure, 11.2, 1.2, 4.4, 4.7)
-    _one_bristle(one, whole)
-    _load_cell(shown, whole)
-    _bandwidths(over, whole)
+    figure = blank_figure(16.0, 12.8)
+    _one_bristle(add_panel(figure, (1.5, 8.4, 12.8, 3.4), "one bristle in a turn, on the workpart"), whole)
+    title = f"{whole.assembly.bristles:g} bristles behind a load cell of {whole.assembly.bandwidth:g} Hz"
+    _load_cell(add_panel(figure, (1.5, 1.2, 7.0, 4.7), title), whole)
+    _bandwidths(add_panel(figure, (11.2, 1.2, 4.4, 4.7), "band over bandwidth"), whole)
     return figure
 
 
 def _one_bristle(axes: Axes, whole: WholeTool) -> None:
-    panel_title(axes, "a", "one bristle in a turn, on the workpart")
-    turned = np.degrees(whole.tool.hub.speed)
+    turned, begin, turn = np.degrees(whole.tool.hub.speed), whole.turn.begin, 360.0 * whole.turn.turns
     impulses = axes.twinx()
     impulses.grid(visible=False)
     impulses.spines["right"].set_visible(True)
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    for each in whole.forces:
-        if each.obstacle != "workpart":
-            continue
+    for each in (each for each in whole.forces if each.obstacle == "workpart"):
         if isinstance(each, SampledForce):
             time = np.linspace(each.begin, each.end, 200)
-            force = each.course(time)[:, 0]
-            angle = turned * (time - whole.turn.begin)
+            force, angle = each.course(time)[:, 0], turned * (time - begin)
             axes.fill_between(angle, force, color=SKY, linewidth=0.0)
             axes.plot([angle[0], *angle], [0.0, *force], color=BLUE)
         else:
-            angle = turned * (each.time - whole.turn.begin)
-            impulses.plot([angle, angle], [0.0, 1e3 * each.integral[0]], color=VERMILION, linewidth=1.4)
+            angle = 2 * [turned * (each.time - begin)]
+            impulses.plot(angle, [0.0, 1e3 * each.integral[0]], color=VERMILION, linewidth=1.4)
     for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN s)", VERMILION)):
         scale.set_ylabel(label, color=color)
         scale.set_ylim(0.0, 1.15 * max(scale.get_ylim()[1], 1e-9))
-    axes.set(xlabel="turn of the hub (°)", xlim=(0.0, 360.0 * whole.turn.turns))
-    axes.set_xticks(np.linspace(0.0, 360.0 * whole.turn.turns, 13))
+    axes.set(xlabel="turn of the hub (°)", xlim=(0.0, turn), xticks=np.linspace(0.0, turn, 13))
 
 
 def _load_cell(axes: Axes, whole: WholeTool) -> None:
-    count, bandwidth = whole.assembly.bristles, whole.assembly.bandwidth
-    panel_title(axes, "b", f"{count:g} bristles behind a load cell of {bandwidth:g} Hz")
     series = load_cell_series(whole)
-    force = series["normal_force (N)"]
+    force, end = series["normal_force (N)"], MILLISECONDS * PASSES * whole.period
     low, high = np.percentile(force, BAND)
     time = np.concatenate([series["time (s)"] + number * whole.period for number in range(PASSES)])
-    end = 1e3 * PASSES * whole.period
     axes.axhspan(low, high, color=SKY, alpha=0.35, linewidth=0.0)
-    axes.plot(1e3 * time, np.tile(force, PASSES), color=BLUE)
+    axes.plot(MILLISECONDS * time, np.tile(force, PASSES), color=BLUE)
     axes.axhline(force.mean(), color=BLACK, linewidth=0.8)
     for level, words in ((high, f"95 %:\n{high:.2f} N"), (low, f"5 %:\n{low:.2f} N")):
         note(axes, words, (end, level), (3.0, 0.0), ha="left", va="center")
@@ -85,16 +71,14 @@ def _load_cell(axes: Axes, whole: WholeTool) -> None:
 
 
 def _bandwidths(axes: Axes, whole: WholeTool) -> None:
-    panel_title(axes, "c", "band over bandwidth")
-    bands = []
-    for bandwidth in BANDWIDTHS:
-        assembly = dataclasses.replace(whole.assembly, bandwidth=float(bandwidth))
+    bandwidths, bands = np.geomspace(100.0, 1e4, 21), []
+    for bandwidth in bandwidths.tolist():
+        assembly = dataclasses.replace(whole.assembly, bandwidth=bandwidth)
         force = load_cell_series(dataclasses.replace(whole, assembly=assembly))["normal_force (N)"]
         bands.append([*np.percentile(force, BAND), force.mean()])
     low, high, mean = np.transpose(bands)
-    axes.fill_between(BANDWIDTHS, low, high, color=SKY, alpha=0.35, linewidth=0.0)
-    axes.plot(BANDWIDTHS, low, color=BLUE)
-    axes.plot(BANDWIDTHS, high, color=BLUE)
-    axes.plot(BANDWIDTHS, mean, color=BLACK, linewidth=0.8)
+    axes.fill_between(bandwidths, low, high, color=SKY, alpha=0.35, linewidth=0.0)
+    axes.plot(bandwidths, low, bandwidths, high, color=BLUE)
+    axes.plot(bandwidths, mean, color=BLACK, linewidth=0.8)
     axes.axvline(whole.assembly.bandwidth, color=GREY, linewidth=0.8, linestyle="--")
     axes.set(xlabel="bandwidth (Hz)", ylabel="normal force (N)", xscale="log")

@@ -6,13 +6,14 @@ A wheel carries the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work t
 from __future__ import annotations
 
 import ast
-import difflib
-import importlib.util
 import sys
 from collections.abc import Sequence
+from importlib.machinery import SourceFileLoader
+from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 
 import bristle_sim
+from bristle_sim.parameter_file import likely_key
 from bristle_sim.scenario_cli import output
 from bristle_sim.scenario_cli.main import BAD_INPUT
 from bristle_sim.scenario_cli.main import main as run
@@ -33,8 +34,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     known = scripts()
     name = given[0].removesuffix(".py")
     if name not in known:
-        likely = difflib.get_close_matches(name.replace("-", "_"), list(known), n=1)
-        advice = f"did you mean {likely[0]}?" if likely else f"{PROGRAM} alone lists the scenarios"
+        advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
         output.tell(f"{PROGRAM}: error: unknown scenario {given[0]!r}; {advice}")
         return BAD_INPUT
     return run(load(known[name]), given[1:], program=f"{PROGRAM} {name}")
@@ -51,12 +51,11 @@ def scripts() -> dict[str, Path]:
 def load(path: Path) -> Scenario:
     """Import a script as a module of bristle_sim.scenarios, and return its scenario."""
     name = f"bristle_sim.scenarios.{path.stem}"
-    specification = importlib.util.spec_from_file_location(name, path)
+    loader = SourceFileLoader(name, str(path))
+    specification = spec_from_loader(name, loader)
     assert specification is not None
-    assert specification.loader is not None
-    module = importlib.util.module_from_spec(specification)
-    sys.modules[name] = module
-    specification.loader.exec_module(module)
+    module = sys.modules[name] = module_from_spec(specification)
+    loader.exec_module(module)
     scenario = module.SCENARIO
     assert isinstance(scenario, Scenario)
     return scenario

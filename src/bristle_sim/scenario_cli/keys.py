@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from bristle_sim import parameter_file
@@ -42,7 +41,8 @@ def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
         if not equals:
             raise ValueError(f"--set {setting!r}: must be KEY=VALUE")
         if key not in keys:
-            raise ValueError(f"--set {setting!r}: unknown key {key!r}; {_advice(key, keys)}")
+            advice = parameter_file.likely_key(key, keys, "--list-keys shows all keys")
+            raise ValueError(f"--set {setting!r}: unknown key {key!r}; {advice}")
         typed[key] = keys[key][0].parse(text)
     values = {key: default for key, (_, default) in keys.items()} | typed
     for key, (declared, default) in keys.items():
@@ -87,12 +87,6 @@ def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
         elif value != defaults[key][1]:
             idle.append(f"{path}: {key} = {text} has no effect on {scenario.name}")
     return settings, idle
-
-
-def _advice(key: str, keys: Iterable[str]) -> str:
-    """Name the key that was likely meant, or say how to list all."""
-    likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), list(keys), n=1)
-    return f"did you mean {likely[0]}?" if likely else "--list-keys shows all keys"
 
 
 def _holds(condition: str, values: Values) -> bool:

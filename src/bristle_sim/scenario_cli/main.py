@@ -9,9 +9,10 @@ import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from bristle_sim.comparison import Report, Unfinished
+from bristle_sim.files import checked_target
 from bristle_sim.scenario_cli import output
 from bristle_sim.scenario_cli.ending import ending_in_order
 from bristle_sim.scenario_cli.keys import key_list, settings_from, takes_tool, values_of, warnings_of
@@ -62,11 +63,11 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, command: str) -> int:
     pages = (options.plot or "").lower().endswith(".pdf")
     targets = {
-        "--plot": output.target("--plot", options.plot, PICTURES, folder=scenario.plot_is_folder and not pages),
-        "--video": output.target("--video", options.video, VIDEOS),
-        "--csv": output.target("--csv", options.csv),
-        "--report": output.target("--report", options.report, (".html",)),
-        "--json": None if options.json == "-" else output.target("--json", options.json),
+        "--plot": _target(options, "plot", PICTURES, folder=scenario.plot_is_folder and not pages),
+        "--video": _target(options, "video", VIDEOS),
+        "--csv": _target(options, "csv"),
+        "--report": _target(options, "report", (".html",)),
+        "--json": None if options.json == "-" else _target(options, "json"),
     }
     inputs = [(key, values[key]) for key, (declared, _) in scenario.keys().items() if declared.unit == "file"]
     output.require_different([("--parameters", options.parameters), *inputs, *targets.items()])
@@ -76,26 +77,25 @@ def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, com
         report, status = interruption.report, INTERRUPTED
     if not status:
         _draw(scenario, report, targets)
-        if targets["--report"] is not None:
+        if (page := targets["--report"]) is not None:
             from bristle_sim.render.report import write_report
 
-            write_report(
-                targets["--report"],
-                report,
-                name=scenario.name,
-                question=scenario.question,
-                command=command,
-                parameters=[(declared, values[key], default) for key, (declared, default) in scenario.keys().items()],
-                plot=scenario.plot,
-                plot_is_folder=scenario.plot_is_folder,
-                video=targets["--video"],
-            )
-            output.tell(f"--report: wrote {targets['--report']}")
+            shown = {name: getattr(scenario, name) for name in ("name", "question", "plot", "plot_is_folder")}
+            parameters = [(declared, values[key], default) for key, (declared, default) in scenario.keys().items()]
+            write_report(page, report, command=command, parameters=parameters, video=targets["--video"], **shown)
+            output.tell(f"--report: wrote {page}")
     text = output.document(scenario, values, report, finished=not status)
     if targets["--json"] is not None:
         output.write_json(targets["--json"], text)
     output.say(text if options.json == "-" else output.in_words(report))
     return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
+
+
+def _target(
+    options: argparse.Namespace, name: str, suffixes: Sequence[str] = (), *, folder: bool = False
+) -> Path | None:
+    path = getattr(options, name)
+    return None if path is None else checked_target(path, suffixes, option=f"--{name}", folder=folder)
 
 
 def _run(scenario: Scenario, values: Values, settings: Sequence[str]) -> Report:
@@ -128,43 +128,27 @@ class _Parser(argparse.ArgumentParser):
 
 
 def _parser(scenario: Scenario, program: str) -> _Parser:
+    """Return a parser of the options that the scenario has; those it has not are as if left out."""
     parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        action="append",
-        default=[],
-        help="override a parameter, in SI units or with a unit (27mm); the last of a key counts",
-    )
-    if takes_tool(scenario):
-        parser.add_argument("--parameters", metavar="FILE.toml", help="read the tool from a file; --set overrides it")
-    else:
-        parser.set_defaults(parameters=None)
-    parser.add_argument("--json", metavar="FILE", help="write the results as JSON; - for standard output")
+    words = "override a parameter, in SI units or with a unit (27mm); the last of a key counts"
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
     where = "FOLDER|FILE.pdf" if scenario.plot_is_folder else "FILE"
-    offers = (
+    for name, offered, what, words in (
+        ("parameters", takes_tool(scenario), "FILE.toml", "read the tool from a file; --set overrides it"),
+        ("json", True, "FILE", "write the results as JSON; - for standard output"),
         ("csv", scenario.series, "FILE", "write the time series, one row a sample"),
         ("plot", scenario.plot, where, "draw a figure (png, svg, pdf)"),
         ("video", scenario.video, "FILE", "render a video (mp4, gif)"),
-    )
-    for name, offered, what, words in offers:
-        if offered is not None:
+        ("report", True, "FILE.html", "write a page with question, answer, figures and parameters"),
+    ):
+        if offered:
             parser.add_argument(f"--{name}", metavar=what, help=words)
         else:
             parser.set_defaults(**{name: None})
-    parser.add_argument(
-        "--report", metavar="FILE.html", help="write a page with question, answer, figures and parameters"
-    )
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
     for key in scenario.options:
-        parser.add_argument(
-            f"--{key}",
-            dest="set",
-            metavar="VALUE",
-            action="append",
-            type=f"{key}={{}}".format,
-            help=f"--set {key}=VALUE",
-        )
+        setting: dict[str, Any] = {"dest": "set", "action": "append", "type": f"{key}={{}}".format}
+        parser.add_argument(f"--{key}", metavar="VALUE", help=f"--set {key}=VALUE", **setting)
     return parser
 
 

@@ -18,26 +18,6 @@ from bristle_sim.files import complete_or_absent, is_special
 from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values
 
 
-def target(option: str, name: str | None, suffixes: tuple[str, ...] = (), *, folder: bool = False) -> Path | None:
-    """Return the file (or folder) that an option names, checked before anything is computed; no suffixes admit any.
-
-    Raises:
-        ValueError: in one line, for a name that cannot be written.
-    """
-    if name is None:
-        return None
-    path = Path(name)
-    if suffixes and not folder and path.suffix.lower() not in suffixes:
-        raise ValueError(f"{option} = {name!r}: must be a file name that ends in {', '.join(suffixes)}")
-    if path.is_dir() != folder and path.exists():
-        raise ValueError(f"{option} = {name!r}: must be {'a folder' if folder else 'a file, not a folder'}")
-    place = Path(os.path.realpath(path))
-    writable = path if is_special(path) else place if folder and place.is_dir() else place.parent
-    if not (writable.is_dir() or is_special(writable)) or not os.access(writable, os.W_OK):
-        raise ValueError(f"{option} = {name!r}: must be in an existing, writable folder")
-    return path
-
-
 def require_different(named: Iterable[tuple[str, Path | str | None]]) -> None:
     """Raise ValueError if two options or keys name one file; a device such as /dev/null may serve several."""
     seen: dict[str, str] = {}

@@ -86,20 +86,20 @@ def motion_at(run: Trajectory, time: ArrayLike, *, side: str = "after") -> Motio
             f"time = {instants[outside].flat[0]:g}: must be from {run.time[0]:g} to {run.time[-1]:g}, within the run (in s)"
         )
     links, corners = run.angles.shape[1], run.centre_line.shape[1]
-    found, change = _interpolated(run, instants.ravel(), side)
-    shape, lines = instants.shape, (*instants.shape, corners, 2)
+    found = _interpolated(run, instants.ravel(), side)
+    angles, lines = (*instants.shape, links), (*instants.shape, corners, 2)
     return Motion(
         time=instants,
         hub_angle=np.asarray(run.hub_angle[0] + run.hub_speed * (instants - run.time[0])),
-        angles=found[:, :links].reshape(*shape, links),
-        rates=change[:, :links].reshape(*shape, links),
-        centre_line=found[:, links:].reshape(lines),
-        centre_line_velocity=change[:, links:].reshape(lines),
+        angles=found[0, :, :links].reshape(angles),
+        rates=found[1, :, :links].reshape(angles),
+        centre_line=found[0, :, links:].reshape(lines),
+        centre_line_velocity=found[1, :, links:].reshape(lines),
     )
 
 
-def _interpolated(run: Trajectory, instants: Array, side: str) -> tuple[Array, Array]:
-    """Values and slopes at instants, each of shape (instants, columns)."""
+def _interpolated(run: Trajectory, instants: Array, side: str) -> Array:
+    """Values and slopes of angles and corners at instants, shape (2, instants, columns)."""
     from scipy.interpolate import KroghInterpolator
 
     rows, inner, kinks = _samples(run)
@@ -110,31 +110,32 @@ def _interpolated(run: Trajectory, instants: Array, side: str) -> tuple[Array, A
     windows: dict[tuple[int, int], list[int]] = {}
     for number, (instant, piece) in enumerate(zip(instants.tolist(), chosen.tolist(), strict=True)):
         windows.setdefault(_window(rows.time, pieces[piece], instant), []).append(number)
-    found = np.empty((2, instants.size, rows.places.shape[1]))
+    found = np.empty((2, instants.size, rows.states.shape[2]))
     for (first, last), numbers in windows.items():
         within = slice(*np.searchsorted(inner.time, rows.time[[first, last]]))
-        nodes = [np.concatenate([own[first : last + 1], more[within]]) for own, more in zip(rows, inner, strict=True)]
-        order = np.argsort(nodes[0])
+        time, states = (
+            np.concatenate([own[first : last + 1], more[within]]) for own, more in zip(rows, inner, strict=True)
+        )
+        order = np.argsort(time)
         # Every sample twice: the second time its row is the slope there.
-        both = np.stack(nodes[1:], axis=1)[order].reshape(2 * order.size, -1)
-        curve = KroghInterpolator(np.repeat(nodes[0][order], 2), both)
+        curve = KroghInterpolator(np.repeat(time[order], 2), states[order].reshape(2 * order.size, -1))
         found[:, numbers] = curve(instants[numbers]), curve.derivative(instants[numbers])
-    return found[0], found[1]
+    return found
 
 
 class _Samples(NamedTuple):
-    """Instants of shape (k,), with angles and corners of the centre line there and their rates, of shape (k, columns)."""
+    """Instants, shape (k,), and there angles and corners with their slopes, shape (k, 2, columns)."""
 
     time: Array
-    places: Array
-    slopes: Array
+    states: Array
 
     @classmethod
-    def of(cls, run: Trajectory | InnerSamples) -> _Samples:
-        """Return the samples of a run, or the inner ones."""
-        count = run.time.size
-        lines = (each.reshape(count, -1) for each in (run.centre_line, run.centre_line_velocity))
-        return cls(run.time, *(np.hstack(each) for each in zip((run.angles, run.rates), lines, strict=True)))
+    def of(cls, samples: Trajectory | InnerSamples) -> _Samples:
+        """Return those of a run, or of the instants between them."""
+        rows = samples.time.size
+        places = np.hstack([samples.angles, samples.centre_line.reshape(rows, -1)])
+        slopes = np.hstack([samples.rates, samples.centre_line_velocity.reshape(rows, -1)])
+        return cls(samples.time, np.stack([places, slopes], axis=1))
 
 
 def _samples(run: Trajectory) -> tuple[_Samples, _Samples, set[int]]:
@@ -150,20 +151,18 @@ def _samples(run: Trajectory) -> tuple[_Samples, _Samples, set[int]]:
     for contact in run.contacts:
         if not contact.duration:
             continue
-        inside = (inner.time >= contact.time) & (inner.time <= contact.time + (1.0 + SAME) * contact.duration)
-        begin, end = (
-            int(np.abs(rows.time - each).argmin()) for each in (contact.time, contact.time + contact.duration)
-        )
+        end = contact.time + contact.duration
+        inside = (inner.time >= contact.time) & (inner.time <= end + SAME * contact.duration)
+        begin, last = (int(np.abs(rows.time - each).argmin()) for each in (contact.time, end))
         begin = int(np.searchsorted(rows.time, rows.time[begin], side="right")) - 1
         if contact.history is not None and inside.any():
-            rows = _Samples(
-                *(np.insert(own, begin + 1, more[inside], axis=0) for own, more in zip(rows, inner, strict=True))
-            )
+            both = zip(rows, inner, strict=True)
+            rows = _Samples(*(np.insert(own, begin + 1, more[inside], axis=0) for own, more in both))
             inner = _Samples(*(each[~inside] for each in inner))
             continue
-        kinks |= {begin, begin + 1, end}
+        kinks |= {begin, begin + 1, last}
         if contact.history is None and run.inner_samples is not None:
-            kinks |= set(range(begin, end))
+            kinks |= set(range(begin, last))
     return rows, inner, kinks
 
 

@@ -18,20 +18,9 @@ if TYPE_CHECKING:
 FORMAT = 2
 """Number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines."""
 
-ARRAYS = (
-    "time",
-    "hub_angle",
-    "angles",
-    "rates",
-    "centre_line",
-    "centre_line_velocity",
-    "kinetic_energy",
-    "potential_energy",
-    "normal_force",
-)
-
-INNER = tuple(each.name for each in dataclasses.fields(InnerSamples))
-"""Names of the inner samples' arrays, which a file may leave out."""
+INNER, HISTORY = (tuple(each.name for each in dataclasses.fields(kind)) for kind in (InnerSamples, ContactHistory))
+ARRAYS = ("time", "hub_angle", *INNER[1:], "kinetic_energy", "potential_energy", "normal_force")
+"""Names of the arrays of inner samples and of histories, which a file may leave out, and of those that it has."""
 
 
 def write(run: Trajectory, path: str | Path) -> None:
@@ -44,26 +33,22 @@ def write(run: Trajectory, path: str | Path) -> None:
 
     arrays: dict[str, Any] = {name: getattr(run, name) for name in ARRAYS}
     if run.inner_samples is not None:
-        for name in INNER:
-            arrays[f"inner_{name}"] = getattr(run.inner_samples, name)
+        arrays |= {f"inner_{name}": getattr(run.inner_samples, name) for name in INNER}
     contacts = []
     for number, contact in enumerate(run.contacts):
         row = dataclasses.asdict(dataclasses.replace(contact, history=None))
         if contact.history is not None:
             row["history"] = True
-            for each in dataclasses.fields(ContactHistory):
-                arrays[f"contact{number}_{each.name}"] = getattr(contact.history, each.name)
+            arrays |= {f"contact{number}_{name}": getattr(contact.history, name) for name in HISTORY}
         contacts.append(row)
     meta = {
         "format": FORMAT,
-        "hub_speed": run.hub_speed,
+        **{name: getattr(run, name) for name in ("hub_speed", "parameters", "stop_detail")},
         "events": [dataclasses.asdict(event) for event in run.events],
         "contacts": contacts,
         "stop_reason": run.stop_reason.name,
         "cost": dataclasses.asdict(run.cost),
-        "parameters": run.parameters,
         "contact_at_end": dataclasses.asdict(run.contact_at_end),
-        "stop_detail": run.stop_detail,
     }
     with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
         np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
@@ -81,40 +66,30 @@ def read(path: Path) -> dict[str, Any]:
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             meta = json.loads(str(stored["metadata"]))
-            if meta["format"] != FORMAT:
+            if (found := meta.pop("format")) != FORMAT:
                 raise ValueError(
-                    f"written in format {meta['format']}, this version reads format {FORMAT}; simulate the run again"
+                    f"written in format {found}, this version reads format {FORMAT}; simulate the run again"
                 )
-            return _arguments(meta, stored)
+            return {
+                **meta,
+                **{name: stored[name] for name in ARRAYS},
+                "events": tuple(Event(**row) for row in meta["events"]),
+                "contacts": tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"])),
+                "stop_reason": StopReason[meta["stop_reason"]],
+                "cost": Cost(**meta["cost"]),
+                "contact_at_end": ContactAtEnd(**meta["contact_at_end"]),
+                "inner_samples": InnerSamples(*(stored[f"inner_{name}"] for name in INNER))
+                if "inner_time" in stored
+                else None,
+            }
     except OSError:
         raise
     except Exception as error:  # zip, JSON and NumPy each have their own for a file that is something else
         raise ValueError(f"{path}: not a trajectory file ({error})") from error
 
 
-def _arguments(meta: dict[str, Any], stored: Any) -> dict[str, Any]:
-    inner = None
-    if "inner_time" in stored:
-        inner = InnerSamples(**{name: stored[f"inner_{name}"] for name in INNER})
-    return {
-        **{name: stored[name] for name in ARRAYS},
-        "hub_speed": meta["hub_speed"],
-        "events": tuple(Event(**row) for row in meta["events"]),
-        "contacts": tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"])),
-        "stop_reason": StopReason[meta["stop_reason"]],
-        "cost": Cost(**meta["cost"]),
-        "parameters": meta["parameters"],
-        "contact_at_end": ContactAtEnd(**meta["contact_at_end"]),
-        "stop_detail": meta.get("stop_detail", ""),
-        "inner_samples": inner,
-    }
-
-
 def _contact(row: dict[str, Any], number: int, stored: Any) -> ContactRecord:
-    has_history = row.pop("history") is not None
-    history = None
-    if has_history:
-        names = (each.name for each in dataclasses.fields(ContactHistory))
-        history = ContactHistory(**{name: stored[f"contact{number}_{name}"] for name in names})
     values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
-    return ContactRecord(**values, history=history)
+    if values["history"] is not None:
+        values["history"] = ContactHistory(*(stored[f"contact{number}_{name}"] for name in HISTORY))
+    return ContactRecord(**values)

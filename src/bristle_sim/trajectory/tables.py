@@ -17,22 +17,16 @@ if TYPE_CHECKING:
 MISSING = "must be installed: pip install bristle-sim[sweep]"
 
 UNITS = {
-    "hub_angle": "rad",
-    "angle": "rad",
-    "rate": "rad/s",
-    "relative_angle": "rad",
-    "relative_rate": "rad/s",
+    **dict.fromkeys(("hub_angle", "angle", "relative_angle"), "rad"),
+    **dict.fromkeys(("rate", "relative_rate"), "rad/s"),
+    **dict.fromkeys(("kinetic_energy", "potential_energy"), "J"),
     "centre_line": "m",
     "centre_line_velocity": "m/s",
-    "kinetic_energy": "J",
-    "potential_energy": "J",
     "normal_force": "N",
 }
 DIMENSIONS = {
-    "angle": ("time", "link"),
-    "rate": ("time", "link"),
-    "centre_line": ("time", "corner", "axis"),
-    "centre_line_velocity": ("time", "corner", "axis"),
+    **dict.fromkeys(("angle", "rate"), ("time", "link")),
+    **dict.fromkeys(("centre_line", "centre_line_velocity"), ("time", "corner", "axis")),
 }
 """Dimensions of what has more than that of time."""
 
@@ -47,11 +41,9 @@ def to_dataframe(run: Trajectory) -> pd.DataFrame:
         import pandas as pd
     except ImportError as error:
         raise ImportError(f"pandas: {MISSING}") from error
-    named = {
-        title.partition(" (")[0]: (title.partition(" (")[2][:-1], values) for title, values in run.columns().items()
-    }
-    frame = pd.DataFrame({name: values for name, (_, values) in named.items()})
-    frame.attrs["units"] = {name: unit for name, (unit, _) in named.items()}
+    titles = {title: title.removesuffix(")").split(" (") for title in run.columns()}
+    frame = pd.DataFrame({titles[title][0]: values for title, values in run.columns().items()})
+    frame.attrs["units"] = dict(titles.values())
     return frame
 
 

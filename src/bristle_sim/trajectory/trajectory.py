@@ -13,10 +13,9 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory.interpolation import motion_at
-from bristle_sim.trajectory.pictures import animate, plot
+from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples
 from bristle_sim.trajectory.storage import read, write
-from bristle_sim.trajectory.summary import summary, summary_page
 from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 
 NOTABLE = 0.01

@@ -35,16 +35,8 @@ TABLES = {
 class HardCaseChoice(Declared):
     """Which cases to try."""
 
-    theme: str = choice(
-        "all", "theme", ("all", *TABLES), source="chosen: every theme", meaning="kind of hard case that is tried"
-    )
-    effort: str = choice(
-        "full",
-        "effort",
-        ("full", "quick"),
-        source="chosen: quick leaves out what takes long",
-        meaning="whether the cases that take long are tried too",
-    )
+    theme: str = choice("all", "theme", ("all", *TABLES), source="chosen: every theme")
+    effort: str = choice("full", "effort", ("full", "quick"), source="chosen: quick leaves out what takes long")
 
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:

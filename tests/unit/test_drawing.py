@@ -15,10 +15,10 @@ from matplotlib.text import Text
 import bristle_sim
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
+from bristle_sim.render.drawing import close_up, wire_outline
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.pass_video import PassScene
 from bristle_sim.render.story import key_events
-from bristle_sim.render.tool_drawing import close_up, wire_outline
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.sampled_motion import SampledMotion
@@ -76,7 +76,7 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
 
 WIRE_DRAWINGS = (
     "trajectory/sampled_motion",
-    "render/tool_drawing",
+    "render/drawing",
     "render/pass_figure",
     "render/pass_video",
     "render/cue_figure",
@@ -150,7 +150,7 @@ def test_scene_and_reference_agree_on_the_centre_line():
 
 def test_close_up_holds_wire_bar_and_surface_at_the_aspect_asked_for(run):
     tool, course = Tool(), SampledMotion(run).course()
-    view = close_up(course, tool, 1.5)
+    view = close_up(course.centre_line, tool, 1.5)
     assert (view.right - view.left) / (view.top - view.bottom) == pytest.approx(1.5)
     assert view.left < 1e3 * min(run.tip[:, 0].min(), -tool.bar.horizontal - tool.bar.radius)
     assert view.bottom < -1e3 * tool.workpart_depth < view.top
