@@ -55,6 +55,13 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
     return dict(zip(CONTACT_UNITS, values, strict=True))
 
 
+def outcome_of(contact: ContactRecord | None) -> str:
+    """Return the report's word for how a contact ended; a jam is a stiction that no law resolves."""
+    if contact is None:
+        return "no contact"
+    return "stiction" if contact.outcome == "jam" else contact.outcome
+
+
 class GivenUpError(ValueError):
     """The method has given a run up, which says nothing of the motion that would follow."""
 
