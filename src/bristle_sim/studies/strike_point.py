@@ -62,6 +62,12 @@ def outcome_of(contact: ContactRecord | None) -> str:
     return "stiction" if contact.outcome == "jam" else contact.outcome
 
 
+def ran(run: Trajectory) -> dict[str, Any]:
+    """Return a run's events and cost, as a report has them."""
+    events = tuple((event.name, event.time) for event in run.events)
+    return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
+
+
 class GivenUpError(ValueError):
     """The method has given a run up, which says nothing of the motion that would follow."""
 
