@@ -37,7 +37,7 @@ from bristle_sim.theory.force_history import (
 )
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles, specific_cutting_energy
-from bristle_sim.theory.pendulum_phases import stick_friction
+from bristle_sim.theory.pendulums import stick_friction
 from bristle_sim.trajectory import Trajectory
 
 SPEED_RATIO, PRINTED_RATE = 3.23, 845.6

@@ -27,7 +27,7 @@ import numpy as np
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.quantity import shown
-from bristle_sim.theory.checks import RANGES, checked_arguments, positive, require
+from bristle_sim.theory.checks import checked_arguments, positive, require
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""
@@ -185,50 +185,54 @@ class Cue:
     bar_vertical: float
 
 
+@checked_arguments
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad.
 
     Raises:
         ValueError: if the tool lacks bar, workpart or belt stiffness.
     """
-    retraction = _retraction(tool, retraction)
+    _check_tool(tool)
     rate, damping = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root), tool.belt.damping_ratio
     speed = damped_highest_speed(retraction, rate, damping)
     return placed_cue(tool, retraction, damped_cue_time(rate, damping), speed)
 
 
+@checked_arguments
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad.
 
     Raises:
         ValueError: if the tool lacks bar or workpart, or nothing drives the bristle.
     """
-    retraction = _retraction(tool, retraction)
+    _check_tool(tool)
     swing = (retraction, tool.belt.stiffness, field_stiffness(tool), tool.bristle.inertia_about_root)
     return placed_cue(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
 
 
 def field_stiffness(tool: Tool) -> float:
     """Return g of a tool, N m/rad."""
+    _check_tool(tool)
     bristle, hub = tool.bristle, tool.hub
     return float(centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
 
 
-def _retraction(tool: Tool, retraction: float) -> float:
+def _check_tool(tool: Tool) -> None:
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
-    return RANGES["retraction"].check(retraction)
 
 
-def placed_cue(tool: Tool, retraction: float, time: Number, speed: Number) -> Cue:
+@checked_arguments
+def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
     """Place the bar for a cue time (2.1): S (sin, cos)(A + theta_1 + gamma) along and normal to the workpart.
 
     S is the tip's distance from the hub's centre and the bar's reach, its radius and half of the wire's, which the
-    dissertation neglects. Retraction in rad, time in s, speed in rad/s.
+    dissertation neglects. Retraction in rad, time in s, highest speed in rad/s.
 
     Raises:
         ValueError: if the tool lacks bar or workpart.
     """
+    _check_tool(tool)
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be there")
     geometry, turn = (tool.hub.radius, tool.bristle.length), tool.hub.speed * time
@@ -236,4 +240,4 @@ def placed_cue(tool: Tool, retraction: float, time: Number, speed: Number) -> Cu
     lag, radius = tip_lag(*geometry, retraction), tip_radius(*geometry, retraction)
     distance, direction = tool.bar_reach + radius, lag + turn + angle
     place = (distance * np.sin(direction), distance * np.cos(direction))
-    return Cue(*(float(each) for each in (angle, radius, lag, time, turn, speed, distance, direction, *place)))
+    return Cue(*(float(each) for each in (angle, radius, lag, time, turn, relative_speed, distance, direction, *place)))
