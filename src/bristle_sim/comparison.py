@@ -3,10 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
+from types import MappingProxyType
 from typing import Any
+
+Values = Mapping[str, float | None]
+"""Numbers by the names of their quantities; None for what is not known."""
+
+SIDES = ("simulated", "theory", "reference", "printed")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,17 +75,25 @@ class Quantity:
 
     def as_dict(self) -> dict[str, Any]:
         """The row as plain values, finite or None."""
-        return {
-            "name": self.name,
-            "unit": self.unit,
-            "simulated": finite(self.simulated),
-            "theory": finite(self.theory),
-            "reference": finite(self.reference),
-            "printed": finite(self.printed),
-            "relative_difference": finite(self.relative_difference),
-            "tolerance": finite(self.tolerance),
-            "ok": self.ok,
-        }
+        numbers = {name: finite(getattr(self, name)) for name in (*SIDES, "relative_difference", "tolerance")}
+        return {"name": self.name, "unit": self.unit, **numbers, "ok": self.ok}
+
+
+def rows(
+    units: Mapping[str, str],
+    simulated: Values,
+    theory: Values = MappingProxyType({}),
+    reference: Values = MappingProxyType({}),
+    printed: Values = MappingProxyType({}),
+    tolerance: float | Callable[[str], float | None] | None = None,
+) -> tuple[Quantity, ...]:
+    """Return a quantity for each name that has a unit, from what each side gives by name."""
+    found = []
+    for name, unit in units.items():
+        one, other, third, fourth = (side.get(name) for side in (simulated, theory, reference, printed))
+        within = tolerance(name) if callable(tolerance) else tolerance
+        found.append(Quantity(name, unit, one, other, third, fourth, within))
+    return tuple(found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,26 +162,20 @@ def table(quantities: Sequence[Quantity]) -> str:
 
 def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
     """Return the table's cells, its head first, without columns that would be empty and those that are left out."""
-    sides = ("simulated", "theory", "reference", "printed")
-    head = ["quantity", "unit", *sides, "difference from", "within", "ok"]
-    rows = [head, *(_row(each, sides, digits) for each in quantities)]
-    kept = [i for i, title in enumerate(head) if title in head[:3] or any(row[i] != "-" for row in rows[1:])]
-    return [[row[i] for i in kept if head[i] not in left_out] for row in rows]
+    head = ["quantity", "unit", *SIDES, "difference from", "within", "ok"]
+    lines = [head, *(_cells(each, digits) for each in quantities)]
+    kept = [i for i, title in enumerate(head) if title in head[:3] or any(line[i] != "-" for line in lines[1:])]
+    return [[line[i] for i in kept if head[i] not in left_out] for line in lines]
 
 
 def _table(quantities: Sequence[Quantity], digits: int, left_out: Sequence[str]) -> list[str]:
-    rows = cells(quantities, digits, left_out)
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = []
-    for row in rows:
-        words = [cell.ljust(width) for cell, width in zip(row[:2], widths[:2], strict=True)]
-        words += [cell.rjust(width) for cell, width in zip(row[2:], widths[2:], strict=True)]
-        lines.append("  ".join(words).rstrip())
-    lines.insert(1, "-" * max(map(len, lines)))
-    return lines
+    found = cells(quantities, digits, left_out)
+    widths = [max(map(len, column)) for column in zip(*found, strict=True)]
+    lines = [side_by_side([[cell] for cell in row], widths, range(2, len(row)))[0] for row in found]
+    return [lines[0], "-" * max(map(len, lines)), *lines[1:]]
 
 
-def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Sequence[int] = ()) -> list[str]:
+def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()) -> list[str]:
     """Join cells of several lines each into the lines of a row; those whose number is in ``right`` stand at the right."""
     lines = []
     for parts in zip_longest(*columns, fillvalue=""):
@@ -177,19 +185,20 @@ def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right:
     return lines
 
 
-def _row(each: Quantity, sides: Sequence[str], digits: int) -> list[str]:
-    unit, factor = _readable_unit(each.unit, (each.simulated, each.theory, each.reference, each.printed))
-    numbers = [_number(getattr(each, side), factor, digits) for side in sides]
+def _cells(each: Quantity, digits: int) -> list[str]:
+    values = [getattr(each, side) for side in SIDES]
+    unit, factor = _readable_unit(each.unit, values)
     difference = _relative(each.relative_difference, "+")
     if difference != "-":
         difference += f" {each.judge_name}"
+    ok = {True: "yes", False: "NO", None: "-"}[each.ok]
     return [
         each.name,
         unit,
-        *numbers,
+        *(_number(value, factor, digits) for value in values),
         difference,
         _relative(each.tolerance),
-        {True: "yes", False: "NO", None: "-"}[each.ok],
+        ok,
     ]
 
 

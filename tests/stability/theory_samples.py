@@ -33,7 +33,14 @@ TOOL: dict[str, Any] = (
     {"hub_radius": 0.0275, "length": 0.027, "penetration": 0.0045, "bar_reach": 0.0047, "tip_radius": 0.05}
     | {"bar_horizontal": 0.05037, "bar_vertical": 0.0225, "distance": 0.055, "direction": 1.15, "retraction": 0.7}
     | {"hub_speed": 261.8, "speed_ratio": 3.23, "natural_rate": 1000.0, "stiffness": 0.0235, "centrifugal": 2e-3}
-    | {"mass": 8.4e-5, "inertia": 2e-8, "damping_ratio": 0.1, "speed_share": 0.9, "initial_rate": 845.6}
+    | {
+        "mass": 8.4e-5,
+        "inertia": 2e-8,
+        "damping_ratio": 0.1,
+        "speed_share": 0.9,
+        "relative_speed": 870.0,
+        "initial_rate": 845.6,
+    }
 )
 IMPACTS: dict[str, Any] = (
     {"tip_speed": 30.0, "impact_angle": 0.4, "impulse": 1e-3, "friction": 0.5, "restitution": 0.42}

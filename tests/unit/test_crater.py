@@ -64,7 +64,6 @@ def test_printed_motion():
     np.testing.assert_allclose(k.bristle_rate(t), 1111 * e - 266.65, rtol=1e-12)
     np.testing.assert_allclose(k.centre_velocity(t), 15 * e + 3.615, rtol=1e-13)
     np.testing.assert_allclose(k.crater_depth(t), 1.3e-4 * (1 - e), rtol=1e-12, atol=1e-20)
-    np.testing.assert_allclose(k.crater_face_depth(t), 2.8e-4 * (1 - e), rtol=1e-12, atol=1e-20)
 
 
 def test_unrounded_motion_obeys_the_geometry_of_a_radial_bristle():

@@ -62,10 +62,13 @@ def test_printed_release_geometry():
     """r_tip = 50.442 mm and A = 22.035 deg at 44.5 deg; the printed bar position is at S = 55.167 mm and 65.93 deg."""
     assert cueing.tip_radius(HUB_RADIUS, LENGTH, RETRACTION) == pytest.approx(0.050442, abs=5e-7)
     assert math.degrees(cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)) == pytest.approx(22.035, abs=5e-4)
-    horizontal, vertical = cueing.bar_position(0.055167, math.radians(65.93))
+    rest = math.radians(65.93) - cueing.tip_lag(HUB_RADIUS, LENGTH, RETRACTION)
+    gamma = cueing.impact_angle(HUB_RADIUS, LENGTH, 0.0045)
+    placed = cueing.placed_cue(operating_point(), RETRACTION, (rest - gamma) / HUB_SPEED, 0.0)
     # Printed to 10 and 100 micrometres; direction and distance are rounded to 1e-4 and 1e-5 of themselves.
-    assert horizontal == pytest.approx(0.05037, abs=5e-6)
-    assert vertical == pytest.approx(0.0225, abs=5e-6)
+    assert placed.bar_distance == pytest.approx(0.055167, abs=5e-7)
+    assert placed.bar_horizontal == pytest.approx(0.05037, abs=5e-6)
+    assert placed.bar_vertical == pytest.approx(0.0225, abs=5e-6)
 
 
 def test_tip_in_cartesian_coordinates():
@@ -78,8 +81,8 @@ def test_tip_in_cartesian_coordinates():
 
 def test_retraction_at_bar_inverts_the_geometry():
     retraction = np.radians([0.001, 1.0, 20.0, 44.5, 90.0, 150.0])
-    distance = cueing.bar_distance(0.004725, cueing.tip_radius(HUB_RADIUS, LENGTH, retraction))
-    place = cueing.bar_position(distance, 1.15)
+    distance = 0.004725 + cueing.tip_radius(HUB_RADIUS, LENGTH, retraction)
+    place = (distance * math.sin(1.15), distance * math.cos(1.15))
     back = cueing.retraction_at_bar(*place, 0.004725, HUB_RADIUS, LENGTH)
     # The tip radius is even in the angle: its rounding, 1e-16 of 55 mm, costs 1e-16/theta_p.
     assert np.all(np.abs(back - retraction) < 1e-15 / retraction + 1e-14)
@@ -93,7 +96,7 @@ def test_printed_stiffness_cannot_be_per_radian():
     """0.00041 N m/rad: 22.6 Hz; the hub turns 166 deg in a quarter period, 69 deg with centrifugal stiffening."""
     plain = cueing.natural_rate(PRINTED_PER_RADIAN, INERTIA)
     assert plain / (2 * math.pi) == pytest.approx(22.6, abs=0.05)
-    assert math.degrees(HUB_SPEED * cueing.cue_time(plain)) == pytest.approx(166.12, abs=0.01)
+    assert math.degrees(HUB_SPEED * cueing.damped_cue_time(plain, 0.0)) == pytest.approx(166.12, abs=0.01)
     stiffened = cueing.stiffened_cue_time(RETRACTION, PRINTED_PER_RADIAN, CENTRIFUGAL, INERTIA)
     assert stiffened == pytest.approx(4.6e-3, abs=5e-5)
     assert math.degrees(HUB_SPEED * stiffened) == pytest.approx(69, abs=0.5)
@@ -149,12 +152,12 @@ def test_stiffened_cue_time_without_a_belt_is_the_pendulums():
 
 
 def test_stiffened_cue_without_rotation_and_for_small_angles():
-    linear = cueing.cue_time(cueing.natural_rate(2.5, 0.3))
+    linear = cueing.damped_cue_time(cueing.natural_rate(2.5, 0.3), 0.0)
     np.testing.assert_allclose(cueing.stiffened_cue_time(np.array([0.1, 2.0]), 2.5, 0.0, 0.3), linear, rtol=1e-14)
-    small = cueing.cue_time(cueing.natural_rate(2.5 + 1.5, 0.3))
+    small = cueing.damped_cue_time(cueing.natural_rate(2.5 + 1.5, 0.3), 0.0)
     # The next term of the pendulum's period is of order theta_p^2.
     assert cueing.stiffened_cue_time(1e-6, 2.5, 1.5, 0.3) == pytest.approx(small, rel=1e-12)
-    speed = cueing.highest_relative_speed(1e-6, cueing.natural_rate(4.0, 0.3))
+    speed = 1e-6 * cueing.natural_rate(4.0, 0.3)
     assert cueing.stiffened_highest_speed(1e-6, 2.5, 1.5, 0.3) == pytest.approx(speed, rel=1e-12)
 
 

@@ -11,7 +11,7 @@ from bristle_sim.parameters.crater import ForceHistory, Measurement
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import PiecewiseCubic, pieces
 from bristle_sim.studies.force_comparison import SEGMENTS, force_comparison, segment_table
-from bristle_sim.studies.force_fits import fit_trials, noisy_points, trial_row
+from bristle_sim.studies.force_fits import fit_trials, noisy_points
 from bristle_sim.studies.timed_contact import resultant_impulse, timed_contact
 from bristle_sim.theory.force_history import BALL, BRISTLE, ForceCurve
 
@@ -73,7 +73,7 @@ def test_a_short_contact_has_the_rigid_bodys_impulse_energy_and_path():
     assert short.compressive_impulse == pytest.approx(1.231668e-3 * math.hypot(1.0, 0.31), rel=2e-4)
     assert -short.work == pytest.approx(1.260658e-2, rel=1e-5)
     # v = v_C cos(pi t/(2 t_c)): the path is 2/pi v_C t_c.
-    assert short.path[short.deepest] == pytest.approx(2.0 / math.pi * SPEED * 1e-9, rel=1e-4)
+    assert short.path[np.argmax(short.history.penetration)] == pytest.approx(2.0 / math.pi * SPEED * 1e-9, rel=1e-4)
 
 
 @pytest.mark.parametrize(
@@ -356,8 +356,8 @@ def test_descriptions_that_do_not_fit_the_file(tmp_path, settings, line):
 def test_a_fit_that_finds_no_curve_where_it_should_is_wrong():
     exact, noisy = fit_trials(BRISTLE, 101, 1.0)
     for trial in (exact, noisy):
-        assert trial_row(trial, BRISTLE).ok is True
-        assert trial_row(dataclasses.replace(trial, fit=None), BRISTLE).ok is False
+        assert trial.row(BRISTLE).ok is True
+        assert dataclasses.replace(trial, fit=None).row(BRISTLE).ok is False
 
 
 def test_the_simulated_force_is_checked_by_its_work():

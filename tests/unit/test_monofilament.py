@@ -107,7 +107,7 @@ def rate_in_compression(impulse, start, friction):
 
 def rate_in_restitution(impulse, friction):
     """(2.43)."""
-    return rate_in_compression(impulse, mono.rest_rate(LENGTH, HUB_RADIUS, HUB_SPEED), -friction)
+    return rate_in_compression(impulse, -HUB_RADIUS / LENGTH * HUB_SPEED, -friction)
 
 
 def test_rates_along_the_impulse_join_up():
@@ -115,7 +115,7 @@ def test_rates_along_the_impulse_join_up():
     compression, final = result.normal_compressive_impulse, result.normal_final_impulse
     start = RATIO * HUB_SPEED
     assert rate_in_compression(0.0, start, 0.2) == start
-    rest = mono.rest_rate(LENGTH, HUB_RADIUS, HUB_SPEED)
+    rest = -HUB_RADIUS / LENGTH * HUB_SPEED
     # Roundings of terms that are twenty times the result.
     assert rate_in_compression(compression, start, 0.2) == pytest.approx(rest, rel=1e-13)
     friction = 0.35

@@ -20,7 +20,7 @@ from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.theory.pendulum_phases import stick_friction
+from bristle_sim.theory.pendulums import stick_friction
 
 ROUNDING = 256.0 * sys.float_info.epsilon
 """Rounding of a strike: some hundred operations on numbers of the order of the result."""

@@ -13,8 +13,7 @@ import pytest
 
 from bristle_sim.theory.impact import OUTCOMES, Impact, energetic_impact, stick_threshold
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulum_phases import stick_friction
-from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
+from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact, stick_friction
 
 
 def lever_contact(lever: np.ndarray, inertia: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

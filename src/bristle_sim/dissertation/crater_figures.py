@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,9 +15,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.parameters.crater import Crater
-from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.crater_study import MEASURED
-from bristle_sim.studies.crater_sums import energy_depth_course, merchant_depth_course
+from bristle_sim.studies.crater_sums import cut_of, energy_depth_course, merchant_depth_course
 from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of
 from bristle_sim.theory.crater import (
     energy_crater_depth,
@@ -30,12 +30,12 @@ from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import PRINTED_ANGLES
 
 DEPTH = Axis("crater depth", "µm", 1e6)
+PATH = Axis("tip's path", "µm", 1e6)
 PLIES = Axis("number of plies $n$", log=True)
 FRICTION = Axis("friction coefficient while cutting $\\mu$")
 ANGLE = Axis("impact angle $\\gamma$", "°", math.degrees(1.0))
 STRESS = Axis("shear yield stress", "MPa", 1e-6)
 
-TIME = np.linspace(0.0, COMPRESSION_TIME, 101)
 WHOLE_PLIES = np.unique(np.geomspace(1, 1e5, 81).astype(int))
 FEW_PLIES = np.array([1, 3, 10, 30, 100, 300, 1000, 10000, 100000])
 ANGLES = (10.0, 15.0, 20.0, 23.4)
@@ -44,49 +44,66 @@ ANGLES = (10.0, 15.0, 20.0, 23.4)
 MEASURED_LEVEL = Level(MEASURED, "measured")
 OWN = Crater()
 
+FAMILIES: dict[str, tuple[str, Axis, str, Array, str, tuple[float, ...]]] = {
+    "4.14": ("friction", FRICTION, "friction", np.linspace(0.45, 4.0, 101), "impact_angle_deg", ANGLES),
+    "4.15": (
+        "the impact angle",
+        ANGLE,
+        "impact_angle",
+        np.radians(np.linspace(0.5, 23.4, 101)),
+        "friction",
+        (0.5, 1.0, 2.0, 4.0),
+    ),
+    "4.17": (
+        "the shear yield stress",
+        STRESS,
+        "shear_yield_stress",
+        np.linspace(0.8e8, 2.4e8, 101),
+        "impact_angle_deg",
+        ANGLES,
+    ),
+}
+"""Depth over a parameter, its axis, name and values, by another one and its values."""
+
 
 def map_figure() -> Redrawn:
     """Figure 4.2: force and motion during compression, beside a contact of the operating point's speed."""
     k, contact = PRINTED_KINEMATICS, bristle_contact(impulse=False)
-    depth = contact.history.penetration
-    speed = np.hypot(contact.history.normal_velocity, contact.history.tangential_velocity)
-    panels = (
-        _over_time(FORCE, "$F$ (3.19)", BRISTLE, contact, contact.resultant.values),
-        _over_time(Axis("tip's path", "µm", 1e6), "$S$ (4.4a)", k.tip_displacement, contact, contact.path),
-        _over_time(Axis("tip's speed", "m/s"), "$v_C$ (4.4b)", k.tip_velocity, contact, speed),
-        _over_time(Axis("bristle's rate", "rad/s"), "$\\dot\\varphi$ (4.6)", k.bristle_rate, contact, contact.rate),
-        _over_time(Axis("centre's speed", "m/s"), "$v_G$ (4.7)", k.centre_velocity, contact, contact.centre_speed),
-        _over_time(Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, contact, depth),
+    h = contact.history
+    courses: tuple[tuple[Axis, str, Callable[[Array], ArrayLike], Array], ...] = (
+        (FORCE, "$F$ (3.19)", BRISTLE, contact.resultant.values),
+        (PATH, "$S$ (4.4a)", k.tip_displacement, contact.path),
+        (
+            Axis("tip's speed", "m/s"),
+            "$v_C$ (4.4b)",
+            k.tip_velocity,
+            np.hypot(h.normal_velocity, h.tangential_velocity),
+        ),
+        (Axis("bristle's rate", "rad/s"), "$\\dot\\varphi$ (4.6)", k.bristle_rate, contact.rate),
+        (Axis("centre's speed", "m/s"), "$v_G$ (4.7)", k.centre_velocity, contact.centre_speed),
+        (Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, h.penetration),
     )
-    return Redrawn(
-        "4.2",
-        "force and motion during compression",
-        panels,
-        "a contact that takes 50 µs to stop a tip of 30 m/s needs some 0.9 mm for it, three times the path of (4.4a)",
-    )
+    note = "a contact that takes 50 µs to stop a tip of 30 m/s needs some 0.9 mm for it, three times the path of (4.4a)"
+    panels = tuple(_over_time(*course) for course in courses)
+    return Redrawn("4.2", "force and motion during compression", panels, note)
 
 
 def displacement_figure() -> Redrawn:
     """Figure 4.3: the tip's path."""
-    contact = bristle_contact(impulse=False)
-    axis = Axis("tip's path", "µm", 1e6)
-    panel = _over_time(axis, "$S$ (4.4a)", PRINTED_KINEMATICS.tip_displacement, contact, contact.path)
-    level = Level(3.25e-4, "measured, 325 µm")
-    end = float(PRINTED_KINEMATICS.tip_displacement(COMPRESSION_TIME))
+    motion = PRINTED_KINEMATICS.tip_displacement
+    panel = _over_time(PATH, "$S$ (4.4a)", motion, bristle_contact(impulse=False).path)
+    end, level = float(motion(COMPRESSION_TIME)), Level(3.25e-4, "measured, 325 µm")
     mark = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm", "left")
-    note = "printed end: 320 µm"
-    return Redrawn(
-        "4.3", "penetration displacement", (dataclasses.replace(panel, levels=(level,), marks=(mark,)),), note
-    )
+    panel = dataclasses.replace(panel, levels=(level,), marks=(mark,))
+    return Redrawn("4.3", "penetration displacement", (panel,), "printed end: 320 µm")
 
 
 def width_figure() -> Redrawn:
     """Figure 4.6: width of the cut."""
     at = COMPRESSION_TIME * np.linspace(0.0, 1.0, 11)[1:]
     printed = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * at)) ** 2)
-    curve = curve_of(
-        "$b$ (4.16)", PRINTED_WIDTH, COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2, {"printed": (at, printed)}
-    )
+    grid = COMPRESSION_TIME * np.linspace(0.0, 1.0, 161) ** 2
+    curve = curve_of("$b$ (4.16)", PRINTED_WIDTH, grid, {"printed": (at, printed)})
     end = float(PRINTED_WIDTH(COMPRESSION_TIME))
     mark, level = Mark(COMPRESSION_TIME, end, f"{1e6 * end:.1f} µm", "left"), Level(6.51e-4, "measured, 651 µm")
     panel = Panel(MICROSECONDS, Axis("cutting width", "µm", 1e6), (curve,), marks=(mark,), levels=(level,))
@@ -95,43 +112,32 @@ def width_figure() -> Redrawn:
 
 def plies_figure() -> Redrawn:
     """Figure 4.13: depth over the number of plies, with exact and rounded angles."""
-
-    def rounded(n: ArrayLike) -> Array:
-        return np.asarray(merchant_crater_depth(plies=np.asarray(n), angles=PRINTED_ANGLES))
-
+    rounded = partial(merchant_crater_depth, angles=PRINTED_ANGLES)
     course = [float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
+    printed = {"printed": (FEW_PLIES, course)}
     curves = (
-        curve_of(
-            "exact angles", lambda n: merchant_crater_depth(plies=n), WHOLE_PLIES, {"printed": (FEW_PLIES, course)}
-        ),
-        curve_of("rounded angles (4.52)", rounded, WHOLE_PLIES),
+        curve_of("exact angles", lambda n: merchant_crater_depth(plies=n), WHOLE_PLIES, printed),
+        curve_of("rounded angles (4.52)", lambda n: rounded(plies=n), WHOLE_PLIES),
     )
-    limit = float(merchant_crater_depth_limit())
-    mark = Mark(300.0, float(rounded(300)), f"{1e6 * float(rounded(300)):.2f} µm, printed 140")
+    limit, depth = float(merchant_crater_depth_limit()), float(rounded(plies=300))
     levels = (MEASURED_LEVEL, Level(limit, f"limit {1e6 * limit:.2f} µm"))
-    note = "300 plies are called converged; the error falls like 1/√n, a tenth of it takes 30000"
-    return Redrawn(
-        "4.13",
-        "crater depth over the number of plies",
-        (Panel(PLIES, DEPTH, curves, marks=(mark,), levels=levels),),
-        note,
+    panel = Panel(
+        PLIES, DEPTH, curves, marks=(Mark(300.0, depth, f"{1e6 * depth:.2f} µm, printed 140"),), levels=levels
     )
+    note = "300 plies are called converged; the error falls like 1/√n, a tenth of it takes 30000"
+    return Redrawn("4.13", "crater depth over the number of plies", (panel,), note)
 
 
-def friction_figure() -> Redrawn:
-    """Figure 4.14: depth over friction, by impact angle."""
-    curves = [
-        _depth_curve(f"{angle:g}°", "friction", np.linspace(0.45, 4.0, 101), impact_angle_deg=angle) for angle in ANGLES
-    ]
-    return _depth_figure("4.14", "crater depth over friction", FRICTION, curves, "$\\gamma$", OWN.friction)
-
-
-def angle_figure() -> Redrawn:
-    """Figure 4.15: depth over the impact angle, by friction."""
-    angles = np.radians(np.linspace(0.5, 23.4, 101))
-    curves = [_depth_curve(f"{mu:g}", "impact_angle", angles, friction=mu) for mu in (0.5, 1.0, 2.0, 4.0)]
-    own = math.radians(OWN.impact_angle_deg)
-    return _depth_figure("4.15", "crater depth over the impact angle", ANGLE, curves, "$\\mu$", own)
+def depth_figure(number: str) -> Redrawn:
+    """Figures 4.14, 4.15 and 4.17: depth over friction, impact angle and shear yield stress; points by the printed sum."""
+    words, axis, along, x, family, values = FAMILIES[number]
+    key, factor = ("impact_angle_deg", math.degrees(1.0)) if along == "impact_angle" else (along, 1.0)
+    bases = (dataclasses.replace(OWN, **{family: value}) for value in values)  # type: ignore[arg-type]
+    curves = tuple(_depth_curve(base, family, along, x) for base in bases)
+    mark = Mark(getattr(OWN, key) / factor, float(merchant_crater_depth()))
+    symbol = "$\\mu$" if family == "friction" else "$\\gamma$"
+    panel = Panel(axis, DEPTH, curves, symbol, (mark,), (MEASURED_LEVEL,))
+    return Redrawn(number, f"crater depth over {words}", (panel,))
 
 
 def constant_depth_figure() -> Redrawn:
@@ -142,19 +148,11 @@ def constant_depth_figure() -> Redrawn:
         angles = angles[[_given(depth, float(angle)) for angle in angles]]
         at = angles[:: max(len(angles) // 8, 1)]
         found = [_friction_by_halving(depth, float(angle)) for angle in at]
-        formula = _friction_at(depth)
+        formula = partial(friction_for_crater_depth, depth)
         curves.append(curve_of(f"{1e6 * depth:.0f} µm", formula, angles, {"printed": (at, found)}))
     mark = Mark(math.radians(OWN.impact_angle_deg), OWN.friction)
     panel = Panel(ANGLE, FRICTION, tuple(curves), family="depth", marks=(mark,))
     return Redrawn("4.16", "friction over the impact angle at constant crater depth", (panel,))
-
-
-def stress_figure() -> Redrawn:
-    """Figure 4.17: depth over the shear yield stress, by impact angle."""
-    stresses = np.linspace(0.8e8, 2.4e8, 101)
-    curves = [_depth_curve(f"{angle:g}°", "shear_yield_stress", stresses, impact_angle_deg=angle) for angle in ANGLES]
-    title = "crater depth over the shear yield stress"
-    return _depth_figure("4.17", title, STRESS, curves, "$\\gamma$", OWN.shear_yield_stress)
 
 
 def energy_figure() -> Redrawn:
@@ -166,8 +164,7 @@ def energy_figure() -> Redrawn:
     )
     mark = Mark(5.0, float(energy_crater_depth_ratio(5)), "5 plies", "left")
     levels = (MEASURED_LEVEL, Level(7.58e-5, "printed, 75.8 µm"))
-    axis = dataclasses.replace(DEPTH, log=True)
-    panel = Panel(PLIES, axis, curves, marks=(mark,), levels=levels)
+    panel = Panel(PLIES, dataclasses.replace(DEPTH, log=True), curves, marks=(mark,), levels=levels)
     note = (
         "the sum grows like ln $n$ until the rounding of $F$(0), 0.02 N, stops it at 14 mm; the ratio falls like 1/$n$"
     )
@@ -179,41 +176,32 @@ FIGURES: dict[str, Callable[[], Redrawn]] = {
     "4.3": displacement_figure,
     "4.6": width_figure,
     "4.13": plies_figure,
-    "4.14": friction_figure,
-    "4.15": angle_figure,
+    "4.14": partial(depth_figure, "4.14"),
+    "4.15": partial(depth_figure, "4.15"),
     "4.16": constant_depth_figure,
-    "4.17": stress_figure,
+    "4.17": partial(depth_figure, "4.17"),
     "4.19": energy_figure,
 }
 
 
-def _over_time(
-    axis: Axis, name: str, formula: Callable[[Array], ArrayLike], contact: TimedContact, values: Array
-) -> Panel:
+def _over_time(axis: Axis, name: str, formula: Callable[[Array], ArrayLike], values: Array) -> Panel:
     """A printed course of the compression with the simulated contact's."""
-    time, first = np.unique(contact.time, return_index=True)
-    kept = time <= COMPRESSION_TIME
-    return Panel(MICROSECONDS, axis, (curve_of(name, formula, TIME, {"contact": (time[kept], values[first][kept])}),))
+    time, first = np.unique(bristle_contact(impulse=False).time, return_index=True)
+    kept, grid = time <= COMPRESSION_TIME, np.linspace(0.0, COMPRESSION_TIME, 101)
+    return Panel(MICROSECONDS, axis, (curve_of(name, formula, grid, {"contact": (time[kept], values[first][kept])}),))
 
 
-def _depth_curve(name: str, along: str, x: Array, **fixed: Any) -> Curve:
-    """Depth with 300 plies over a parameter; points by the printed sum."""
+def _depth_curve(base: Crater, family: str, along: str, x: Array) -> Curve:
     key, factor = ("impact_angle_deg", math.degrees(1.0)) if along == "impact_angle" else (along, 1.0)
-    base = dataclasses.replace(OWN, **fixed)
     at = np.linspace(float(x[0]), float(x[-1]), 8)
     course = [merchant_depth_course(dataclasses.replace(base, **{key: factor * each}))[-1] for each in at.tolist()]
+    name = f"{getattr(base, family):g}{'' if family == 'friction' else '°'}"
 
     def formula(grid: Array) -> Array:
-        given: dict[str, Any] = {"friction": base.friction, "shear_yield_stress": base.shear_yield_stress}
-        given["impact_angle"] = math.radians(base.impact_angle_deg)
-        return np.asarray(merchant_crater_depth(**(given | {along: grid})))
+        given: dict[str, Any] = cut_of(base) | {along: grid}
+        return np.asarray(merchant_crater_depth(**given))
 
-    return curve_of(name, formula, x, {"printed": (at, np.array(course))})
-
-
-def _depth_figure(number: str, title: str, x: Axis, curves: Sequence[Curve], family: str, own: float) -> Redrawn:
-    mark = Mark(own, float(merchant_crater_depth()))
-    return Redrawn(number, title, (Panel(x, DEPTH, tuple(curves), family, (mark,), (MEASURED_LEVEL,)),))
+    return curve_of(name, formula, x, {"printed": (at, course)})
 
 
 def _given(depth: float, angle: float) -> bool:
@@ -223,10 +211,6 @@ def _given(depth: float, angle: float) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _friction_at(depth: float) -> Callable[[Array], Array]:
-    return lambda angles: np.asarray(friction_for_crater_depth(depth, angles))
 
 
 def _friction_by_halving(depth: float, angle: float) -> float:

@@ -12,6 +12,7 @@ from bristle_sim.parameters import DoublePendulum, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.curves import Axis, Level, Panel
 from bristle_sim.studies.double_pendulum_families import Impact, final_rate, heavy_rod_panel, pendulum_curve, weighted
+from bristle_sim.studies.impacts import double_chain
 from bristle_sim.studies.rod_families import OPERATING_POINT, TOTAL, Sweep, sweep_panel
 
 FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (10.0, 15.0, 23.4, 30.0)))
@@ -25,26 +26,29 @@ COMMON_FRICTION = Sweep(
 RESTITUTION = Sweep("friction", 0.0, 1.0, "restitution", (0.2, 0.42, 0.6, 0.8), True)
 REBOUND = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0))
 
+_FINAL, _NORMAL, _TANGENTIAL = "normal_final_impulse", "normal_compressive_work", "tangential_compressive_work"
+
 FIGURES: dict[str, tuple[str, Sweep, str]] = {
-    "2.7": ("normal_compressive_impulse", FRICTION, "normal compressive impulse over friction"),
-    "2.8": ("normal_compressive_impulse", LENGTH, "normal compressive impulse over the bristle's length"),
-    "2.9": ("normal_compressive_impulse", RATIO, "normal compressive impulse over the speed ratio"),
-    "2.10": ("normal_compressive_work", FRICTION, "normal compressive work over friction"),
-    "2.11": ("normal_compressive_work", LENGTH, "normal compressive work over the bristle's length"),
-    "2.12": ("normal_compressive_work", RATIO, "normal compressive work over the speed ratio"),
-    "2.13": ("normal_final_impulse", LATER_FRICTION, "normal final impulse over friction in restitution"),
-    "2.14": ("normal_final_impulse", EARLIER_FRICTION, "normal final impulse over friction in compression"),
-    "2.15": ("tangential_compressive_impulse", FRICTION, "tangential compressive impulse over friction"),
-    "2.16": ("tangential_compressive_work", FRICTION, "tangential compressive work over friction"),
-    "2.17": ("tangential_compressive_work", LENGTH, "tangential compressive work over the bristle's length"),
-    "2.18": ("tangential_compressive_work", RATIO, "tangential compressive work over the speed ratio"),
-    "2.19": (TOTAL, FRICTION, "total compressive work over friction"),
-    "2.20": (TOTAL, LENGTH, "total compressive work over the bristle's length"),
-    "2.21": (TOTAL, RATIO, "total compressive work over the speed ratio"),
-    "2.22": ("normal_final_impulse", COMMON_FRICTION, "normal final impulse over friction, by impact angle"),
-    "2.23": ("normal_final_impulse", RESTITUTION, "normal final impulse over friction, by restitution"),
-    "2.24": ("rebound_ratio", REBOUND, "rebound ratio over the impact angle"),
+    "2.7": ("normal_compressive_impulse", FRICTION, "over friction"),
+    "2.8": ("normal_compressive_impulse", LENGTH, "over the bristle's length"),
+    "2.9": ("normal_compressive_impulse", RATIO, "over the speed ratio"),
+    "2.10": (_NORMAL, FRICTION, "over friction"),
+    "2.11": (_NORMAL, LENGTH, "over the bristle's length"),
+    "2.12": (_NORMAL, RATIO, "over the speed ratio"),
+    "2.13": (_FINAL, LATER_FRICTION, "over friction in restitution"),
+    "2.14": (_FINAL, EARLIER_FRICTION, "over friction in compression"),
+    "2.15": ("tangential_compressive_impulse", FRICTION, "over friction"),
+    "2.16": (_TANGENTIAL, FRICTION, "over friction"),
+    "2.17": (_TANGENTIAL, LENGTH, "over the bristle's length"),
+    "2.18": (_TANGENTIAL, RATIO, "over the speed ratio"),
+    "2.19": (TOTAL, FRICTION, "over friction"),
+    "2.20": (TOTAL, LENGTH, "over the bristle's length"),
+    "2.21": (TOTAL, RATIO, "over the speed ratio"),
+    "2.22": (_FINAL, COMMON_FRICTION, "over friction, by impact angle"),
+    "2.23": (_FINAL, RESTITUTION, "over friction, by restitution"),
+    "2.24": ("rebound_ratio", REBOUND, "over the impact angle"),
 }
+"""Quantity, sweep, and the end of the title, which begins with the quantity."""
 
 NOTES = {
     "2.13": "grows without bound towards tan $\\gamma$ = 0.433 (dashed), from where on the tip does not rebound",
@@ -54,13 +58,13 @@ NOTES = {
     "2.24": "flat where the tip stays at rest: $\\mu$ ≥ tan $\\gamma$",
 }
 
-FRICTIONS = (0.3, 0.5, 0.7)
 RATES = {"2.28": (1, "rod BC"), "2.29": (0, "rod OB")}
 
 
 def impact_figure(number: str) -> Redrawn:
     """Return one of figures 2.7-2.24."""
     quantity, sweep, title = FIGURES[number]
+    title = f"{quantity.replace('_', ' ')} {title}"
     return Redrawn(number, title, (sweep_panel(quantity, sweep),), NOTES.get(number, ""))
 
 
@@ -77,17 +81,11 @@ def double_pendulum_figure(number: str) -> Redrawn:
     """Return figures 2.28 and 2.29: rates after impact over the mass ratio, for frictions that stick and reverse."""
     rod, name = RATES[number]
     pendulum = DoublePendulum()
-    angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
-    chain = Chain(
-        (pendulum.mass, pendulum.mass),
-        (pendulum.length, pendulum.length),
-        (-angles[0], -angles[1]),
-        (-pendulum.rate_1, -pendulum.rate_2),
-    )
+    chain = double_chain(dataclasses.replace(pendulum, mass_ratio=1.0))
     measure = final_rate(rod)
     curves = tuple(
         pendulum_curve(f"{mu:g}", measure, _over_mass_ratio(chain, Surface(mu, None, 0.5)), _RATIOS, _SIMULATED)
-        for mu in FRICTIONS
+        for mu in (0.3, 0.5, 0.7)
     )
     levels = (Level(pendulum.rate_1, "before the impact"),) if rod == 0 else ()
     axis = Axis(f"rate after impact, {name}", "rad/s")

@@ -7,8 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from itertools import groupby
 
-from bristle_sim.dissertation.audit import audit_rows, shown_number
-from bristle_sim.dissertation.audit_row import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow
+from bristle_sim.dissertation.audit import DIFFERS, NOT_COMPUTABLE, REPRODUCED, AuditRow, audit_rows, shown_number
 from bristle_sim.render.style import write_page
 
 COMMAND = "python -m bristle_sim.render.audit_table media/audit.md"

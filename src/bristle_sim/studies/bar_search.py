@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from scipy.optimize import minimize_scalar, toms748
 
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import GivenUpError, NotCuedError, simulated_strike, start_angle, strike_measures
 from bristle_sim.theory import cueing
@@ -53,11 +53,16 @@ class Place:
 
 def placed(tool: Tool, direction: float) -> Tool:
     """The tool with its bar in another direction at the same distance, rad."""
+    bar = _bar_of(tool)
+    distance = math.hypot(bar.horizontal, bar.vertical)
+    horizontal, vertical = distance * math.sin(direction), distance * math.cos(direction)
+    return dataclasses.replace(tool, bar=dataclasses.replace(bar, horizontal=horizontal, vertical=vertical))
+
+
+def _bar_of(tool: Tool) -> Bar:
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be there, or nothing is cued")
-    distance = math.hypot(tool.bar.horizontal, tool.bar.vertical)
-    horizontal, vertical = distance * math.sin(direction), distance * math.cos(direction)
-    return dataclasses.replace(tool, bar=dataclasses.replace(tool.bar, horizontal=horizontal, vertical=vertical))
+    return tool.bar
 
 
 def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Place:
@@ -158,12 +163,8 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
 
 
 def simulation(settings: Settings) -> Strike:
-    """The strike by the simulation."""
-
-    def strike(tool: Tool) -> Measures:
-        return strike_measures(tool, simulated_strike(tool, settings))
-
-    return strike
+    """Return the strike by the simulation."""
+    return lambda tool: strike_measures(tool, simulated_strike(tool, settings))
 
 
 def reference_solution(settings: Settings) -> Strike:
@@ -179,13 +180,12 @@ def reference_solution(settings: Settings) -> Strike:
 
 
 def retraction(tool: Tool) -> float:
-    """Retraction at which the bristle slips off the bar, rad."""
-    if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: must both be there, or nothing is cued")
-    geometry = (tool.hub.radius, tool.bristle.length)
-    return float(cueing.retraction_at_bar(tool.bar.horizontal, tool.bar.vertical, tool.bar_reach, *geometry))
+    """Return the retraction at which the bristle slips off the bar, rad."""
+    bar = _bar_of(tool)
+    geometry = (tool.bar_reach, tool.hub.radius, tool.bristle.length)
+    return float(cueing.retraction_at_bar(bar.horizontal, bar.vertical, *geometry))
 
 
 def stiffened_direction(tool: Tool) -> float:
-    """The stiffened formula's direction, rad."""
+    """Return the stiffened formula's direction, rad."""
     return cueing.stiffened_cue(tool, retraction(tool)).bar_direction

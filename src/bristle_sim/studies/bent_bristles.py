@@ -53,12 +53,13 @@ class Slide:
     ending_phase: str | None
     ending_time: float
 
-    @property
-    def verdict(self) -> str:
-        """Say how and when the slip ends."""
-        if self.ending is None:
-            return "slip neither turns nor stops"
-        return f"slip {self.ending} in {self.ending_phase}, {1e6 * self.ending_time:.1f} us after the touch"
+    def __str__(self) -> str:
+        """Say how far the tip slides, and how and when the slip ends."""
+        ending = "slip neither turns nor stops"
+        if self.ending is not None:
+            ending = f"slip {self.ending} in {self.ending_phase}, {1e6 * self.ending_time:.1f} us after the touch"
+        compression = f"compression ends at {1e6 * self.compression_time:.1f} us"
+        return f"{1e3 * self.forward:.2f} mm forward, {ending} ({compression})"
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,27 +114,32 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     refuse_endless(tool, settings)
     knee = abs(tool.bristle.knee_angle_deg)
     tools, runs, slides = {}, {}, {}
-    rows: list[Quantity] = []
+    found: list[Quantity] = []
     for shape, sign in SHAPES.items():
         bristle = dataclasses.replace(tool.bristle, knee_angle_deg=sign * knee)
         tools[shape] = dataclasses.replace(tool, bristle=bristle)
-        runs[shape] = simulate(tools[shape], settings)
-        contact = runs[shape].first_contact("workpart")
+        run = runs[shape] = simulate(tools[shape], settings)
+        contact = run.first_contact("workpart")
         if contact is None:
-            require_result(runs[shape], settings)
+            require_result(run, settings)
         slides[shape] = None if contact is None else slide_of(contact)
-        rows += _rows(shape, contact, slides[shape])
-    strikes = [(f"{shape} strike", time) for shape, run in runs.items() for time in _strike(run)]
+        found += _rows(shape, contact, slides[shape])
+    strikes = ((f"{shape} strike", run.event_time("strike")) for shape, run in runs.items())
+    events = [(name, time) for name, time in strikes if time is not None]
     return Report(
         outcome=None,
-        quantities=tuple(rows),
-        events=tuple(sorted(strikes, key=lambda event: event[1])),
+        quantities=tuple(found),
+        events=tuple(sorted(events, key=lambda event: event[1])),
         wall_s=sum(run.cost.wall_s for run in runs.values()),
         steps=sum(run.cost.steps for run in runs.values()),
         remarks=(
             "film (Zhang 2020, fig. 1.4): reverse bent and straight slide first, forward bent retracts at once",
-            *(f"simulated, {shape}: {_verdict(slide)}" for shape, slide in slides.items()),
-            *_given_up(runs),
+            *(f"simulated, {shape}: {slide or 'never strikes'}" for shape, slide in slides.items()),
+            *(
+                f"{shape}: given up at {1e3 * run.time[-1]:.4f} ms: {run.stop_reason}; {run.stop_advice}"
+                for shape, run in runs.items()
+                if run.stop_reason.gives_up
+            ),
             against_film(slides),
         ),
         extra={"stopped": {shape: stopped(run) for shape, run in runs.items()}},
@@ -144,35 +150,15 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
 def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> list[Quantity]:
     if contact is None or slide is None:
         return [Quantity(f"{shape}_forward_slide", "m", None)]
-    return [
-        Quantity(f"{shape}_forward_slide", "m", slide.forward),
-        Quantity(f"{shape}_slide_in_touch", "m", slide.total),
-        Quantity(f"{shape}_time_in_touch", "s", slide.duration),
-        Quantity(f"{shape}_tip_speed_along_before", "m/s", contact.velocity_before[1]),
-        Quantity(f"{shape}_tip_speed_along_after", "m/s", contact.velocity_after[1]),
-        Quantity(f"{shape}_tip_speed_away_after", "m/s", contact.velocity_after[0]),
-    ]
-
-
-def _given_up(runs: dict[str, Trajectory]) -> list[str]:
-    """Say which runs ended early, after their strikes, and why."""
-    early = ((shape, run) for shape, run in runs.items() if run.stop_reason.gives_up)
-    return [
-        f"{shape}: given up at {1e3 * run.time[-1]:.4f} ms: {run.stop_reason}; {run.stop_advice}"
-        for shape, run in early
-    ]
-
-
-def _strike(run: Trajectory) -> list[float]:
-    time = run.event_time("strike")
-    return [] if time is None else [time]
-
-
-def _verdict(slide: Slide | None) -> str:
-    if slide is None:
-        return "never strikes"
-    compression = f"compression ends at {1e6 * slide.compression_time:.1f} us"
-    return f"{1e3 * slide.forward:.2f} mm forward, {slide.verdict} ({compression})"
+    values = {
+        "forward_slide": ("m", slide.forward),
+        "slide_in_touch": ("m", slide.total),
+        "time_in_touch": ("s", slide.duration),
+        "tip_speed_along_before": ("m/s", contact.velocity_before[1]),
+        "tip_speed_along_after": ("m/s", contact.velocity_after[1]),
+        "tip_speed_away_after": ("m/s", contact.velocity_after[0]),
+    }
+    return [Quantity(f"{shape}_{name}", *value) for name, value in values.items()]
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:

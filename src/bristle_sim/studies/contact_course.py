@@ -55,11 +55,10 @@ class PiecewiseCubic:
 
     def fine(self, points: int) -> tuple[Array, Array]:
         """Return time and values on the cubics, with a number of points for each sample."""
-        parts = []
-        for first, last in pieces(self.time):
-            time = np.linspace(self.time[first], self.time[last - 1], points * (last - first))
-            parts.append((time, np.asarray(self._cubic(first, last)(time))))
-        return np.concatenate([time for time, _ in parts]), np.concatenate([values for _, values in parts])
+        spans = pieces(self.time)
+        times = [np.linspace(self.time[first], self.time[last - 1], points * (last - first)) for first, last in spans]
+        values = [self._cubic(*span)(time) for span, time in zip(spans, times, strict=True)]
+        return np.concatenate(times), np.concatenate(values)
 
     def _cubic(self, first: int, last: int) -> PPoly:
         time, values = self.time[first:last], self.values[first:last]
@@ -69,10 +68,15 @@ class PiecewiseCubic:
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """First sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
+    """Return first sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
     return [(first, last) for first, last in pairwise(edges) if last - first > 1]
+
+
+def compression_end(history: ContactHistory) -> float:
+    """Return the time from the first touch to the deepest penetration, s; it is a sample."""
+    return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 
 @dataclass(frozen=True)
@@ -104,14 +108,9 @@ class TimedContact:
         return np.asarray(self.history.time - self.history.time[0])
 
     @cached_property
-    def deepest(self) -> int:
-        """Sample at which compression ends."""
-        return int(np.argmax(self.history.penetration))
-
-    @property
     def compression_time(self) -> float:
         """From first touch to the deepest penetration, s."""
-        return float(self.time[self.deepest])
+        return compression_end(self.history)
 
     @cached_property
     def resultant(self) -> PiecewiseCubic:
@@ -139,6 +138,12 @@ class TimedContact:
         return self.chain.lengths[0] * self.chain.rates[0] + self.chain.hub_radius * self.chain.hub_speed
 
     @cached_property
+    def path(self) -> Array:
+        """Length of the tip's path since first touch, m."""
+        h = self.history
+        return PiecewiseCubic(self.time, np.hypot(h.normal_velocity, h.tangential_velocity)).sums()
+
+    @cached_property
     def hub_angle(self) -> Array:
         """Angle of the root, rad."""
         return np.asarray(self.chain.hub_angle + self.chain.hub_speed * self.time)
@@ -155,8 +160,7 @@ class TimedContact:
     @cached_property
     def angle(self) -> Array:
         """Angle of the bristle from its root on the hub to its tip, rad."""
-        along, above = self.tip
-        radius = self.chain.hub_radius
+        (along, above), radius = self.tip, self.chain.hub_radius
         return np.arctan2(along - radius * np.sin(self.hub_angle), -radius * np.cos(self.hub_angle) - above)
 
     @cached_property
@@ -170,25 +174,16 @@ class TimedContact:
         """v_G, m/s."""
         return np.asarray(np.hypot(*self._centre_velocity()))
 
-    @cached_property
-    def path(self) -> Array:
-        """Length of the tip's path since first touch, m."""
-        return PiecewiseCubic(
-            self.time, np.hypot(self.history.normal_velocity, self.history.tangential_velocity)
-        ).sums()
-
     @property
     def work(self) -> float:
         """Work of the force on the tip over its path, first touch to last, J; negative.
 
-        From the recorded samples, while the contact record's works are added up in the engine step by step. Force and speed are
-        cubics each: of the force the slopes are known, which few samples of their product would not give.
+        From the recorded samples, while the contact record's works are added up in the engine step by step. Force and speed
+        are cubics each: of the force the slopes are known, which few samples of their product would not give.
         """
         h = self.history
-        normal_force = PiecewiseCubic(self.time, h.normal_force, self._normal_slope)
-        return normal_force.integral_with(
-            PiecewiseCubic(self.time, h.normal_velocity + self._ratio * h.tangential_velocity)
-        )
+        speed = PiecewiseCubic(self.time, h.normal_velocity + self._ratio * h.tangential_velocity)
+        return PiecewiseCubic(self.time, h.normal_force, self._normal_slope).integral_with(speed)
 
     @property
     def energy_given_up(self) -> float:
@@ -207,31 +202,35 @@ class TimedContact:
     @property
     def energy_given_up_in_hub_frame(self) -> float:
         """Decrease of T - omega L, Jacobi's integral, which nothing but the contact changes, J; from states alone."""
-        jacobi = self._kinetic_energy() - self.chain.hub_speed * self._angular_momentum()
+        mass, inertia, half = self.bristle.mass, self.bristle.inertia_about_centre, 0.5 * self.chain.lengths[0]
+        kinetic = 0.5 * mass * self.centre_speed**2 + 0.5 * inertia * self.rate**2
+        x = self.chain.hub_radius * np.sin(self.hub_angle) + half * np.sin(self.angle)
+        y = -self.chain.hub_radius * np.cos(self.hub_angle) - half * np.cos(self.angle)
+        forward, upward = self._centre_velocity()
+        momentum = mass * (x * upward - y * forward) + inertia * self.rate
+        jacobi = kinetic - self.chain.hub_speed * momentum
         return float(jacobi[0] - jacobi[-1])
 
     def _contact_moment(self) -> float:
         """Integral of the contact's moment about the hub's centre, N m s."""
-        h, end = self.history, float(self.time[-1])
+        h, end, slope = self.history, float(self.time[-1]), self._normal_slope
         along, above = self.tip
         lever = along - self._ratio * above
         turning = h.tangential_velocity + self._ratio * h.normal_velocity
-        slopes = lever * self._normal_slope + turning * h.normal_force
+        slopes = lever * slope + turning * h.normal_force
         recorded = PiecewiseCubic(self.time, lever * h.normal_force, slopes).integral(0.0, end)
         # In stick the samples leave out the force that keeps the tip in place; the record's impulse includes it.
-        rubbed = PiecewiseCubic(self.time, self._ratio * h.normal_force, self._ratio * self._normal_slope).integral(
-            0.0, end
-        )
+        rubbed = PiecewiseCubic(self.time, self._ratio * h.normal_force, self._ratio * slope).integral(0.0, end)
         return recorded - float(above[-1]) * (self.record.impulse[1] - rubbed)
 
     @cached_property
     def _ratio(self) -> Array:
         """Tangential over normal force, constant in each piece: slip one way or the other, or stick."""
-        found = np.zeros(len(self.time))
+        found, force = np.zeros(len(self.time)), self.history.normal_force
         for first, last in pieces(self.time):
-            top = first + int(np.argmax(self.history.normal_force[first:last]))
-            if self.history.normal_force[top] > 0.0:
-                found[first:last] = self.history.tangential_force[top] / self.history.normal_force[top]
+            top = first + int(np.argmax(force[first:last]))
+            if force[top] > 0.0:
+                found[first:last] = self.history.tangential_force[top] / force[top]
         return found
 
     @cached_property
@@ -251,17 +250,3 @@ class TimedContact:
             rim * np.cos(self.hub_angle) + half * np.cos(self.angle),
             rim * np.sin(self.hub_angle) + half * np.sin(self.angle),
         )
-
-    def _kinetic_energy(self) -> Array:
-        return np.asarray(
-            0.5 * self.bristle.mass * self.centre_speed**2 + 0.5 * self.bristle.inertia_about_centre * self.rate**2
-        )
-
-    def _angular_momentum(self) -> Array:
-        """Angular momentum about the hub's centre, kg m^2/s."""
-        half = 0.5 * self.chain.lengths[0]
-        x = self.chain.hub_radius * np.sin(self.hub_angle) + half * np.sin(self.angle)
-        y = -self.chain.hub_radius * np.cos(self.hub_angle) - half * np.cos(self.angle)
-        forward, upward = self._centre_velocity()
-        orbital = self.bristle.mass * (x * upward - y * forward)
-        return np.asarray(orbital + self.bristle.inertia_about_centre * self.rate)

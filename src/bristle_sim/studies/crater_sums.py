@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,20 @@ IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
 """Rows of the table: the ranges of figs. 4.14 and 4.15, closer where C runs from its least value to 90 degrees."""
 
 SAME_SUM = 1e-9
-"""Relative difference of two sums over plies, see crater_study."""
+"""Relative difference of two sums over plies by different orders of their terms."""
+
+LEVELS = 8
+"""Sums that are extrapolated, over 4 to 65536 plies, each with four times the plies of the one before."""
+
+
+def cut_of(crater: Crater) -> dict[str, Any]:
+    """Return what the theory's functions of the crater take, by the names of their arguments; SI and rad."""
+    return {
+        "friction": crater.friction,
+        "impact_angle": math.radians(crater.impact_angle_deg),
+        "shear_yield_stress": crater.shear_yield_stress,
+        "compression_time": crater.compression_time,
+    }
 
 
 def merchant_depth_course(crater: Crater, constant_deg: float = 90.0) -> Array:
@@ -56,34 +69,24 @@ def energy_depth_course(crater: Crater) -> Array:
     return np.concatenate([[0.0], depth * math.cos(math.radians(crater.impact_angle_deg))])
 
 
-def merchant_depth_extrapolated(crater: Crater, *, coarsest: int = 4, levels: int = 8) -> float:
-    """Return the limit of many plies, m, from sums over 4 to 65536: Richardson for an error in powers of 1/sqrt(n)."""
-    plies = [coarsest * 4**level for level in range(levels)]
-    sums = [float(each) for each in merchant_depth_sum(crater, plies)]
-    for power in range(1, levels):
+def _printed_force(time: Array) -> Array:
+    """Return the force (3.19), N."""
+    turning = np.cos(2.0 * np.pi * (time + 0.00001) / 0.00012)
+    return np.asarray(1.0160 * np.exp(-5.4990 * time) * (26.0 - 30.0 * turning))
+
+
+def merchant_depth_extrapolated(crater: Crater) -> float:
+    """Return the limit of many plies, m, from sums: Richardson's extrapolation for an error in powers of 1/sqrt(n)."""
+    sums = [float(each) for each in merchant_depth_sum(crater, [4 * 4**level for level in range(LEVELS)])]
+    for power in range(1, LEVELS):
         gain = 2.0**power
         sums = [(gain * fine - coarse) / (gain - 1.0) for coarse, fine in pairwise(sums)]
     return sums[0]
 
 
-def _printed_force(time: Array) -> Array:
-    """Return the force (3.19), N."""
-    return np.asarray(
-        1.0160 * np.exp(-5.4990 * time) * (26.0 - 30.0 * np.cos(2.0 * np.pi * (time + 0.00001) / 0.00012))
-    )
-
-
 def merchant_depth_sum(crater: Crater, plies: ArrayLike) -> Array:
     """Return the theory's sum for any numbers of plies, m."""
-    return np.asarray(
-        merchant_crater_depth(
-            crater.friction,
-            math.radians(crater.impact_angle_deg),
-            crater.shear_yield_stress,
-            plies,
-            compression_time=crater.compression_time,
-        )
-    )
+    return np.asarray(merchant_crater_depth(plies=plies, **cut_of(crater)))
 
 
 def constant_row(crater: Crater, depth: float) -> Quantity:
@@ -91,7 +94,7 @@ def constant_row(crater: Crater, depth: float) -> Quantity:
     name = "constant_for_measured_depth_deg"
     theory, found = _closed_form_deg(crater, depth), _root_deg(crater, depth)
     if theory is None:
-        return Quantity(name, "deg", found, None)
+        return Quantity(name, "deg", found)
     # d(depth)/depth = cos(C) dC/(sin(C) - sin(x)); at C = 90 degrees the depth is stationary and C known to its root.
     constant, slope = math.radians(theory), math.cos(math.radians(theory))
     gain = math.sin(constant) - math.sin(_resultant_angle(crater))
@@ -106,17 +109,15 @@ def constants_over(
     impact_angles_deg: Iterable[float] = IMPACT_ANGLES_DEG,
 ) -> list[dict[str, Any]]:
     """Return C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
-    rows, frictions = [], tuple(frictions)
-    for gamma in impact_angles_deg:
-        for friction in frictions:
-            tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
-            constant = _closed_form_deg(tried, depth)
-            shear = None if constant is None else 0.5 * (constant - math.degrees(_resultant_angle(tried)))
-            emerges = None if constant is None else constant >= least_constant_deg(tried) - 1e-9
-            rows.append(
-                {"friction": friction, "impact_angle_deg": gamma, "constant_deg": constant}
-                | {"shear_angle_deg": shear, "shear_plane_emerges": emerges}
-            )
+    rows = []
+    for gamma, friction in product(impact_angles_deg, frictions):
+        tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
+        row: dict[str, Any] = {"friction": friction, "impact_angle_deg": gamma}
+        constant = row["constant_deg"] = _closed_form_deg(tried, depth)
+        known = constant is not None
+        row["shear_angle_deg"] = 0.5 * (constant - math.degrees(_resultant_angle(tried))) if known else None
+        row["shear_plane_emerges"] = constant >= least_constant_deg(tried) - 1e-9 if known else None
+        rows.append(row)
     return rows
 
 
@@ -142,19 +143,11 @@ def _resultant_angle(crater: Crater) -> float:
     return math.atan2(1.0, crater.friction) - math.radians(crater.impact_angle_deg)
 
 
-def _closed_form_deg(crater: Crater, depth: float) -> float | None:
+def _closed_form_deg(crater: Crater, depth: float) -> Any:
     try:
-        constant = constant_for_crater_depth(
-            depth,
-            crater.friction,
-            math.radians(crater.impact_angle_deg),
-            crater.shear_yield_stress,
-            int(crater.plies),
-            compression_time=crater.compression_time,
-        )
+        return math.degrees(float(constant_for_crater_depth(depth, plies=int(crater.plies), **cut_of(crater))))
     except ValueError:
         return None
-    return math.degrees(float(constant))
 
 
 def _root_deg(crater: Crater, depth: float) -> float | None:

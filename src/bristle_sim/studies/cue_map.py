@@ -7,16 +7,15 @@ tip at its fastest.
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import functools
 import logging
 import math
 import time as clock
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
@@ -33,11 +32,23 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:
     import xarray as xr
+
+Found = TypeVar("Found")
+
+UNITS = {
+    "bar_direction_for_radial_strike_deg": "deg",
+    "bar_horizontal": "m",
+    "bar_vertical": "m",
+    "relative_speed_at_contact": "rad/s",
+    "tip_speed_at_contact": "m/s",
+    "bar_direction_for_highest_tip_speed_deg": "deg",
+    "highest_tip_speed": "m/s",
+}
 
 PRINTED = {
     "bar_direction_for_radial_strike_deg": math.degrees(math.atan2(0.05037, 0.0225)),
@@ -100,19 +111,32 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     started = clock.perf_counter()
     progress = _Progress(started, 2 + sum(map(len, MOVES.values())) + (2 if with_reference else 0))
     strike = progress.counted(simulation(settings))
-    radial = radial_place(tool, strike)
-    progress.searches += 1
-    fastest = fastest_place(tool, strike, radial.direction)
-    progress.searches += 1
+    radial = progress.done(radial_place(tool, strike))
+    fastest = progress.done(fastest_place(tool, strike, radial.direction))
     formula = _formula(tool)
-    moves: tuple[dict[str, Any], ...] = ()
-    for row in _moves(tool, strike, radial.direction):
-        moves += (row,)
-        progress.searches += 1
-    referred = _referred(tool, progress, settings, radial.direction) if with_reference else {}
+    moves = tuple(progress.done(row) for row in _moves(tool, strike, radial.direction))
+    referred: Values = {}
+    if with_reference:
+        independent = progress.counted(reference_solution(settings))
+        found = progress.done(radial_place(tool, independent, radial.direction))
+        referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
+    # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
+    tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
+    widened = {
+        "bar_vertical": max(1.0, steep),
+        "bar_horizontal": max(1.0, 1.0 / max(steep, 1e-300)),
+        "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction / tolerance,
+    }
     return Report(
         outcome=None,
-        quantities=_quantities(tool, settings, radial, fastest, formula, referred),
+        quantities=rows(
+            UNITS,
+            _named(tool, radial, fastest),
+            {} if formula is None else _by_formula(tool, formula),
+            referred,
+            PRINTED if tool == Tool() else {},
+            lambda name: tolerance * widened.get(name, 1.0) if referred else None,
+        ),
         wall_s=clock.perf_counter() - started,
         remarks=_remarks(tool, strike, moves),
         extra={"moves": list(moves)},
@@ -128,6 +152,11 @@ class _Progress:
     total: int
     searches: int = 0
     passes: int = 0
+
+    def done(self, found: Found) -> Found:
+        """Count a search that has found this."""
+        self.searches += 1
+        return found
 
     def counted(self, strike: Strike) -> Strike:
         """Return the strike with each pass logged, and the time left if the passes and searches left take the mean so far."""
@@ -150,104 +179,39 @@ def _formula(tool: Tool) -> float | None:
     return cueing.cue(tool, retraction(tool)).bar_direction if tool.belt.stiffness else None
 
 
-UNITS = {
-    "bar_direction_for_radial_strike_deg": "deg",
-    "bar_horizontal": "m",
-    "bar_vertical": "m",
-    "relative_speed_at_contact": "rad/s",
-    "tip_speed_at_contact": "m/s",
-    "bar_direction_for_highest_tip_speed_deg": "deg",
-    "highest_tip_speed": "m/s",
-}
-
-
-def _referred(tool: Tool, progress: _Progress, settings: Settings, start: float) -> Measures:
-    """Return the reported quantities by the independent solution."""
-    strike = progress.counted(reference_solution(settings))
-    found = named(tool, radial_place(tool, strike, start))
-    progress.searches += 1
-    highest = fastest_place(tool, strike, start)
-    found["bar_direction_for_highest_tip_speed_deg"] = math.degrees(highest.direction)
-    return found | {"highest_tip_speed": highest.strike["tip_speed_at_contact"]}
-
-
-def _quantities(
-    tool: Tool, settings: Settings, radial: Place, fastest: Place, formula: float | None, referred: Measures
-) -> tuple[Quantity, ...]:
-    simulated = named(tool, radial) | {
-        "bar_direction_for_highest_tip_speed_deg": math.degrees(fastest.direction),
-        "highest_tip_speed": fastest.strike["tip_speed_at_contact"],
-    }
-    theory = {} if formula is None else _by_formula(tool, formula)
-    printed = PRINTED if tool == Tool() else {}
-    # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
-    tolerance = 10.0 * max(1e-8, settings.accuracy)
-    steep = abs(math.tan(radial.direction))
-    widened = {
-        "bar_vertical": max(1.0, steep),
-        "bar_horizontal": max(1.0, 1.0 / max(steep, 1e-300)),
-        "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction / tolerance,
-    }
-    return tuple(
-        Quantity(
-            name,
-            unit,
-            simulated[name],
-            theory.get(name),
-            referred.get(name),
-            printed.get(name),
-            tolerance * widened.get(name, 1.0) if name in referred else None,
-        )
-        for name, unit in UNITS.items()
-    )
-
-
-def named(tool: Tool, place: Place) -> Measures:
-    """Return the reported quantities of a radial strike."""
-    bar = placed(tool, place.direction).bar
+def _named(tool: Tool, radial: Place, fastest: Place) -> dict[str, float | None]:
+    bar = placed(tool, radial.direction).bar
     assert bar is not None
-    return {
-        "bar_direction_for_radial_strike_deg": math.degrees(place.direction),
-        "bar_horizontal": bar.horizontal,
-        "bar_vertical": bar.vertical,
-        "relative_speed_at_contact": place.strike["relative_speed_at_contact"],
-        "tip_speed_at_contact": place.strike["tip_speed_at_contact"],
-    }
+    strike, highest = radial.strike, fastest.strike["tip_speed_at_contact"]
+    place = (math.degrees(radial.direction), bar.horizontal, bar.vertical)
+    speeds = (strike["relative_speed_at_contact"], strike["tip_speed_at_contact"])
+    return dict(zip(UNITS, (*place, *speeds, math.degrees(fastest.direction), highest), strict=True))
 
 
-def _by_formula(tool: Tool, direction: float) -> Measures:
+def _by_formula(tool: Tool, direction: float) -> Values:
     """The dissertation's side: radial and fastest are one."""
     speed = cueing.cue(tool, retraction(tool)).highest_relative_speed
     tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
-    strike: Measures = {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip}
-    both = named(tool, Place(direction, strike))
-    return both | {"bar_direction_for_highest_tip_speed_deg": math.degrees(direction), "highest_tip_speed": tip}
-
-
-def moved(tool: Tool, key: str, value: float) -> Tool:
-    """The tool with another hub speed (rad/s), belt stiffness (N m/rad) or belt damping ratio."""
-    if key == "hub_speed":
-        return dataclasses.replace(tool, hub=dataclasses.replace(tool.hub, speed=value))
-    return dataclasses.replace(tool, belt=dataclasses.replace(tool.belt, **{key.removeprefix("belt_"): value}))
+    place = Place(direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
+    return _named(tool, place, place)
 
 
 def _moves(tool: Tool, strike: Strike, start: float) -> Iterator[dict[str, Any]]:
     """Yield the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
     own = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}
-    for key, choices in MOVES.items():
-        for choice in choices:
-            value = own[key] * choice if key in own else choice
-            other, found = moved(tool, key, value), None
-            with contextlib.suppress(ValueError):  # the row says so by having no direction
-                found = radial_place(other, strike, start)
-            formula = _formula(other)
-            yield {
-                "key": key,
-                "value": value,
-                "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
-                "theory": formula and math.degrees(formula),
-                "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
-            }
+    for key, choice in ((key, choice) for key, choices in MOVES.items() for choice in choices):
+        value, found = own[key] * choice if key in own else choice, None
+        other = tool_of_keys(**{**keys_of(tool), key: value})
+        with contextlib.suppress(ValueError):  # the row says so by having no direction
+            found = radial_place(other, strike, start)
+        formula = _formula(other)
+        yield {
+            "key": key,
+            "value": value,
+            "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
+            "theory": formula and math.degrees(formula),
+            "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
+        }
 
 
 def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> tuple[str, ...]:

@@ -100,15 +100,13 @@ class ReadingPlaces:
         cls, reading: str, tool: Tool, retraction: float, run: Trajectory, given: Bar, settings: Settings
     ) -> ReadingPlaces:
         """Place the bar by a simulated release and by formula, and simulate whole passes."""
-        needed = place_of(tool, retraction, run)
-        return cls(
-            reading,
-            tool.belt.stiffness,
-            needed,
-            formula_place(tool, retraction),
-            None if needed is None else full_pass(tool, given, needed, settings),
-            full_pass(tool, given, BarPlace.of(given), settings),
+        needed, formula = (
+            None if cue is None else BarPlace(cue.bar_horizontal, cue.bar_vertical, cue.bar_direction)
+            for cue in (simulated_cue(tool, retraction, run), formula_cue(tool, retraction))
         )
+        passed = None if needed is None else full_pass(tool, given, needed, settings)
+        as_given = full_pass(tool, given, BarPlace.of(given), settings)
+        return cls(reading, tool.belt.stiffness, needed, formula, passed, as_given)
 
     def pass_rows(self, given: Bar) -> list[dict[str, str | float | None]]:
         """Return the whole passes as plain numbers, None for the strike of a pass that has none."""
@@ -140,34 +138,23 @@ class ReadingPlaces:
 
 
 def stiffness_readings(tool: Tool) -> dict[str, float]:
-    """The readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
+    """Return the readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
     filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
-    return {
-        "per_radian": PRINTED_BELT_STIFFNESS,
-        "per_degree": math.degrees(PRINTED_BELT_STIFFNESS),
-        "from_254_hz": filmed,
-    }
+    degrees = math.degrees(PRINTED_BELT_STIFFNESS)
+    return {"per_radian": PRINTED_BELT_STIFFNESS, "per_degree": degrees, "from_254_hz": filmed}
 
 
-def place_of(tool: Tool, retraction: float, run: Trajectory) -> BarPlace | None:
-    """Return the bar's position by a simulated release's cue time (Zhang 2020, eq. 2.1); None if no speed is the highest."""
+def simulated_cue(tool: Tool, retraction: float, run: Trajectory) -> cueing.Cue | None:
+    """Return the cue of a simulated release (Zhang 2020, eq. 2.1); None if no speed is the highest."""
     time = run.event_time("highest relative speed")
     if time is None or tool.workpart is None:
         return None
-    geometry = (tool.hub.radius, tool.bristle.length)
-    lag, angle = cueing.tip_lag(*geometry, retraction), cueing.impact_angle(*geometry, tool.workpart.penetration)
-    direction = float(lag) + tool.hub.speed * time + float(angle)
-    distance = cueing.bar_distance(tool.bar_reach, cueing.tip_radius(*geometry, retraction))
-    horizontal, vertical = cueing.bar_position(distance, direction)
-    return BarPlace(float(horizontal), float(vertical), direction)
+    return cueing.placed_cue(tool, retraction, time, run.relative_rate[int(abs(run.time - time).argmin())])
 
 
-def formula_place(tool: Tool, retraction: float) -> BarPlace | None:
-    """Return the bar's position by the quasi-static formulas; None without belt stiffness."""
-    if not tool.belt.stiffness:
-        return None
-    cue = cueing.cue(tool, retraction)
-    return BarPlace(cue.bar_horizontal, cue.bar_vertical, cue.bar_direction)
+def formula_cue(tool: Tool, retraction: float) -> cueing.Cue | None:
+    """Return the cue of the quasi-static formulas; None without belt stiffness."""
+    return cueing.cue(tool, retraction) if tool.belt.stiffness else None
 
 
 def full_pass(tool: Tool, bar: Bar, place: BarPlace, settings: Settings) -> FullPass:
@@ -199,15 +186,15 @@ def formula_motion(tool: Tool, retraction: float, time: ArrayLike) -> tuple[Arra
     # sinh(w t)/w = t sin(i w t)/(i w t), which has its limit t at critical damping.
     swing, drift = np.cos(turns), instants * np.sinc(turns / np.pi)
     fading = np.exp(-decay * instants)
-    lag = retraction * fading * (swing + decay * drift).real
-    return lag, retraction * rate**2 * fading * drift.real
+    return retraction * fading * (swing + decay * drift).real, retraction * rate**2 * fading * drift.real
 
 
 def formula_release(tool: Tool, retraction: float) -> Release | None:
     """Return the formula's motion up to its highest speed; None without belt stiffness."""
-    if not tool.belt.stiffness:
+    cue = formula_cue(tool, retraction)
+    if cue is None:
         return None
-    time = np.linspace(0.0, cueing.cue(tool, retraction).cue_time, POINTS)
+    time = np.linspace(0.0, cue.cue_time, POINTS)
     return Release(time, *formula_motion(tool, retraction, time))
 
 

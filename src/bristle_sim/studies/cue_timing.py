@@ -9,10 +9,11 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, Values
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -20,17 +21,15 @@ from bristle_sim.studies.cue_places import (
     BarPlace,
     ReadingPlaces,
     Release,
+    formula_cue,
     formula_release,
-    place_of,
     seen_at_strike,
+    simulated_cue,
     stiffness_readings,
 )
-from bristle_sim.studies.strike_point import require_result
-from bristle_sim.theory import cueing
+from bristle_sim.studies.strike_point import ran, require_result
+from bristle_sim.theory.cueing import Cue, field_stiffness
 from bristle_sim.trajectory import Trajectory
-
-PRINTED_DIRECTION = math.degrees(math.atan2(0.05037, 0.0225))
-"""A + theta_1 + gamma of the printed bar position, deg (Zhang 2020, eq. 2.3)."""
 
 OWN = "own"
 """Name of the tool's belt stiffness where it is none of the readings."""
@@ -43,12 +42,25 @@ UNITS = {
     "bar_horizontal": "m",
     "bar_vertical": "m",
 }
+
 PRINTED = {
     "highest_relative_speed": 845.6,
-    "bar_direction_deg": PRINTED_DIRECTION,
+    "bar_direction_deg": math.degrees(math.atan2(0.05037, 0.0225)),
     "bar_horizontal": 0.05037,
     "bar_vertical": 0.0225,
 }
+"""Zhang 2020, eqs. 2.2 and 2.3; the direction is A + theta_1 + gamma."""
+
+FULL_TURNS = 1e3
+"""Hub turns after which a bristle that still accelerates is given up: only an extremely soft belt takes as long."""
+
+MOST_DAMPED = 10.0
+"""Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
+
+LEFT_OUT = (
+    "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
+    "and the bar's dynamics (first tap, swing beyond the last touch), which a full pass simulates.",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,80 +108,30 @@ def cue_timing(
     """
     given = bar or tool.bar or Bar()
     run = _release(tool, retraction, settings)
-    rows = [
-        _row(name, name, sides, _at_print(tool, retraction))
-        for sides in [_sides(tool, retraction, run, settings, with_reference=with_reference)]
-        for name in UNITS
-    ]
+    found = _rows(tool, retraction, run, settings, UNITS, with_reference=with_reference)
     places: dict[str, ReadingPlaces] = {}
     for reading, stiffness in stiffness_readings(tool).items():
         read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
-        own = read == tool
-        released = run if own else _release(read, retraction, settings)
-        sides = _sides(read, retraction, released, settings, with_reference=with_reference)
-        printed = _at_print(read, retraction, any_belt=True)
-        rows += [_row(f"{name}_{reading}", name, sides, printed) for name in ("cue_time", "bar_direction_deg")]
+        released = run if read == tool else _release(read, retraction, settings)
+        names = ("cue_time", "bar_direction_deg")
+        found += _rows(read, retraction, released, settings, names, reading, with_reference=with_reference)
         places[reading] = ReadingPlaces.of(reading, read, retraction, released, given, settings)
     mine = next((name for name, each in places.items() if each.stiffness == tool.belt.stiffness), OWN)
     if mine == OWN:
         places = {OWN: ReadingPlaces.of(OWN, tool, retraction, run, given, settings), **places}
-    reached = places[mine].simulated is not None
-    released_line, fastest_line = seen_at_strike(tool, run) if reached else (None, None)
+    lines = (None, None) if places[mine].simulated is None else seen_at_strike(tool, run)
+    formula = formula_release(tool, retraction)
     return Report(
         outcome=None,
-        quantities=tuple(rows),
-        events=tuple((event.name, event.time) for event in run.events),
-        wall_s=run.cost.wall_s,
-        steps=run.cost.steps,
+        quantities=tuple(found),
+        **ran(run),
         extra={
             "bar_stands_at_deg": math.degrees(BarPlace.of(given).direction),
             "full_passes": [row for each in places.values() for row in each.pass_rows(given)],
         },
         remarks=(*(line for each in places.values() for line in each.in_words(given)), *LEFT_OUT),
-        subject=CueTiming(
-            tool,
-            retraction,
-            given,
-            run,
-            formula_release(tool, retraction),
-            mine,
-            places,
-            released_line,
-            fastest_line,
-        ),
+        subject=CueTiming(tool, retraction, given, run, formula, mine, places, *lines),
     )
-
-
-FULL_TURNS = 1e3
-"""Hub turns after which a bristle that still accelerates is given up: only an extremely soft belt takes as long."""
-
-MOST_DAMPED = 10.0
-"""Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
-
-LEFT_OUT = (
-    "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
-    "and the bar's dynamics (first tap, swing beyond the last touch), which a full pass simulates.",
-)
-
-
-def _conditioning(name: str, values: dict[str, float | None], tool: Tool) -> float:
-    """Return the factor by which a quantity magnifies a relative error of the motion.
-
-    Highest is the rate where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
-    error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
-    of the bar magnifies what turns the bar, some delta of its direction, by the other coordinate over this one.
-    """
-    time = values["cue_time"]
-    if name == "highest_relative_speed" or not time:
-        return 1.0
-    bristle, hub = tool.bristle, tool.hub
-    field = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
-    timing = max(1.0, tool.belt_damping / ((tool.belt.stiffness + float(field)) * time))
-    if name not in ("bar_horizontal", "bar_vertical"):
-        return timing
-    pair = (values["bar_horizontal"] or 0.0, values["bar_vertical"] or 0.0)
-    turned = max(1.0, math.radians(values["bar_direction_deg"] or 0.0))
-    return timing * turned * math.hypot(*pair) / max(abs(values[name] or 0.0), 1e-300)
 
 
 def _bare(tool: Tool) -> Tool:
@@ -200,70 +162,67 @@ def _tolerance(settings: Settings) -> float:
     return max(1e-8, 10.0 * settings.accuracy)
 
 
-@dataclass(frozen=True, slots=True)
-class _Sides:
-    """One belt stiffness's release by simulation, formula and reference: quantities by name."""
-
-    simulated: dict[str, float | None]
-    theory: dict[str, float | None]
-    reference: dict[str, float | None]
-    tolerance: float
-    tool: Tool
-
-
-def _sides(tool: Tool, retraction: float, run: Trajectory, settings: Settings, *, with_reference: bool) -> _Sides:
-    simulated, reference = _measured(tool, retraction, run), dict[str, float | None]()
-    if with_reference and simulated["cue_time"] is not None:
+def _rows(
+    tool: Tool,
+    retraction: float,
+    run: Trajectory,
+    settings: Settings,
+    names: Iterable[str],
+    reading: str = "",
+    *,
+    with_reference: bool,
+) -> list[Quantity]:
+    """Return one belt stiffness's release by simulation, formula and reference, which judges it."""
+    simulated, theory = _values(simulated_cue(tool, retraction, run)), _values(formula_cue(tool, retraction))
+    time, reference, printed = simulated["cue_time"], _values(None), _at_print(tool, retraction, any_belt=bool(reading))
+    if with_reference and time is not None:
         from bristle_sim.reference import simulate_reference
 
         referred = simulate_reference(
             _bare(tool),
             start_relative_angle=-retraction,
             accuracy=1e-10,
-            duration=2.0 * simulated["cue_time"],
+            duration=2.0 * time,
             stop_after="highest relative speed",
         )
-        reference = _measured(tool, retraction, referred)
-    return _Sides(simulated, _formulas(tool, retraction), reference, _tolerance(settings), tool)
+        reference = _values(simulated_cue(tool, retraction, referred))
+    found = []
+    for name in names:
+        sides = (simulated[name], theory[name], reference[name], printed.get(name))
+        within = None if sides[2] is None else _tolerance(settings) * _conditioning(name, reference, tool)
+        found.append(Quantity(f"{name}_{reading}" if reading else name, UNITS[name], *sides, within))
+    return found
 
 
-def _row(title: str, name: str, sides: _Sides, printed: dict[str, float]) -> Quantity:
-    """Return a quantity of one release, compared with the reference where there is one, else with theory."""
-    judged = sides.reference.get(name)
-    allowed = None if judged is None else sides.tolerance * _conditioning(name, sides.reference, sides.tool)
-    return Quantity(title, UNITS[name], sides.simulated[name], sides.theory[name], judged, printed.get(name), allowed)
+def _values(cue: Cue | None) -> Values:
+    if cue is None:
+        return dict.fromkeys(UNITS)
+    degrees = (math.degrees(cue.hub_turn), math.degrees(cue.bar_direction))
+    place = (cue.bar_horizontal, cue.bar_vertical)
+    return dict(zip(UNITS, (cue.cue_time, degrees[0], cue.highest_relative_speed, degrees[1], *place), strict=True))
 
 
-def _at_print(tool: Tool, retraction: float, *, any_belt: bool = False) -> dict[str, float]:
+def _conditioning(name: str, values: Values, tool: Tool) -> float:
+    """Return the factor by which a quantity magnifies a relative error of the motion.
+
+    Highest is the rate where the torques of belt and damping balance, and they leave it as alpha''' = -(K/I) alpha': an
+    error delta of the rate, relative, moves that instant t by c delta/K, which is c/(K t) times delta of it. A coordinate
+    of the bar magnifies what turns the bar, some delta of its direction, by the other coordinate over this one.
+    """
+    time = values["cue_time"]
+    if name == "highest_relative_speed" or not time:
+        return 1.0
+    timing = max(1.0, tool.belt_damping / ((tool.belt.stiffness + field_stiffness(tool)) * time))
+    if name not in ("bar_horizontal", "bar_vertical"):
+        return timing
+    distance = math.hypot(values["bar_horizontal"] or 0.0, values["bar_vertical"] or 0.0)
+    turned = max(1.0, math.radians(values["bar_direction_deg"] or 0.0))
+    return timing * turned * distance / max(abs(values[name] or 0.0), 1e-300)
+
+
+def _at_print(tool: Tool, retraction: float, *, any_belt: bool) -> Values:
     """Return the printed numbers if the tool is the printed one, apart from its belt stiffness if that may differ."""
-    default = Tool()
-    parts = ((tool.hub, default.hub), (tool.bristle, default.bristle), (tool.workpart, default.workpart))
-    same = all(one == other for one, other in parts) and retraction == math.radians(44.5)
-    belt = default.belt if not any_belt else Belt(tool.belt.stiffness, default.belt.damping_ratio)
-    return PRINTED if same and tool.belt == belt else {}
-
-
-def _measured(tool: Tool, retraction: float, run: Trajectory) -> dict[str, float | None]:
-    """Return cue time and speed of a run, and the bar position that follows from them."""
-    time, place = run.event_time("highest relative speed"), place_of(tool, retraction, run)
-    if time is None or place is None:
-        return dict.fromkeys(UNITS)
-    speed = float(run.relative_rate[int(abs(run.time - time).argmin())])
-    turn = math.degrees(tool.hub.speed * time)
-    values = (time, turn, speed, math.degrees(place.direction), place.horizontal, place.vertical)
-    return dict(zip(UNITS, values, strict=True))
-
-
-def _formulas(tool: Tool, retraction: float) -> dict[str, float | None]:
-    if not tool.belt.stiffness:
-        return dict.fromkeys(UNITS)
-    cue = cueing.cue(tool, retraction)
-    values = (
-        cue.cue_time,
-        math.degrees(cue.hub_turn),
-        cue.highest_relative_speed,
-        math.degrees(cue.bar_direction),
-        cue.bar_horizontal,
-        cue.bar_vertical,
-    )
-    return dict(zip(UNITS, values, strict=True))
+    own = Tool()
+    same = (tool.hub, tool.bristle, tool.workpart) == (own.hub, own.bristle, own.workpart)
+    belt = Belt(tool.belt.stiffness, own.belt.damping_ratio) if any_belt else own.belt
+    return PRINTED if same and retraction == math.radians(44.5) and tool.belt == belt else {}

@@ -58,16 +58,16 @@ def final_rate(rod: int) -> Measure:
 def closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
     """The double pendulum's closed form, its rates signed as in the dissertation."""
     return double_pendulum_impact(
-        rod_mass=chain.masses[1],
-        mass_ratio=chain.masses[0] / chain.masses[1],
-        rod_length=chain.lengths[1],
-        angle_1=-chain.angles[0],
-        angle_2=-chain.angles[1],
-        rate_1=-chain.rates[0],
-        rate_2=-chain.rates[1],
-        friction=surface.friction,
-        restitution=surface.restitution,
-        restitution_friction=surface.friction_in_restitution,
+        chain.masses[1],
+        chain.masses[0] / chain.masses[1],
+        chain.lengths[1],
+        -chain.angles[0],
+        -chain.angles[1],
+        -chain.rates[0],
+        -chain.rates[1],
+        surface.friction,
+        surface.restitution,
+        surface.friction_in_restitution,
     )
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.parameters.crater import ForceHistory, Measurement
 from bristle_sim.settings import Settings
@@ -28,9 +28,6 @@ from bristle_sim.studies.force_fits import (
     measured_force,
     measured_in_words,
     measured_rows,
-    trial_as_dict,
-    trial_in_words,
-    trial_row,
 )
 from bristle_sim.studies.timed_contact import reported, resultant_impulse, timed_contact, work_row
 from bristle_sim.theory.force_history import (
@@ -87,45 +84,38 @@ def force_comparison(
     Raises:
         ValueError: for points that are no force history.
     """
-    measured = measured_force(measurement)
+    measured, contact, no_contact = measured_force(measurement), None, ""
     curve = BRISTLE if measured is None else measured.fit.curve
     trials = fit_trials(curve, int(history.points), history.noise)
+    peak, gamma = curve.peak_time(), math.radians(history.impact_angle_deg)
+    rate = None if history.speed_ratio is None else history.speed_ratio * hub.speed
+    impulse = float(curve.impulse(peak)) if rate is None else None
+    time = peak if history.compression_time is None else history.compression_time
     try:
-        subject = ForceComparison(curve, _contact(hub, bristle, surface, history, settings, curve), trials, measured)
+        contact = timed_contact(
+            hub, bristle, surface, gamma, settings, compression_time=time, rate=rate, impulse=impulse
+        )
     except ValueError as error:
-        subject = ForceComparison(curve, None, trials, measured, no_contact=str(error))
+        no_contact = str(error)
+    subject = ForceComparison(curve, contact, trials, measured, no_contact)
     tolerance = 10.0 * max(1e-6, settings.accuracy)  # timed_contact's own, and what a coarse contact adds to it
     found = Report(
         outcome="no contact",
-        quantities=(*_main_rows(subject, history, tolerance), *_check_rows(subject)),
-        remarks=_remarks(subject, history),
+        quantities=(
+            *_main_rows(subject, history, tolerance),
+            *(() if contact is None else (work_row(contact),)),
+            *(() if measured is None else measured_rows(measured)),
+            *(each.row(curve) for each in trials),
+        ),
+        remarks=_remarks(subject, gamma),
         extra={
             "table_3_1": _table_3_1(subject),
             "measured_fit": None if measured is None else fit_as_dict(measured.fit),
-            "fits": [trial_as_dict(each) for each in trials],
+            "fits": [each.as_dict() for each in trials],
         },
         subject=subject,
     )
-    contact = subject.contact
     return found if contact is None else reported(found, contact, end=float(contact.time[-1]))
-
-
-def _contact(
-    hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, settings: Settings, curve: ForceCurve
-) -> TimedContact:
-    """Simulate the contact, with the curve's impulse and compression time unless others are requested."""
-    peak = curve.peak_time()
-    rate = None if history.speed_ratio is None else history.speed_ratio * hub.speed
-    return timed_contact(
-        hub,
-        bristle,
-        surface,
-        math.radians(history.impact_angle_deg),
-        settings,
-        compression_time=peak if history.compression_time is None else history.compression_time,
-        rate=rate,
-        impulse=float(curve.impulse(peak)) if rate is None else None,
-    )
 
 
 def segment_table(contact: TimedContact) -> Array:
@@ -138,50 +128,39 @@ def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float
     """Compare force, time and impulse; the last two agree by construction where they are taken from the curve."""
     curve, contact = subject.curve, subject.contact
     peak = curve.peak_time()
-    sides = (
-        ("peak_force", "N", curve.peak_force(), False),
-        ("compression_time", "s", peak, history.compression_time is None),
-        ("compressive_impulse", "N s", float(curve.impulse(peak)), history.speed_ratio is None),
-    )
-    rows = []
-    for name, unit, theory, same in sides:
-        simulated = None if contact is None else float(getattr(contact, name))
-        printed = PRINTED[name] if curve is BRISTLE else None
-        rows.append(Quantity(name, unit, simulated, theory, printed=printed, tolerance=tolerance if same else None))
-    return tuple(rows)
-
-
-def _check_rows(subject: ForceComparison) -> tuple[Quantity, ...]:
-    """Check the force by its work over the path, the fit of a file by its points, and the fit by known points."""
-    contact, measured = subject.contact, subject.measured
-    works = () if contact is None else (work_row(contact),)
-    files = () if measured is None else measured_rows(measured)
-    return (*works, *files, *(trial_row(each, subject.curve) for each in subject.trials))
+    units = {"peak_force": "N", "compression_time": "s", "compressive_impulse": "N s"}
+    simulated = {} if contact is None else {name: float(getattr(contact, name)) for name in units}
+    theory = dict(zip(units, (curve.peak_force(), peak, float(curve.impulse(peak))), strict=True))
+    same = {"compression_time": history.compression_time is None, "compressive_impulse": history.speed_ratio is None}
+    printed = PRINTED if curve is BRISTLE else {}
+    return rows(units, simulated, theory, {}, printed, lambda name: tolerance if same.get(name) else None)
 
 
 def _table_3_1(subject: ForceComparison) -> list[dict[str, Any]]:
     """Return the ten segments by print, by the ball's curve as printed (3.15), by the curve, and simulated; N s."""
     curve, contact = subject.curve, subject.contact
-    nothing: list[float | None] = [None] * SEGMENTS
-    columns: tuple[list[float | None], ...] = (
-        [1e-4 * float(each) for each in TABLE_3_1] if curve is BRISTLE else nothing,
-        segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE).tolist() if curve is BRISTLE else nothing,
-        segment_impulses(curve, float(curve.impulse(curve.peak_time()))).tolist(),
-        nothing if contact is None else segment_table(contact).tolist(),
-    )
-    rows = zip(range(1, SEGMENTS + 1), *columns, strict=True)
-    return [dict(zip(("segment", *SOURCES), row, strict=True)) for row in rows]
+    printed = curve is BRISTLE
+    columns: dict[str, list[float]] = {
+        "printed": [1e-4 * float(each) for each in TABLE_3_1] if printed else [],
+        "scaled": segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE).tolist() if printed else [],
+        "curve": segment_impulses(curve, float(curve.impulse(curve.peak_time()))).tolist(),
+        "simulated": [] if contact is None else segment_table(contact).tolist(),
+    }
+    return [
+        {"segment": i + 1, **{name: column[i] if column else None for name, column in columns.items()}}
+        for i in range(SEGMENTS)
+    ]
 
 
-def _remarks(subject: ForceComparison, history: ForceHistory) -> tuple[str, ...]:
+def _remarks(subject: ForceComparison, impact_angle: float) -> tuple[str, ...]:
     curve, contact, measured = subject.curve, subject.contact, subject.measured
     source = ("theory: the curve as printed in (3.19)",) if measured is None else measured_in_words(measured)
     simulated: tuple[str, ...] = (f"simulated: nothing; {subject.no_contact}",)
     if contact is not None:
-        simulated = _contact_lines(contact, curve, math.radians(history.impact_angle_deg))
-    terms = f"c = {_listed(curve.amplitude)}, lambda = {_listed(curve.decay)} /s"
-    trials = (f"least-squares fit (3.2-3.4) to points of the curve, {terms}:", *map(trial_in_words, subject.trials))
-    return ("", *source, *simulated, "", *_segment_lines(subject), "", *trials)
+        simulated = _contact_lines(contact, curve, impact_angle)
+    amplitudes, decays = (", ".join(f"{value:.6g}" for value in values) for values in (curve.amplitude, curve.decay))
+    trials = f"least-squares fit (3.2-3.4) to points of the curve, c = {amplitudes}, lambda = {decays} /s:"
+    return ("", *source, *simulated, "", *_segment_lines(subject), "", trials, *map(str, subject.trials))
 
 
 def _contact_lines(contact: TimedContact, curve: ForceCurve, impact_angle: float) -> tuple[str, ...]:
@@ -207,7 +186,3 @@ def _segment_lines(subject: ForceComparison) -> tuple[str, ...]:
         cells = ["-" if row[name] is None else f"{1e4 * row[name]:.4f}" for name in SOURCES]
         lines.append(f"{'  segment ' + str(row['segment']):<22}" + "".join(f"{cell:>10}" for cell in cells))
     return tuple(lines)
-
-
-def _listed(values: tuple[float, ...]) -> str:
-    return ", ".join(f"{value:.6g}" for value in values)

@@ -65,22 +65,37 @@ class FitTrial:
 
     @property
     def peak_force(self) -> float | None:
-        """Return the largest force of the fitted curve, N."""
-        return None if self.fit is None else peak_of(self.fit.curve)
+        """Return the largest force of the fitted curve, N; None for one that does not rise and fall."""
+        try:
+            return None if self.fit is None else self.fit.curve.peak_force()
+        except ValueError:
+            return None
+
+    def row(self, curve: ForceCurve) -> Quantity:
+        """Compare the peak of the fit with the peak of the curve that it was fitted to.
+
+        Errors of n points leave a fit with p unknowns, here at most three, a mean variance of noise^2 p/n; the tolerance is
+        five of its roots. Where that exceeds the peak itself the points say nothing, and there is nothing to check;
+        elsewhere a fit that finds no curve is wrong.
+        """
+        peak = curve.peak_force()
+        tolerance = OFFSET_ROUNDING + 5.0 * self.noise * math.sqrt(3.0 / len(self.time)) / peak
+        name = f"{self.name}_fit_peak_force"
+        return Quantity(name, "N", self.peak_force, peak, tolerance=tolerance if tolerance < 1.0 else None)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the trial as plain values; without the fit's where there is none."""
+        return {"points": self.name, "noise": self.noise, **({} if self.fit is None else fit_as_dict(self.fit))}
+
+    def __str__(self) -> str:
+        """Describe the trial in one line for the terminal."""
+        return f"  {self.name}, noise {self.noise:g} N: {'no curve' if self.fit is None else _in_words(self.fit)}"
 
 
 def noisy_points(curve: ForceCurve, points: int, noise: float) -> tuple[Array, Array]:
     """Return the points of a curve at equal steps of time, s, with normal errors of one standard deviation, N."""
     time = np.linspace(0.0, curve.duration, points)
     return time, np.asarray(curve(time)) + noise * np.random.default_rng(SEED).standard_normal(points)
-
-
-def peak_of(curve: ForceCurve) -> float | None:
-    """Return the largest force, N; None for a curve that does not rise and fall."""
-    try:
-        return curve.peak_force()
-    except ValueError:
-        return None
 
 
 def fit_trials(curve: ForceCurve, points: int, noise: float) -> tuple[FitTrial, ...]:
@@ -96,24 +111,6 @@ def fit_trials(curve: ForceCurve, points: int, noise: float) -> tuple[FitTrial, 
     return tuple(found)
 
 
-def trial_row(trial: FitTrial, curve: ForceCurve) -> Quantity:
-    """Compare the peak of a fit with the peak of what it was fitted to.
-
-    Errors of n points leave a fit with p unknowns, here at most three, a mean variance of noise^2 p/n; the tolerance is
-    five of its roots. Where that exceeds the peak itself the points say nothing, and there is nothing to check; elsewhere a
-    fit that finds no curve is wrong.
-    """
-    peak = curve.peak_force()
-    tolerance = OFFSET_ROUNDING + 5.0 * trial.noise * math.sqrt(3.0 / len(trial.time)) / peak
-    name = f"{trial.name}_fit_peak_force"
-    return Quantity(name, "N", trial.peak_force, peak, tolerance=tolerance if tolerance < 1.0 else None)
-
-
-def trial_as_dict(trial: FitTrial) -> dict[str, Any]:
-    """Return the trial as plain values; without the fit's where there is none."""
-    return {"points": trial.name, "noise": trial.noise, **({} if trial.fit is None else fit_as_dict(trial.fit))}
-
-
 def fit_as_dict(fit: ForceFit) -> dict[str, Any]:
     """Return the values and standard errors by name, start in s, baseline and the residuals' root mean square in N."""
     return {
@@ -125,14 +122,7 @@ def fit_as_dict(fit: ForceFit) -> dict[str, Any]:
     }
 
 
-def trial_in_words(trial: FitTrial) -> str:
-    """Describe the trial in one line for the terminal."""
-    if trial.fit is None:
-        return f"  {trial.name}, noise {trial.noise:g} N: no curve"
-    return f"  {trial.name}, noise {trial.noise:g} N: {_fit_in_words(trial.fit)}"
-
-
-def _fit_in_words(fit: ForceFit) -> str:
+def _in_words(fit: ForceFit) -> str:
     """Describe a fit for the terminal by its values, standard errors and residuals."""
     pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
     shown = ", ".join(f"{name} = {value:.6g} +- {error:.1g}" for name, value, error in pairs)
@@ -181,15 +171,15 @@ def measured_force(measurement: Measurement) -> MeasuredForce | None:
         raise ValueError(f"force_csv = {error}") from None
     try:
         found = _fitted(time, force)
+        if not measured_rows(found)[-1].ok:
+            found = _pulled(time, force) or found
     except ValueError as error:
         # A contact only pushes: where nothing is found but in the opposite sense, the sensor's sign is meant.
         pulled = _pulled(time, force)
         if pulled is None:
             raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
         return pulled
-    if measured_rows(found)[-1].ok:
-        return found
-    return _pulled(time, force) or found
+    return found
 
 
 def _pulled(time: Array, force: Array) -> MeasuredForce | None:
@@ -221,17 +211,14 @@ def measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
     # Over n points, squared residuals have a variance of 2 noise^4/n, squared second differences of 3.9 noise^4/n.
     chance = CERTAIN * math.sqrt(6.0 / force.size) * (noise / peak) ** 2
     misfit = math.sqrt(max(0.0, measured.fit.root_mean_square**2 - noise**2)) / peak
+    rows = [Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread)]
     top = np.abs(time - curve.peak_time()) <= NEAR_PEAK * length
-    near = np.asarray(curve(time[top])), force[top]
-    slack = FORM + CERTAIN * noise / math.sqrt(max(1, int(top.sum()))) / peak
-    peaks = () if not top.any() else (
-        Quantity("fitted_force_near_peak", "N", float(near[0].mean()), reference=float(near[1].mean()), tolerance=slack),
-    )  # fmt: skip
-    return (
-        Quantity("fitted_impulse", "N s", fitted, reference=summed, tolerance=FORM_IMPULSE + spread),
-        *peaks,
-        Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=math.sqrt(FORM**2 + chance)),
-    )
+    if top.any():
+        slack = FORM + CERTAIN * noise / math.sqrt(int(top.sum())) / peak
+        near, points = float(np.asarray(curve(time[top])).mean()), float(force[top].mean())
+        rows.append(Quantity("fitted_force_near_peak", "N", near, reference=points, tolerance=slack))
+    within = math.sqrt(FORM**2 + chance)
+    return (*rows, Quantity("fit_misfit", "1", misfit, reference=0.0, tolerance=within))
 
 
 def measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
@@ -243,5 +230,5 @@ def measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
         *sign,
         f"contact found in the file from {fit.start:.9g} s on its clock, for {1e6 * fit.curve.duration:.4g} us; baseline"
         f" {level}",
-        f"theory: the curve (3.3) fitted to it, {_fit_in_words(fit)}",
+        f"theory: the curve (3.3) fitted to it, {_in_words(fit)}",
     )

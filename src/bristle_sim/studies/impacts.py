@@ -14,7 +14,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import CONTACT_UNITS, contact_quantities
+from bristle_sim.studies.strike_point import CONTACT_UNITS, contact_quantities, outcome_of
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
@@ -47,38 +47,51 @@ class Impacts:
     timing: str = ""
 
 
+AT_REST = 1e-13
+"""A rate after an impact counts as zero below this fraction of the fastest one before it."""
+
+ROUNDING = 1e-15
+"""Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference of
+two such positions."""
+
+MOST = 1e-3
+"""Largest allowance for magnified rounding, relative."""
+
+
+def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
+    """Return a bristle that stands radially at the impact angle, rad, and turns at a rate, rad/s."""
+    return Chain((bristle.mass,), (bristle.length,), (-impact_angle,), (rate,), hub.radius, hub.speed, -impact_angle)
+
+
+def double_chain(pendulum: DoublePendulum) -> Chain:
+    """Return the rods of a double pendulum, whose rates have the other sign in the scene."""
+    return Chain(
+        (pendulum.mass_ratio * pendulum.mass, pendulum.mass),
+        (pendulum.length, pendulum.length),
+        (-math.radians(pendulum.angle_1_deg), -math.radians(pendulum.angle_2_deg)),
+        (-pendulum.rate_1, -pendulum.rate_2),
+    )
+
+
 def oblique_impact(
     hub: Hub, bristle: Bristle, state: Strike, surface: Surface, contact: Contact, settings: Settings
 ) -> Report:
     """Simulate one strike of a radial bristle (Zhang 2020, eqs. 2.19-2.65)."""
-    gamma = math.radians(state.impact_angle_deg)
-    rate = state.speed_ratio * hub.speed
-    chain = Chain((bristle.mass,), (bristle.length,), (-gamma,), (rate,), hub.radius, hub.speed, -gamma)
-    impacts = _all_laws(chain, surface, contact, settings)
-    found = impacts.strikes[contact.law].contact
+    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * hub.speed
+    impacts = _all_laws(radial_chain(hub, bristle, gamma, rate), surface, contact, settings)
     theory = monofilament_impact(
-        bristle.mass,
-        bristle.length,
-        hub.radius,
-        hub.speed,
-        state.speed_ratio,
-        gamma,
-        surface.friction,
-        surface.restitution,
-        surface.friction_in_restitution,
+        bristle.mass, bristle.length, hub.radius, hub.speed, state.speed_ratio, gamma, *_coefficients(surface)
     )
     hidden = ROUNDING * (1.0 + hub.radius / bristle.length)
     tolerance = _tolerance(contact, settings, surface, math.tan(gamma), hidden / math.sin(gamma))
     rows = []
-    for name, simulated in contact_quantities(found).items():
+    for name, simulated in contact_quantities(impacts.strikes[contact.law].contact).items():
         expected = None if name == "rebound_ratio" and rate == 0.0 else float(getattr(theory, name))
         least = {"final_bristle_rate": AT_REST * rate, "rebound_ratio": AT_REST}.get(name, 0.0)
+        rounding = ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
         if name == "tangential_compressive_work":
             rounding = hidden / math.cos(gamma)
-        else:
-            rounding = ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
-        value, other = _settled(simulated, least), _settled(expected, least)
-        rows.append(Quantity(name, CONTACT_UNITS[name], value, other, tolerance=_widened(tolerance, rounding)))
+        rows.append(_row(name, CONTACT_UNITS[name], simulated, expected, _widened(tolerance, rounding), least))
     return _report(impacts, rows, lambda one: one.contact.rates_after[0], "final_bristle_rate rad/s")
 
 
@@ -88,25 +101,18 @@ def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact
     chain = Chain((pendulum.mass,), (pendulum.length,), (-gamma,), (-pendulum.rate,))
     impacts = _all_laws(chain, surface, contact, settings)
     found = impacts.strikes[contact.law].contact
-    simulated = (
-        -found.rates_after[0] / pendulum.rate if pendulum.rate else None,
-        None if found.compressive_impulse is None else found.compressive_impulse[0],
-        found.impulse[0],
-    )
+    ratio = -found.rates_after[0] / pendulum.rate if pendulum.rate else None
     tolerance = _tolerance(contact, settings, surface, math.tan(gamma), ROUNDING / math.sin(gamma))
-    rows = []
-    expected = _single_theory(pendulum, gamma, surface)
-    for (name, unit), least, value, theory in zip(
-        SINGLE_UNITS.items(), (AT_REST, 0.0, 0.0), simulated, expected, strict=True
-    ):
-        # A rate after the impact has the rounding of the one before it.
-        rounding = ROUNDING / max(abs(theory or 0.0), least) if least else 0.0
-        widened = _widened(tolerance, rounding)
-        rows.append(Quantity(name, unit, _settled(value, least), _settled(theory, least), tolerance=widened))
+    theory = _single_theory(pendulum, gamma, surface)
+    # A rate after the impact has the rounding of the one before it.
+    widened = _widened(tolerance, ROUNDING / max(abs(theory[0] or 0.0), AT_REST))
+    compressive = None if found.compressive_impulse is None else found.compressive_impulse[0]
+    rows = [
+        _row("rebound_ratio", "1", ratio, theory[0], widened, AT_REST),
+        _row("normal_compressive_impulse", "N s", compressive, theory[1], tolerance),
+        _row("normal_final_impulse", "N s", found.impulse[0], theory[2], tolerance),
+    ]
     return _report(impacts, rows, lambda one: -one.contact.rates_after[0], "final rate rad/s")
-
-
-SINGLE_UNITS = {"rebound_ratio": "1", "normal_compressive_impulse": "N s", "normal_final_impulse": "N s"}
 
 
 def _single_theory(
@@ -119,35 +125,16 @@ def _single_theory(
         )
         ratio = own.rebound_ratio if pendulum.rate else None
         return ratio, own.normal_compressive_impulse, own.normal_final_impulse
-    degenerate = monofilament_impact(
-        pendulum.mass,
-        pendulum.length,
-        0.0,
-        min(-pendulum.rate, 1e6),
-        max(-pendulum.rate / 1e6, 1.0),
-        gamma,
-        surface.friction,
-        surface.restitution,
-        surface.restitution_friction,
-    )
-    return (
-        float(degenerate.rebound_ratio),
-        float(degenerate.normal_compressive_impulse),
-        float(degenerate.normal_final_impulse),
-    )
+    speed = (min(-pendulum.rate, 1e6), max(-pendulum.rate / 1e6, 1.0))
+    bristle = monofilament_impact(pendulum.mass, pendulum.length, 0.0, *speed, gamma, *_coefficients(surface))
+    values = (bristle.rebound_ratio, bristle.normal_compressive_impulse, bristle.normal_final_impulse)
+    return float(values[0]), float(values[1]), float(values[2])
 
 
 def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
     """Simulate Stronge's double pendulum with any ratio of masses (Zhang 2020, eqs. 2.66-2.111)."""
+    impacts = _all_laws(double_chain(pendulum), surface, contact, settings)
     angles = (math.radians(pendulum.angle_1_deg), math.radians(pendulum.angle_2_deg))
-    chain = Chain(
-        (pendulum.mass_ratio * pendulum.mass, pendulum.mass),
-        (pendulum.length, pendulum.length),
-        (-angles[0], -angles[1]),
-        (-pendulum.rate_1, -pendulum.rate_2),
-    )
-    impacts = _all_laws(chain, surface, contact, settings)
-    found = impacts.strikes[contact.law]
     theory = double_pendulum_impact(
         pendulum.mass,
         pendulum.mass_ratio,
@@ -155,38 +142,27 @@ def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact
         *angles,
         pendulum.rate_1,
         pendulum.rate_2,
-        surface.friction,
-        surface.restitution,
-        surface.restitution_friction,
+        *_coefficients(surface),
     )
+    found = impacts.strikes[contact.law]
     impulse = found.contact.compressive_impulse
-    at_rest = found.kinetic_energy_before == 0.0
-    pairs = (
-        ("final_rate_1", "rad/s", -found.contact.rates_after[0], theory.final_rate_1),
-        ("final_rate_2", "rad/s", -found.contact.rates_after[1], theory.final_rate_2),
-        ("normal_compressive_impulse", "N s", impulse[0] if impulse else None, theory.normal_compressive_impulse),
-        ("normal_final_impulse", "N s", found.contact.impulse[0], theory.normal_final_impulse),
-        ("kinetic_energy_ratio", "1", found.kinetic_energy_ratio, None if at_rest else theory.kinetic_energy_ratio),
-    )
     magnified = max(pendulum.mass_ratio, _lying(angles[1], surface.friction))
-    tolerance = _tolerance(contact, settings, surface, None, ROUNDING * magnified)
-    fastest = max(abs(pendulum.rate_1), abs(pendulum.rate_2))
-    rows = []
-    for name, unit, value, expected in pairs:
-        least = AT_REST * fastest if unit == "rad/s" else AT_REST**2 if unit == "1" else 0.0
-        rows.append(Quantity(name, unit, _settled(value, least), _settled(expected, least), tolerance=tolerance))
+    within = _tolerance(contact, settings, surface, None, ROUNDING * magnified)
+    slowest = AT_REST * max(abs(pendulum.rate_1), abs(pendulum.rate_2))
+    compressive = (impulse[0] if impulse else None, theory.normal_compressive_impulse)
+    energy = None if found.kinetic_energy_before == 0.0 else theory.kinetic_energy_ratio
+    rows = [
+        _row("final_rate_1", "rad/s", -found.contact.rates_after[0], theory.final_rate_1, within, slowest),
+        _row("final_rate_2", "rad/s", -found.contact.rates_after[1], theory.final_rate_2, within, slowest),
+        _row("normal_compressive_impulse", "N s", *compressive, within),
+        _row("normal_final_impulse", "N s", found.contact.impulse[0], theory.normal_final_impulse, within),
+        _row("kinetic_energy_ratio", "1", found.kinetic_energy_ratio, energy, within, AT_REST**2),
+    ]
     return _report(impacts, rows, lambda one: -one.contact.rates_after[1], "final_rate_2 rad/s")
 
 
-AT_REST = 1e-13
-"""A rate after an impact counts as zero below this fraction of the fastest one before it."""
-
-ROUNDING = 1e-15
-"""Relative rounding of a position's distance from the hub's centre: the tip's height over the root is the difference of
-two such positions."""
-
-MOST = 1e-3
-"""Largest allowance for magnified rounding, relative."""
+def _coefficients(surface: Surface) -> tuple[float, float, float]:
+    return surface.friction, surface.restitution, surface.friction_in_restitution
 
 
 def _lying(angle: float, friction: float) -> float:
@@ -194,8 +170,12 @@ def _lying(angle: float, friction: float) -> float:
     return friction / max(abs(math.sin(angle)) + friction * abs(math.cos(angle)), AT_REST)
 
 
-def _settled(value: float | None, least: float) -> float | None:
-    return 0.0 if value is not None and abs(value) <= least else value
+def _row(
+    name: str, unit: str, simulated: float | None, theory: float | None, tolerance: float | None, least: float = 0.0
+) -> Quantity:
+    """Return a quantity, either side of which is zero where it is no more than the least."""
+    first, second = (0.0 if each is not None and abs(each) <= least else each for each in (simulated, theory))
+    return Quantity(name, unit, first, second, tolerance=tolerance)
 
 
 def _tolerance(
@@ -235,9 +215,8 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], rate_name: str) -> Report:
     requested = impacts.strikes[impacts.law]
-    outcome = requested.contact.outcome
     return Report(
-        outcome="stiction" if outcome == "jam" else outcome,
+        outcome=outcome_of(requested.contact),
         quantities=tuple(rows),
         phases=requested.contact.phases,
         events=(("strike", requested.contact.time),),

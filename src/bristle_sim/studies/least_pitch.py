@@ -57,27 +57,15 @@ def polyline_distance(first: Array, second: Array) -> Array:
 
 def _segment_distance(first: Array, second: Array) -> Array:
     """Return the least distance of two segments: of an end from the other one, unless they cross; shape (n,)."""
-    ends = [
-        _point_distance(point, segment)
-        for points, segment in ((first, second), (second, first))
-        for point in (points[:, 0], points[:, 1])
-    ]
-    sides = [
-        _cross(segment[:, 1] - segment[:, 0], points[:, 0] - segment[:, 0])
-        * _cross(segment[:, 1] - segment[:, 0], points[:, 1] - segment[:, 0])
-        for points, segment in ((first, second), (second, first))
-    ]
+    ends, sides = [], []
+    for points, segment in ((first, second), (second, first)):
+        along = segment[:, 1] - segment[:, 0]
+        to_points = [points[:, end] - segment[:, 0] for end in (0, 1)]
+        for to_point in to_points:
+            fraction = np.clip((along * to_point).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
+            ends.append(np.linalg.norm(to_point - fraction[:, np.newaxis] * along, axis=-1))
+        sides.append(np.prod([along[:, 0] * each[:, 1] - along[:, 1] * each[:, 0] for each in to_points], axis=0))
     return np.where((sides[0] < 0.0) & (sides[1] < 0.0), 0.0, np.min(ends, axis=0))
-
-
-def _point_distance(point: Array, segment: Array) -> Array:
-    along, to_point = segment[:, 1] - segment[:, 0], point - segment[:, 0]
-    fraction = np.clip((along * to_point).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-    return np.asarray(np.linalg.norm(to_point - fraction[:, np.newaxis] * along, axis=-1))
-
-
-def _cross(first: Array, second: Array) -> Array:
-    return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
 
 
 def nearest_approach(lone: LonePass, pitch: float, until: float) -> tuple[float, float]:

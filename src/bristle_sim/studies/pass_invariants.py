@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity
+from bristle_sim.comparison import Quantity, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
@@ -45,14 +45,11 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     """
     tolerance, rigid = _tolerance(tool, settings, run), tool.bristle.links == 1
     energy, uncertainty = _energy_imbalance(tool, run) if rigid else (None, 0.0)
-    rows = [_row("energy_balance", energy, tolerance + uncertainty)]
-    rows.append(_row("deepest_overlap", _deepest_overlap(tool, run), tolerance))
-    errors = _strike_errors(tool, run)
-    return (*rows, *(_row(name, errors.get(name), tolerance) for name in STRIKE))
-
-
-def _row(name: str, value: float | None, tolerance: float) -> Quantity:
-    return Quantity(name, "1", value, theory=None if value is None else 0.0, tolerance=tolerance)
+    found = {"energy_balance": energy, "deepest_overlap": _deepest_overlap(tool, run), **dict.fromkeys(STRIKE)}
+    found |= _strike_errors(tool, run)
+    theory = {name: None if value is None else 0.0 for name, value in found.items()}
+    widened = {"energy_balance": tolerance + uncertainty}
+    return rows(dict.fromkeys(found, "1"), found, theory, tolerance=lambda name: widened.get(name, tolerance))
 
 
 def _tolerance(tool: Tool, settings: Settings, run: Trajectory) -> float:
@@ -129,13 +126,6 @@ def _power(tool: Tool, motion: _Motion) -> tuple[Array, Array]:
     return power, 2.0 * damping * relative * acceleration - omega * weight * velocity[:, 0]
 
 
-def _integral(time: Array, values: Array, slopes: Array) -> float:
-    """The trapezoidal rule corrected by the slopes at both ends of each interval: of fourth order."""
-    step = np.diff(time)
-    whole = 0.5 * step * (values[1:] + values[:-1]) + step**2 / 12.0 * (slopes[:-1] - slopes[1:])
-    return float(whole.sum())
-
-
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]:
     """Return the largest imbalance of a flight or an impact, and how uncertain its quadrature makes it; relative.
 
@@ -148,11 +138,17 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]
         return None, 0.0
     jacobi, (power, slope) = _jacobi(tool, motion), _power(tool, motion)
     found, uncertain = [0.0], [0.0]
-    for rows in _flights(run):
-        some = np.unique(np.append(rows[::2], rows[-1]))
-        lost, coarse = (_integral(run.time[each], power[each], slope[each]) for each in (rows, some))
-        found.append(abs(float(jacobi[rows[-1]] - jacobi[rows[0]]) + lost))
-        uncertain.append(abs(lost - coarse))
+
+    def lost(each: Array) -> float:
+        # The trapezoidal rule corrected by the slopes at both ends of each interval: of fourth order.
+        values, slopes, step = power[each], slope[each], np.diff(run.time[each])
+        whole = 0.5 * step * (values[1:] + values[:-1]) + step**2 / 12.0 * (slopes[:-1] - slopes[1:])
+        return float(whole.sum())
+
+    for flight in _flights(run):
+        fine, coarse = lost(flight), lost(np.unique(np.append(flight[::2], flight[-1])))
+        found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + fine))
+        uncertain.append(abs(fine - coarse))
     found += [abs(_impact_imbalance(tool, run, each)) for each in run.contacts if _is_rigid(tool, each)]
     return max(found) / size, max(uncertain) / size
 
@@ -169,11 +165,8 @@ def _flights(run: Trajectory) -> list[Array]:
 
 def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
     """Whether the law of instantaneous impacts applies: not in a sustained contact, one as long as requested, or a jam."""
-    return (
-        contact.law != "sustained"
-        and contact.outcome != "jam"
-        and (not contact.duration or tool.contact.duration is None)
-    )
+    lasting = contact.duration and tool.contact.duration is not None
+    return contact.law != "sustained" and contact.outcome != "jam" and not lasting
 
 
 def _at_impact(tool: Tool, run: Trajectory, contact: ContactRecord, rate: float) -> _Motion:
@@ -231,12 +224,12 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     return deepest / tool.bristle.length
 
 
-def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float]:
+def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """Return the first strike's violations of the impact law; none where that law does not apply."""
     strike = run.first_contact("workpart")
     if strike is None or tool.workpart is None or not _is_rigid(tool, strike) or _together(run, strike):
         return {}
-    pushed, part, errors = strike.impulse[0], tool.workpart, {}
+    pushed, part, errors = strike.impulse[0], tool.workpart, dict[str, float | None]()
     speed = math.hypot(*strike.velocity_before)
     if speed and tool.bristle.links == 1:
         errors["impulse_momentum_error"] = _momentum_error(tool, run, strike) / speed

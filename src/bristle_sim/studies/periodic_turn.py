@@ -75,20 +75,20 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
         raise ValueError(
             f"wire_links = {tool.bristle.links}: must be 1, turns are those of a rigid bristle (dimensionless)"
         )
-    least = max(REPEATED, MAGNIFIED * settings.accuracy)
+    least, rate = max(REPEATED, MAGNIFIED * settings.accuracy), _natural_rate(tool)
     run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=TURN)), settings)
-    rate = _natural_rate(tool)
-    states = [np.zeros(2), _state(run, rate)]
-    ends = [0.0, float(run.time[-1])]
-    while _change(states) > least and len(states) <= MOST_TURNS:
+    states, ends, changes = [np.zeros(2)], [0.0], list[float]()
+    while True:
+        states.append(np.array([run.relative_angle[-1], run.relative_rate[-1] / rate]))
+        ends.append(float(run.time[-1]))
+        changes.append(float(np.abs(states[-1] - states[-2]).max()))
+        if changes[-1] <= least or len(states) > MOST_TURNS:
+            break
         longer = dataclasses.replace(settings, hub_turn=len(states) * TURN)
         run = _completed(resume(run, longer), settings)
-        states.append(_state(run, rate))
-        ends.append(float(run.time[-1]))
-    repeats = _change(states) <= least
+    repeats = changes[-1] <= least
     turns = 1 if repeats else MOST_TURNS // 2
-    changes = tuple(_change(states[: turn + 1]) for turn in range(1, len(states)))
-    return PeriodicTurn(run, ends[-1 - turns], ends[-1], turns, changes, repeats)
+    return PeriodicTurn(run, ends[-1 - turns], ends[-1], turns, tuple(changes), repeats)
 
 
 def _completed(run: Trajectory, settings: Settings) -> Trajectory:
@@ -106,11 +106,3 @@ def _natural_rate(tool: Tool) -> float:
     bristle, hub = tool.bristle, tool.hub
     stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
     return max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)
-
-
-def _state(run: Trajectory, rate: float) -> np.ndarray:
-    return np.array([run.relative_angle[-1], run.relative_rate[-1] / rate])
-
-
-def _change(states: list[np.ndarray]) -> float:
-    return float(np.abs(states[-1] - states[-2]).max())

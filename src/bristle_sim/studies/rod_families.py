@@ -7,10 +7,10 @@ they are named after. The rod stands for the bristle on its hub and, with a hub 
 from __future__ import annotations
 
 import dataclasses
-import functools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, impact_curve
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.strike_point import contact_quantities
-from bristle_sim.theory.monofilament import MonofilamentImpact, monofilament_impact
+from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import ContactRecord
 
 GRID = 401
@@ -58,24 +58,14 @@ class Case:
     def of(cls, rod: Chain, surface: Surface) -> Case:
         """Return the case of a chain of one rod; one without a hub gets a hub of no radius that turns at 1 rad/s."""
         on_hub = rod.hub_radius > 0.0 and rod.hub_speed > 0.0
-        speed = rod.hub_speed if on_hub else 1.0
-        return cls(
-            rod.masses[0],
-            surface.friction,
-            surface.restitution_friction,
-            surface.restitution,
-            -rod.angles[0],
-            rod.lengths[0],
-            rod.hub_radius if on_hub else 0.0,
-            speed,
-            rod.rates[0] / speed,
-        )
+        radius, speed = (rod.hub_radius, rod.hub_speed) if on_hub else (0.0, 1.0)
+        coefficients = (surface.friction, surface.restitution_friction, surface.restitution)
+        return cls(rod.masses[0], *coefficients, -rod.angles[0], rod.lengths[0], radius, speed, rod.rates[0] / speed)
 
     @property
     def chain(self) -> Chain:
         """The rod that strikes."""
-        rate = self.speed_ratio * self.hub_speed
-        angle = -self.impact_angle
+        angle, rate = -self.impact_angle, self.speed_ratio * self.hub_speed
         return Chain((self.mass,), (self.length,), (angle,), (rate,), self.hub_radius, self.hub_speed, angle)
 
     @property
@@ -151,55 +141,45 @@ def sweep_panel(quantity: str, sweep: Sweep) -> Panel:
     own = getattr(OPERATING_POINT, sweep.along)
     at = OPERATING_POINT.friction if own is None else own
     mark = Mark(at, float(_formula(quantity, OPERATING_POINT, sweep.along)(np.array([at]))[0]))
-    shows_own = sweep.base == OPERATING_POINT
     unbounded = sweep.until_stiction and quantity == "normal_final_impulse"
     return Panel(
         AXES[sweep.along],
         AXES[quantity],
         curves,
         family=SYMBOLS[sweep.family],
-        marks=(mark,) if shows_own else (),
+        marks=(mark,) if sweep.base == OPERATING_POINT else (),
         levels=_stiction(sweep),
         top=2.2 * max(float(curve.theory[0]) for curve in curves) if unbounded else None,
     )
 
 
 def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
+    """Return a curve closer in x where it grows without bound, and points by law: ends and steps, middles between them."""
     low, simulated, high = sweep.ends(case)
+    middles = low + (np.arange(COMPLIANT) + 0.5) * ((simulated - low) / COMPLIANT)
+    places = {"energetic": np.linspace(low, simulated, ENERGETIC), "compliant": np.asarray(middles, dtype=float)}
+    grid = np.linspace(low, high, GRID)
+    if sweep.until_stiction:
+        grid = np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
 
     def impact(x: float) -> tuple[Chain, Surface]:
         here = dataclasses.replace(case, **{sweep.along: x})
         return here.chain, here.surface
 
-    return impact_curve(
-        _name(sweep, case),
-        _formula(quantity, case, sweep.along),
-        _grid(low, high, sweep),
-        impact,
-        functools.partial(_simulated, quantity),
-        _places(low, simulated),
-    )
+    def read(contact: ContactRecord) -> Any:
+        return _value(quantity, contact_quantities(contact).get)
+
+    axis = AXES[sweep.family]
+    unit = {"1": "", "°": "°"}.get(axis.unit, f" {axis.unit}")
+    name = f"{round(getattr(case, sweep.family) * axis.factor, 6):g}{unit}"
+    return impact_curve(name, _formula(quantity, case, sweep.along), grid, impact, read, places)
 
 
-def _simulated(quantity: str, contact: ContactRecord) -> float | None:
-    found = contact_quantities(contact)
-    if quantity != TOTAL:
-        return found[quantity]
-    normal, tangential = found["normal_compressive_work"], found["tangential_compressive_work"]
-    return None if normal is None or tangential is None else normal + tangential
-
-
-def _places(low: float, high: float) -> dict[str, Array]:
-    """Return equally spaced points by law: ends and steps, and the middles between them."""
-    middles = np.asarray(low + (np.arange(COMPLIANT) + 0.5) * ((high - low) / COMPLIANT), dtype=float)
-    return {"energetic": np.linspace(low, high, ENERGETIC), "compliant": middles}
-
-
-def _grid(low: float, high: float, sweep: Sweep) -> Array:
-    """Return points that are closer together at the end where a curve grows without bound."""
-    if sweep.until_stiction:
-        return np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
-    return np.linspace(low, high, GRID)
+def _value(quantity: str, get: Callable[[str], Any]) -> Any:
+    """Return a quantity by name, the total work as the sum of both; None where it is not known."""
+    works = ("normal_compressive_work", "tangential_compressive_work")
+    values = [get(name) for name in (works if quantity == TOTAL else (quantity,))]
+    return None if any(value is None for value in values) else sum(values)
 
 
 def _formula(quantity: str, case: Case, along: str) -> Callable[[Array], Array]:
@@ -208,45 +188,28 @@ def _formula(quantity: str, case: Case, along: str) -> Callable[[Array], Array]:
     def value(x: Array) -> Array:
         given = {each.name: getattr(case, each.name) for each in dataclasses.fields(case)} | {along: x}
         found = monofilament_impact(**given)
-        return np.broadcast_to(_read(quantity, found), np.shape(x))
+        return np.broadcast_to(_value(quantity, lambda name: getattr(found, name)), np.shape(x))
 
     return value
-
-
-def _read(quantity: str, found: MonofilamentImpact) -> Array:
-    if quantity == TOTAL:
-        return np.asarray(found.normal_compressive_work + found.tangential_compressive_work)
-    return np.asarray(getattr(found, quantity))
-
-
-def _name(sweep: Sweep, case: Case) -> str:
-    axis = AXES[sweep.family]
-    value = getattr(case, sweep.family) * axis.factor
-    unit = {"1": "", "°": "°"}.get(axis.unit, f" {axis.unit}")
-    return f"{round(value, 6):g}{unit}"
 
 
 def _stiction(sweep: Sweep) -> tuple[Level, ...]:
     """Draw upright lines at tan gamma, where a friction along the curves reaches it."""
     if not sweep.until_stiction:
         return ()
-    angles = [
-        angle for angle in dict.fromkeys(case.impact_angle for case in sweep.cases()) if math.tan(angle) <= sweep.high
-    ]
+    tangents = [math.tan(angle) for angle in dict.fromkeys(case.impact_angle for case in sweep.cases())]
     label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
-    return tuple(Level(math.tan(angle), label, upright=True) for angle in angles)
+    return tuple(Level(tangent, label, upright=True) for tangent in tangents if tangent <= sweep.high)
 
 
 def oblique_panels(impacts: Impacts) -> dict[str, Panel]:
     """Return the families that a bristle's strike belongs to (Zhang 2020, figs. 2.22-2.24); impacts are simulated."""
     own = Case.of(impacts.chain, impacts.surface)
     impulse = impacts.strikes[impacts.law].contact.impulse[0]
-    over_friction = _over_friction(own)
-    by_restitution = dataclasses.replace(
-        over_friction, family="restitution", values=with_own(RESTITUTIONS, own.restitution)
-    )
+    by_angle, restitutions = _over_friction(own), with_own(RESTITUTIONS, own.restitution)
+    by_restitution = dataclasses.replace(by_angle, family="restitution", values=restitutions)
     return {
-        "impulse by angle": _marked("normal_final_impulse", over_friction, own.friction, impulse),
+        "impulse by angle": _marked("normal_final_impulse", by_angle, own.friction, impulse),
         "impulse by restitution": _marked("normal_final_impulse", by_restitution, own.friction, impulse),
         **_rebound_over_angle(impacts, own),
     }

@@ -12,8 +12,7 @@ from typing import Any
 
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bar_search import Place, placed, radial_place, simulation
-from bristle_sim.studies.cue_map import named
+from bristle_sim.studies.bar_search import placed, radial_place, simulation
 from bristle_sim.studies.strike_point import keys_of, tool_of_keys
 from bristle_sim.theory import cueing
 
@@ -111,12 +110,8 @@ def _split(keys: Mapping[str, float]) -> tuple[Tool, float]:
 
 def _by_formula(cue: Callable[[Tool, float], cueing.Cue], keys: Mapping[str, float]) -> Outputs:
     found = cue(*_split(keys))
-    return {
-        "relative_speed": found.highest_relative_speed,
-        "bar_direction_deg": math.degrees(found.bar_direction),
-        "bar_horizontal": found.bar_horizontal,
-        "bar_vertical": found.bar_vertical,
-    }
+    place = (math.degrees(found.bar_direction), found.bar_horizontal, found.bar_vertical)
+    return dict(zip(PRINTED, (found.highest_relative_speed, *place), strict=True))
 
 
 def _simulation(tool: Tool, settings: Settings) -> Callable[..., Outputs]:
@@ -131,12 +126,10 @@ def _simulation(tool: Tool, settings: Settings) -> Callable[..., Outputs]:
     def by_simulation(**keys: float) -> Outputs:
         other, _ = _split(keys)
         lag = strike(placed(other, direction))["lag_deg_at_contact"] or 0.0
-        place = named(other, Place(direction - lag * STEP / ahead, strike(other)))
-        return {
-            "relative_speed": place["relative_speed_at_contact"],
-            "bar_direction_deg": place["bar_direction_for_radial_strike_deg"],
-            "bar_horizontal": place["bar_horizontal"],
-            "bar_vertical": place["bar_vertical"],
-        }
+        turned = direction - lag * STEP / ahead
+        bar = placed(other, turned).bar
+        assert bar is not None
+        speed = strike(other)["relative_speed_at_contact"]
+        return dict(zip(PRINTED, (speed, math.degrees(turned), bar.horizontal, bar.vertical), strict=True))
 
     return by_simulation

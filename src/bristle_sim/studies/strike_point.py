@@ -55,6 +55,19 @@ def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]
     return dict(zip(CONTACT_UNITS, values, strict=True))
 
 
+def outcome_of(contact: ContactRecord | None) -> str:
+    """Return the report's word for how a contact ended; a jam is a stiction that no law resolves."""
+    if contact is None:
+        return "no contact"
+    return "stiction" if contact.outcome == "jam" else contact.outcome
+
+
+def ran(run: Trajectory) -> dict[str, Any]:
+    """Return a run's events and cost, as a report has them."""
+    events = tuple((event.name, event.time) for event in run.events)
+    return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
+
+
 class GivenUpError(ValueError):
     """The method has given a run up, which says nothing of the motion that would follow."""
 
@@ -70,9 +83,8 @@ def require_result(run: Trajectory, settings: Settings) -> None:
 
 def stopped(run: Trajectory) -> dict[str, Any]:
     """Return why and when a run stopped, and what would let it go further, for the JSON; time in s."""
-    reason = run.stop_reason
-    found = {"reason": str(reason), "time": float(run.time[-1]), "complete": not reason.gives_up}
-    return {**found, "remedy": run.stop_advice}
+    reason, time = run.stop_reason, float(run.time[-1])
+    return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
 
 
 STRIKE_UNITS = {
@@ -91,18 +103,16 @@ class NotCuedError(ValueError):
 
 
 def tool_of_keys(**values: float | str | None) -> Tool:
-    """A tool from the keys of its parameters; those left out have their defaults.
+    """Return a tool from the keys of its parameters; those left out have their defaults.
 
     Raises:
         ValueError: for a key that no part has, or a value out of range.
     """
     left = dict(values)
-    parts: dict[str, Any] = {}
+    parts: dict[str, Any] = {"gravity": left.pop("gravity")} if "gravity" in left else {}
     for name, (part, *_) in PARTS.items():
         declared = {each.name: each.metadata["declaration"].key for each in dataclasses.fields(part)}
         parts[name] = part(**{field: left.pop(key) for field, key in declared.items() if key in left})
-    if "gravity" in left:
-        parts["gravity"] = left.pop("gravity")
     if left:
         raise ValueError(f"{', '.join(left)}: must be keys of hub, belt, bristle, bar, workpart, contact or gravity")
     return Tool(**parts)
@@ -110,15 +120,12 @@ def tool_of_keys(**values: float | str | None) -> Tool:
 
 def declared_keys() -> dict[str, Range | Choice]:
     """Return the declaration of each key of a tool."""
-    return {
-        each.metadata["declaration"].key: each.metadata["declaration"]
-        for part, *_ in PARTS.values()
-        for each in dataclasses.fields(part)
-    }
+    fields = (each for part, *_ in PARTS.values() for each in dataclasses.fields(part))
+    return {each.metadata["declaration"].key: each.metadata["declaration"] for each in fields}
 
 
 def keys_of(tool: Tool) -> dict[str, float | str]:
-    """The values of a tool by the keys of its parameters, without those that are None."""
+    """Return the values of a tool by the keys of its parameters, without those that are None."""
     found = {}
     for part in (tool, *(getattr(tool, name) for name in PARTS)):
         for each in dataclasses.fields(part) if part is not None else ():
@@ -157,37 +164,21 @@ def start_angle(tool: Tool) -> float:
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Lag, speeds, impulse, work and crater depth of a run's strike.
+    """Return lag, speeds, impulse, work and crater depth of the strike of a bristle that the bar has cued.
 
     Raises:
         NotCuedError: if the bristle does not strike, or strikes before it has touched the bar or while it does.
     """
-    contact = cued_contact(run)
-    measured = contact_quantities(contact)
-    return {
-        **state_at_strike(tool, run, contact),
-        "normal_final_impulse": measured["normal_final_impulse"],
-        "normal_compressive_work": measured["normal_compressive_work"],
-        "crater_depth": crater_depth(tool, contact),
-    }
-
-
-def cued_contact(run: Trajectory) -> ContactRecord:
-    """Return the strike of a bristle that the bar has retracted and released.
-
-    Raises:
-        NotCuedError: if there is none.
-    """
-    strike = run.first_contact("workpart")
+    strike, touch = run.first_contact("workpart"), run.first_contact("bar")
     if strike is None:
         raise NotCuedError(f"the bristle must strike the workpart, it does not: {run.stop_reason}")
-    touch = run.first_contact("bar")
     if touch is None or touch.time > strike.time:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
-    return strike
+    found = {**state_at_strike(tool, run, strike), **contact_quantities(strike)}
+    return {name: found[name] for name in STRIKE_UNITS if name in found} | {"crater_depth": _crater_depth(tool, strike)}
 
 
-def crater_depth(tool: Tool, contact: ContactRecord) -> float | None:
+def _crater_depth(tool: Tool, contact: ContactRecord) -> float | None:
     """Depth of the crater whose chip takes the energy that the tip gives up in compression, m; None if it is not known.
 
     The tip cuts straight along its velocity, into API 5L steel, the shear plane ending at the inclined surface, with the

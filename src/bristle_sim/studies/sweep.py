@@ -74,7 +74,9 @@ def sweep(
         RuntimeError: if workers are killed time and again; finished points are kept.
     """
     grid, units = _grid(space), dict(units or {})
-    _check_workers(workers)
+    number = isinstance(workers, int) and not isinstance(workers, bool) and workers != 0
+    if not number and not isinstance(workers, Executor | None):
+        raise ValueError(f"workers = {shown(workers)}: must be a whole number other than 0, an Executor or None")
     check_arguments(function, next(_points(grid)))
     grid.attrs = {**described(function), "version": version}
     identity = identity_of(function, version)
@@ -113,13 +115,6 @@ def _grid(space: Mapping[str, Any]) -> xr.Dataset:
         if values.dtype.kind in "UT":  # zarr has no standard for words of a fixed width
             grid = grid.assign_coords({name: values.astype(object)})
     return grid
-
-
-def _check_workers(workers: Any) -> None:
-    """Raise ValueError for what is no way to run calls."""
-    number = isinstance(workers, int) and not isinstance(workers, bool) and workers != 0
-    if not number and not isinstance(workers, Executor | None):
-        raise ValueError(f"workers = {shown(workers)}: must be a whole number other than 0, an Executor or None")
 
 
 def _points(grid: xr.Dataset, start: int = 0) -> Iterator[dict[str, Any]]:
@@ -161,17 +156,14 @@ def _parallel(workers: int | Executor | None) -> joblib.Parallel:
     client = getattr(get_active_backend()[0], "client", None) if workers is None else None
     if client is not None:  # joblib's backend for Dask would wait for ever for points that the cluster has given up
         workers = client.get_executor()
-    if isinstance(workers, Executor):
-        backend = _ExecutorBackend(workers)
-        return joblib.Parallel(_slots(workers), backend=backend, return_as="generator", pre_dispatch="4 * n_jobs")
-    return joblib.Parallel(n_jobs=workers, return_as="generator")
-
-
-def _slots(executor: Executor) -> int:
-    """Calls that an executor runs at the same time, as far as it says so; joblib would not use it for a single one."""
-    client = getattr(executor, "_client", None)
-    told = getattr(executor, "_max_workers", 0) if client is None else sum(client.ncores().values())
-    return max(2, int(told or os.cpu_count() or 2))
+    if not isinstance(workers, Executor):
+        return joblib.Parallel(n_jobs=workers, return_as="generator")
+    # Calls that an executor runs at a time, as far as it says so; joblib would not use it for a single one.
+    own = getattr(workers, "_client", None)
+    told = getattr(workers, "_max_workers", 0) if own is None else sum(own.ncores().values())
+    slots = max(2, int(told or os.cpu_count() or 2))
+    backend = _ExecutorBackend(workers)
+    return joblib.Parallel(slots, backend=backend, return_as="generator", pre_dispatch="4 * n_jobs")
 
 
 class _ExecutorBackend(AutoBatchingMixin, ParallelBackendBase):  # type: ignore[misc]

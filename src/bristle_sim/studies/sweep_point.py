@@ -95,15 +95,14 @@ def _parts(function: Any, seen: set[int]) -> Any:
         return function.__qualname__
     seen.add(id(function))
     used = inspect.getclosurevars(function)
-    own_constants = {name: each for name, each in used.globals.items() if _belongs(each, function.__module__)}
+    own_constants = {
+        name: each
+        for name, each in used.globals.items()
+        if isinstance(each, CONSTANTS) or (isinstance(each, FunctionType) and each.__module__ == function.__module__)
+    }
     values = {name: _parts(each, seen) for name, each in {**own_constants, **used.nonlocals}.items()}
     name = (function.__module__, function.__qualname__)
     return name, _source(function), function.__defaults__, function.__kwdefaults__, values
-
-
-def _belongs(value: Any, module: str) -> bool:
-    """Whether a global is a function of the module or a plain constant."""
-    return isinstance(value, CONSTANTS) or (isinstance(value, FunctionType) and value.__module__ == module)
 
 
 def _source(function: FunctionType) -> Any:

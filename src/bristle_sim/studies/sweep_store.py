@@ -35,7 +35,7 @@ def write(target: Any, grid: xr.Dataset, units: Mapping[str, str], outcomes: Gen
     Regions of xarray's to_zarr need all variables at first; here each is created when its first result comes.
     """
     for name, coordinate in grid.coords.items():
-        coordinate.attrs = _attributes(str(name), units)
+        coordinate.attrs = {"units": units[str(name)]} if name in units else {}
     grid.to_zarr(target, mode="w", zarr_format=3, consolidated=False)
     group, shape = zarr.open_group(target, mode="r+"), tuple(grid.sizes.values())
     chunk = chunk_shape(shape)
@@ -53,7 +53,7 @@ def write(target: Any, grid: xr.Dataset, units: Mapping[str, str], outcomes: Gen
                     )
                 if name not in group:
                     inner = next(values[name].shape for values, _ in block if name in values)
-                    _create(group, name, inner, _attributes(name, units), grid.sizes)
+                    _create(group, name, inner, {"units": units[name]} if name in units else {}, grid.sizes)
                 array = cast("zarr.Array[Any]", group[name])
                 _put(array, region, _column(name, block, array.shape[len(shape) :]))
             _put(group[FAILURE], region, np.array([reason for _, reason in block], dtype=object))
@@ -89,13 +89,8 @@ def _column(name: str, block: list[Outcome], inner: tuple[int, ...]) -> Array:
 
 
 def _put(array: Any, region: tuple[slice, ...], values: NDArray[Any]) -> None:
-    """Write the values of a region's points."""
     size = tuple(part.stop - part.start for part in region)
     array[region] = values.reshape(size + array.shape[len(region) :])
-
-
-def _attributes(name: str, units: Mapping[str, str]) -> dict[str, str]:
-    return {"units": units[name]} if name in units else {}
 
 
 def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:

@@ -18,10 +18,10 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.impacts import Impacts
+from bristle_sim.studies.contact_course import TimedContact, compression_end
+from bristle_sim.studies.impacts import Impacts, radial_chain
+from bristle_sim.studies.strike_point import outcome_of
 from bristle_sim.theory import monofilament
-from bristle_sim.trajectory import ContactHistory
 
 CLOSE = 1e-6
 """Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser."""
@@ -41,18 +41,11 @@ LARGEST_STEP = 0.5
 """Largest change of the logarithm of speed or duration in a round."""
 
 
-def radial_chain(hub: Hub, bristle: Bristle, impact_angle: float, rate: float) -> Chain:
-    """Return a bristle that stands radially at the impact angle, rad, and turns at a rate, rad/s."""
-    return Chain((bristle.mass,), (bristle.length,), (-impact_angle,), (rate,), hub.radius, hub.speed, -impact_angle)
-
-
 def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
     """Return p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
-    strike = (mass, tip_speed, impact_angle, friction)
-    return math.hypot(
-        float(monofilament.normal_compressive_impulse(*strike)),
-        float(monofilament.tangential_compressive_impulse(*strike)),
-    )
+    given = (mass, tip_speed, impact_angle, friction)
+    normal, tangential = monofilament.normal_compressive_impulse, monofilament.tangential_compressive_impulse
+    return math.hypot(float(normal(*given)), float(tangential(*given)))
 
 
 def timed_contact(
@@ -79,24 +72,27 @@ def timed_contact(
     Raises:
         ValueError: if there is no such contact.
     """
-    if (rate is None) == (impulse is None):
+    if rate is not None and impulse is None:
+        requested, speed = [compression_time], bristle.length * rate + hub.radius * hub.speed
+    elif impulse is not None and rate is None:
+        requested = [compression_time, impulse]
+        speed = impulse / resultant_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
+    else:
         raise ValueError("rate, impulse: must be exactly one of the two")
-    duration = compression_time * _whole_over_compression(surface, impact_angle)
-    speed = _first_speed(hub, bristle, surface, impact_angle, rate, impulse)
-    asked = np.array([compression_time] if impulse is None else [compression_time, impulse])
 
     def struck(duration: float, speed: float) -> TimedContact:
-        return _struck(hub, bristle, surface, impact_angle, settings, duration, speed)
+        chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
+        return _struck(bristle, surface, chain, settings, duration, speed)
 
-    return _adjusted(struck, np.array([duration, speed]), asked, max(CLOSE, settings.accuracy))
+    duration = compression_time * _whole_over_compression(surface, impact_angle)
+    return _adjusted(struck, np.array([duration, speed]), np.array(requested), max(CLOSE, settings.accuracy))
 
 
 def reported(report: Report, contact: TimedContact, **later: float) -> Report:
     """Return the report with outcome, phases, cost and events of its contact, and later events by name, s."""
-    outcome = contact.record.outcome
     return dataclasses.replace(
         report,
-        outcome="stiction" if outcome == "jam" else outcome,
+        outcome=outcome_of(contact.record),
         phases=contact.record.phases,
         events=(("strike", 0.0), ("deepest", contact.compression_time), *later.items()),
         wall_s=contact.wall_s,
@@ -136,47 +132,29 @@ def _visible(impacts: Impacts, settings: Settings) -> ChainStrike | None:
             return None
         if found.contact.history is None:
             return None
-        missing = PRINTED_COMPRESSION / _compression_time(found.contact.history)
+        missing = PRINTED_COMPRESSION / compression_end(found.contact.history)
         if abs(missing - 1.0) <= CLOSE:
             return found
         duration *= missing
     return None
 
 
-def _compression_time(history: ContactHistory) -> float:
-    """Return the time from the first touch to the deepest penetration, s; it is a sample."""
-    return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
-
-
-def _adjusted(struck: Callable[[float, float], TimedContact], given: Array, asked: Array, close: float) -> TimedContact:
+def _adjusted(
+    struck: Callable[[float, float], TimedContact], given: Array, wanted: Array, close: float
+) -> TimedContact:
     """Change duration, and speed if an impulse is requested too, by Broyden's method in their logarithms."""
-    free, slopes, before = len(asked), np.eye(len(asked)), None
+    free, slopes = len(wanted), np.eye(len(wanted))
+    step = before = np.zeros(free)
     for _ in range(ROUNDS):
         found = struck(*given.tolist())
-        missing = np.log(asked / np.array([found.compression_time, found.compressive_impulse])[:free])
+        missing = np.log(wanted / np.array([found.compression_time, found.compressive_impulse])[:free])
         if np.all(np.abs(missing) <= close):
             return found
-        if before is not None:
-            slopes += _correction(slopes, *before, missing)
-        step = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP)
+        if step.any():
+            slopes += np.outer(before - missing - slopes @ step, step) / float(step @ step)
+        step, before = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP), missing
         given[:free] *= np.exp(step)
-        before = step, missing
-    raise ValueError(f"compression_time = {asked[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)")
-
-
-def _correction(slopes: Array, step: Array, missing: Array, still_missing: Array) -> Array:
-    """Return Broyden's correction of the slopes from what the last step has reached."""
-    return np.outer(missing - still_missing - slopes @ step, step) / float(step @ step)
-
-
-def _first_speed(
-    hub: Hub, bristle: Bristle, surface: Surface, impact_angle: float, rate: float | None, impulse: float | None
-) -> float:
-    """Return the speed of the tip, m/s; that of the rigid-body limit for an impulse."""
-    if impulse is not None:
-        return impulse / resultant_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
-    assert rate is not None
-    return bristle.length * rate + hub.radius * hub.speed
+    raise ValueError(f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)")
 
 
 def _whole_over_compression(surface: Surface, impact_angle: float) -> float:
@@ -192,16 +170,10 @@ def _whole_over_compression(surface: Surface, impact_angle: float) -> float:
 
 
 def _struck(
-    hub: Hub,
-    bristle: Bristle,
-    surface: Surface,
-    impact_angle: float,
-    settings: Settings,
-    duration: float,
-    speed: float,
+    bristle: Bristle, surface: Surface, chain: Chain, settings: Settings, duration: float, speed: float
 ) -> TimedContact:
-    chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
-    if not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length) <= bristle.length:
+    hub_speed = chain.hub_speed
+    if not duration * max(speed, hub_speed * chain.hub_radius, hub_speed * bristle.length) <= bristle.length:
         raise ValueError(
             f"compression_time: must be shorter; in {duration:g} s of contact tip or hub move by more than"
             " the bristle's length"

@@ -46,25 +46,18 @@ def load_cell_response(
     for time, impulse in impacts:
         state += impulse * np.exp(pole * np.mod(times - time, period))
     for begin, end, force in intervals:
-        _add_interval(state, times, (begin, end, force), period, pole)
+        parts = math.ceil((end - begin) * max(2.0 / period, abs(pole)) + 1.0)
+        length = (end - begin) / parts
+        for start in begin + length * np.arange(parts):
+            since = np.mod(times - start, period)
+            whole = complex(_weighed(force, np.array([start]), np.array([length]), pole)[0])
+            inside = since < length
+            state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
+            # While the part still acts, it has left this much; the others of the series are complete.
+            sofar = _weighed(force, np.full(int(inside.sum()), start), since[inside], pole)
+            state[inside] += -np.expm1(pole * period) * sofar
     # Residue of w^2/((s - p)(s - p*)) at p, the sum over k included.
     return np.asarray(2.0 * (-1j * abs(pole) / math.sqrt(2.0) * state / -np.expm1(pole * period)).real)
-
-
-def _add_interval(
-    state: NDArray[np.complex128], times: Array, interval: Interval, period: float, pole: complex
-) -> None:
-    begin, end, force = interval
-    parts = math.ceil((end - begin) * max(2.0 / period, abs(pole)) + 1.0)
-    length = (end - begin) / parts
-    for start in begin + length * np.arange(parts):
-        since = np.mod(times - start, period)
-        whole = complex(_weighed(force, np.array([start]), np.array([length]), pole)[0])
-        inside = since < length
-        state += whole * np.exp(pole * (since - length + np.where(inside, period, 0.0)))
-        # While the part still acts, it has left this much; the others of the series are complete.
-        sofar = _weighed(force, np.full(int(inside.sum()), start), since[inside], pole)
-        state[inside] += -np.expm1(pole * period) * sofar
 
 
 def _weighed(force: Callable[[Array], Array], start: Array, length: Array, pole: complex) -> NDArray[np.complex128]:
@@ -87,6 +80,11 @@ class Impulse:
     time: float
     integral: Array
 
+    @property
+    def edges(self) -> tuple[float, ...]:
+        """Return the instants at which the force on the bristle jumps, s."""
+        return (self.time,)
+
 
 @dataclass(frozen=True, slots=True)
 class SampledForce:
@@ -96,6 +94,11 @@ class SampledForce:
     begin: float
     end: float
     course: Any
+
+    @property
+    def edges(self) -> tuple[float, ...]:
+        """Return the instants at which the force on the bristle jumps, s."""
+        return self.begin, self.end
 
     @property
     def integral(self) -> Array:
@@ -136,11 +139,9 @@ def dissipated(tool: Tool, turn: PeriodicTurn, breaks: Iterable[float]) -> float
 
 
 def _impulse(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> Impulse:
-    run = turn.trajectory
-    hub_angle = run.hub_angle[0] + run.hub_speed * contact.time
+    hub_angle = turn.trajectory.hub_angle[0] + turn.trajectory.hub_speed * contact.time
     corners = _corners(tool, np.array([hub_angle]), np.array(contact.angles[-1:]))
-    normal, point = _touched(tool, contact.obstacle, corners)
-    (arms,) = _levers(normal, point)
+    (arms,) = _levers(*_touched(tool, contact.obstacle, corners))
     return Impulse(contact.obstacle, contact.time, np.array([*contact.impulse, arms @ contact.impulse]))
 
 
@@ -158,15 +159,15 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     slips = np.sign(_slip(tool, contact.obstacle, *middle))
     states = np.stack([slips, _at_corner(tool, contact.obstacle, _corners(tool, *middle[:2]))])
     jumps = np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1
-    normal, point = _touched(tool, contact.obstacle, _corners(tool, hub_angle, angle))
-    levers, force = _levers(normal, point), run.normal_force[rows]
+    levers = _levers(*_touched(tool, contact.obstacle, _corners(tool, hub_angle, angle)))
+    force, part = run.normal_force[rows], tool.workpart if contact.obstacle == "workpart" else tool.bar
+    assert part is not None
     if contact.outcome == "release":
         force[-1] = 0.0
     found = []
     for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
         own = _spaced(time, first, last)
-        tangential = -_friction(tool, contact.obstacle) * slips[first] * force[own]
-        forces = np.stack([force[own], tangential], axis=-1)
+        forces = np.stack([force[own], -part.friction * slips[first] * force[own]], axis=-1)
         values = np.column_stack([forces, (levers[own] * forces).sum(axis=-1)])
         found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
     return found
@@ -185,12 +186,6 @@ def _course(time: Array, values: Array) -> Any:
     if len(time) == 1:
         time, values = np.array([time[0] - 1.0, time[0]]), np.repeat(values, 2, axis=0)
     return CubicSpline(time, values)
-
-
-def _friction(tool: Tool, obstacle: str) -> float:
-    part = tool.workpart if obstacle == "workpart" else tool.bar
-    assert part is not None
-    return part.friction
 
 
 def _turned(vector: Sequence[float], angle: Array) -> Array:
@@ -230,18 +225,20 @@ def _touched(tool: Tool, obstacle: str, corners: Array) -> tuple[Array, Array]:
 
 def _levers(normal: Array, point: Array) -> Array:
     """Return the moments about the hub's centre of unit normal and tangential forces, shape (n, 2), m."""
-    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=-1)
-    return np.stack([point[:, 0] * each[:, 1] - point[:, 1] * each[:, 0] for each in (normal, tangent)], axis=-1)
+    return np.stack([point[:, 0] * each[:, 1] - point[:, 1] * each[:, 0] for each in (normal, _right(normal))], axis=-1)
+
+
+def _right(vectors: Array) -> Array:
+    """Turn vectors by a quarter turn to the right: normals into tangents."""
+    return np.stack([vectors[:, 1], -vectors[:, 0]], axis=-1)
 
 
 def _slip(tool: Tool, obstacle: str, hub_angle: Array, angle: Array, rate: Array) -> Array:
     """Return the tangential velocity of the wire's material point at the contact, m/s."""
     corners = _corners(tool, hub_angle, angle)
     normal, point = _touched(tool, obstacle, corners)
-    root = corners[:, 0]
-    tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=-1)
-    arms = tool.hub.speed * root + rate[:, np.newaxis] * (point - root)
-    return np.asarray((np.stack([-arms[:, 1], arms[:, 0]], axis=-1) * tangent).sum(axis=-1))
+    arms = tool.hub.speed * corners[:, 0] + rate[:, np.newaxis] * (point - corners[:, 0])
+    return np.asarray((-_right(arms) * _right(normal)).sum(axis=-1))
 
 
 def _at_corner(tool: Tool, obstacle: str, corners: Array) -> Array:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Report, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
@@ -19,13 +19,15 @@ from bristle_sim.studies.strike_point import (
     CONTACT_UNITS,
     STATE_UNITS,
     contact_quantities,
+    outcome_of,
+    ran,
     require_result,
     state_at_strike,
     stopped,
 )
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.trajectory import ContactRecord, Trajectory
+from bristle_sim.trajectory import Trajectory
 
 PRINTED = {
     "release_retraction_deg": 44.5,
@@ -45,6 +47,19 @@ ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contac
 """Differences of two angles of some radians."""
 
 
+MOST_LINKS = 8
+"""Links of a wire in a whole pass; the engine's solver takes half a minute for the way to the strike of so many."""
+
+UNITS = {
+    "release_time": "s",
+    "release_retraction_deg": "deg",
+    "largest_retraction_deg": "deg",
+    "contact_time": "s",
+    **STATE_UNITS,
+    **CONTACT_UNITS,
+}
+
+
 @dataclass(frozen=True, slots=True)
 class WholePass:
     """A simulated pass, the tool, and the reference's pass if it was requested."""
@@ -52,10 +67,6 @@ class WholePass:
     tool: Tool
     trajectory: Trajectory
     reference: Trajectory | None
-
-
-MOST_LINKS = 8
-"""Links of a wire in a whole pass; the engine's solver takes half a minute for the way to the strike of so many."""
 
 
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
@@ -70,127 +81,70 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
             f"wire_links = {tool.bristle.links}: must be at most {MOST_LINKS} in a whole pass (dimensionless)"
         )
     refuse_endless(tool, settings)
-    trajectory = simulate(tool, settings)
-    contact = trajectory.first_contact("workpart")
+    run, reference, referred = simulate(tool, settings), None, dict[str, float | None]()
+    contact = run.first_contact("workpart")
     if contact is None:
-        require_result(trajectory, settings)
-    reference = None
+        require_result(run, settings)
     if with_reference:
         from bristle_sim.reference import simulate_reference
 
-        reference = simulate_reference(
-            tool, hub_turn=settings.hub_turn, accuracy=max(1e-10, 0.1 * settings.accuracy), stop_after="strike"
-        )
+        accuracy = max(1e-10, 0.1 * settings.accuracy)
+        reference = simulate_reference(tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after="strike")
+        referred = _measured(tool, reference)
+
+    def tolerance(name: str) -> float | None:
+        value = referred.get(name)
+        if value is None:
+            return None
+        # A small difference of two angles or rates magnifies the relative error of either.
+        size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
+        own = max(LEAST_TOLERANCE, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
+        return own * max(1.0, size / abs(value) if value else size)
+
+    printed = PRINTED if tool == Tool() else {}
+    found = rows(UNITS, _measured(tool, run), _formulas(tool), referred, printed, tolerance)
     return Report(
-        outcome=_outcome(contact),
-        quantities=(
-            *_quantities(tool, settings, trajectory, reference),
-            *invariant_rows(tool, settings, trajectory),
-        ),
+        outcome=outcome_of(contact),
+        quantities=(*found, *invariant_rows(tool, settings, run)),
         phases=contact.phases if contact is not None else (),
-        events=tuple((event.name, event.time) for event in trajectory.events),
-        wall_s=trajectory.cost.wall_s,
-        steps=trajectory.cost.steps,
-        remarks=_remarks(trajectory),
-        extra={"stopped": stopped(trajectory)},
-        subject=WholePass(tool, trajectory, reference),
+        **ran(run),
+        remarks=_remarks(run),
+        extra={"stopped": stopped(run)},
+        subject=WholePass(tool, run, reference),
     )
 
 
-def _outcome(contact: ContactRecord | None) -> str:
-    if contact is None:
-        return "no contact"
-    return "stiction" if contact.outcome == "jam" else contact.outcome
-
-
-def _quantities(
-    tool: Tool, settings: Settings, trajectory: Trajectory, reference: Trajectory | None
-) -> tuple[Quantity, ...]:
-    simulated, theory = _measured(tool, trajectory), _formulas(tool)
-    referred = {} if reference is None else _measured(tool, reference)
-    rows = []
-    for name, value in simulated.items():
-        tolerance = None
-        if referred.get(name) is not None:
-            tolerance = max(LEAST_TOLERANCE, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
-            tolerance *= _magnified(tool, name, referred[name])
-        printed = PRINTED.get(name) if tool == Tool() else None
-        rows.append(Quantity(name, UNITS[name], value, theory.get(name), referred.get(name), printed, tolerance))
-    return tuple(rows)
-
-
-def _magnified(tool: Tool, name: str, value: float | None) -> float:
-    """Return the factor by which a small difference of two angles or rates magnifies the relative error of either."""
-    size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
-    return max(1.0, size / abs(value) if value else size)
-
-
-UNITS = {
-    "release_time": "s",
-    "release_retraction_deg": "deg",
-    "largest_retraction_deg": "deg",
-    "contact_time": "s",
-    **STATE_UNITS,
-    **CONTACT_UNITS,
-}
-
-
 def _measured(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Quantities of a run; None for what did not happen."""
+    """Return the quantities of a run, None for what did not happen; events and extremes are samples."""
     contact = run.first_contact("workpart")
     until = contact.time if contact is not None else math.inf
     touches = [each.time + each.duration for each in run.contacts if each.obstacle == "bar" and each.time <= until]
-    release = max(touches, default=None)
+    release, retraction = max(touches, default=None), None
+    if release is not None:
+        retraction = -math.degrees(run.relative_angle[int(abs(run.time - release).argmin())])
     return {
         "release_time": release,
-        "release_retraction_deg": None if release is None else -math.degrees(_relative_angle_at(run, release)),
-        "largest_retraction_deg": _largest_retraction(run, until),
+        "release_retraction_deg": retraction,
+        "largest_retraction_deg": -math.degrees(run.relative_angle[run.time <= until].min()),
         "contact_time": None if contact is None else contact.time,
         **state_at_strike(tool, run, contact),
         **contact_quantities(contact),
     }
 
 
-def _relative_angle_at(run: Trajectory, time: float) -> float:
-    """Relative angle at an event, rad: events are samples."""
-    return float(run.relative_angle[int(abs(run.time - time).argmin())])
-
-
-def _largest_retraction(run: Trajectory, until: float) -> float:
-    """Largest lag before an instant, deg: extremes are samples."""
-    return -math.degrees(float(run.relative_angle[run.time <= until].min()))
-
-
 def _formulas(tool: Tool) -> dict[str, float | None]:
     """Return the dissertation's chain of formulas for this tool; nothing where they do not apply."""
-    if tool.bristle.knee_angle_deg:
+    bristle, hub, bar, part = tool.bristle, tool.hub, tool.bar, tool.workpart
+    if bristle.knee_angle_deg or bar is None or part is None or not tool.belt.stiffness or not hub.speed:
         return {}
-    if tool.bar is None or tool.workpart is None or not tool.belt.stiffness or not tool.hub.speed:
-        return {}
-    geometry = (tool.hub.radius, tool.bristle.length)
+    geometry = (hub.radius, bristle.length)
     try:
-        retraction = float(cueing.retraction_at_bar(tool.bar.horizontal, tool.bar.vertical, tool.bar_reach, *geometry))
+        retraction = float(cueing.retraction_at_bar(bar.horizontal, bar.vertical, tool.bar_reach, *geometry))
         cue = cueing.cue(tool, retraction)
     except ValueError:
         return {}
-    bar_direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
-    release = (math.pi / 2.0 - bar_direction + cue.tip_lag) / tool.hub.speed
-    rate = cue.highest_relative_speed + tool.hub.speed
-    impact = (
-        monofilament_impact(
-            tool.bristle.mass,
-            tool.bristle.length,
-            tool.hub.radius,
-            tool.hub.speed,
-            rate / tool.hub.speed,
-            cue.impact_angle,
-            tool.workpart.friction,
-            tool.workpart.restitution,
-            tool.workpart.friction_in_restitution,
-        )
-        if cue.impact_angle > 0.0
-        else None
-    )
+    release = (math.pi / 2.0 - math.atan2(bar.horizontal, bar.vertical) + cue.tip_lag) / hub.speed
+    rate = cue.highest_relative_speed + hub.speed
     values: dict[str, float | None] = {
         "release_time": release,
         "release_retraction_deg": math.degrees(retraction),
@@ -198,11 +152,14 @@ def _formulas(tool: Tool) -> dict[str, float | None]:
         "contact_time": release + cue.cue_time,
         "lag_deg_at_contact": 0.0,
         "relative_speed_at_contact": cue.highest_relative_speed,
-        "tip_speed_at_contact": tool.bristle.length * rate + tool.hub.radius * tool.hub.speed,
+        "tip_speed_at_contact": bristle.length * rate + hub.radius * hub.speed,
     }
-    if impact is not None:
-        values |= {name: float(getattr(impact, name)) for name in CONTACT_UNITS}
-    return values
+    if not cue.impact_angle > 0.0:
+        return values
+    wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
+    coefficients = (part.friction, part.restitution, part.friction_in_restitution)
+    impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
+    return values | {name: float(getattr(impact, name)) for name in CONTACT_UNITS}
 
 
 def _remarks(trajectory: Trajectory) -> tuple[str, ...]:

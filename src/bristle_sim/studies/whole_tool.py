@@ -13,11 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
+from bristle_sim.studies.strike_point import ran
 from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, load_cell_response, turn_forces
 
 LEAST_TOLERANCE = 1e-6
@@ -114,14 +115,13 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     try:
         turn = periodic_turn(tool, fine)
     except TurnNotCompleted as reason:
-        return Report(None, tuple(Quantity(name, unit, None) for name, unit in UNITS.items()), remarks=(str(reason),))
+        return Report(None, rows(UNITS, {}), remarks=(str(reason),))
     found = WholeTool(tool, assembly, turn, tuple(turn_forces(tool, turn)))
+    events = ((each.name, each.time - turn.begin) for each in turn.trajectory.events if each.time >= turn.begin)
     return Report(
         outcome=None,
         quantities=_quantities(found, max(LEAST_TOLERANCE, MAGNIFIED * settings.accuracy)),
-        events=tuple((each.name, each.time - turn.begin) for each in turn.trajectory.events if each.time >= turn.begin),
-        wall_s=turn.trajectory.cost.wall_s,
-        steps=turn.trajectory.cost.steps,
+        **{**ran(turn.trajectory), "events": tuple(events)},
         remarks=_remarks(found),
         extra={"changes_from_turn_to_turn": list(turn.changes), "repeats": turn.repeats},
         subject=found,
@@ -156,23 +156,16 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
     normal, tangential = rate * np.sum([each.impulse for each in records] or [(0.0, 0.0)], axis=0)
     power = None
     if whole.turn.repeats:
-        power = rate * dissipated(tool, whole.turn, [edge for each in whole.forces for edge in _edges(each)])
+        power = rate * dissipated(tool, whole.turn, [edge for each in whole.forces for edge in each.edges])
     low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
     struck = len({math.floor((each.time - whole.turn.begin) / whole.duration * whole.turn.turns) for each in records})
-    found: dict[str, tuple[float, float | None, float | None]] = {
-        "impact_rate": (rate * struck, whole.assembly.bristles * speed / (2.0 * math.pi), None),
-        "mean_normal_force": (means[0], normal, tolerance),
-        "mean_tangential_force": (0.0 - means[1], 0.0 - tangential, tolerance),
-        "mean_torque": (drive, None if power is None else power / speed, tolerance),
-        "mean_hand_torque": (0.0 - means[2], None, None),
-        "drive_power": (drive * speed, power, tolerance),
-        "force_envelope_low": (float(low), None, None),
-        "force_envelope_high": (float(high), None, None),
-    }
-    return tuple(
-        Quantity(name, UNITS[name], simulated, theory, tolerance=within)
-        for name, (simulated, theory, within) in found.items()
-    )
+    simulated = (rate * struck, means[0], 0.0 - means[1], drive, 0.0 - means[2], drive * speed, float(low), float(high))
+    torque = None if power is None else power / speed
+    turns = whole.assembly.bristles * speed / (2.0 * math.pi)
+    theory = (turns, normal, 0.0 - tangential, torque, None, power, None, None)
+    one, other = (dict(zip(UNITS, side, strict=True)) for side in (simulated, theory))
+    judged = ("mean_normal_force", "mean_tangential_force", "mean_torque", "drive_power")
+    return rows(UNITS, one, other, tolerance=lambda name: tolerance if name in judged else None)
 
 
 def _impacts_on_workpart(whole: WholeTool) -> list[Impulse]:
@@ -183,10 +176,6 @@ def _integral(whole: WholeTool, obstacle: str) -> Array:
     """Return normal and tangential impulse, N s, and their moment, N m s, over the turns that count."""
     own = [each.integral for each in whole.forces if each.obstacle == obstacle]
     return np.asarray(np.sum([np.zeros(3), *own], axis=0))
-
-
-def _edges(force: Impulse | SampledForce) -> tuple[float, ...]:
-    return (force.time,) if isinstance(force, Impulse) else (force.begin, force.end)
 
 
 def _remarks(whole: WholeTool) -> tuple[str, ...]:

@@ -18,8 +18,12 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
+SINGLE = ("float", "int", "float | None")
+"""Annotations of arguments that must be single numbers."""
+
+
 def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
-    """Decorate a function to check its arguments before it runs, and to get them as floats or arrays of floats.
+    """Decorate a function to check its arguments before it runs, and to get them as numbers or arrays of floats.
 
     A range is for the argument of its key; an argument that is None by default may be None, and one that is a function by
     default, such as a force over time, is no number and is left as it is.
@@ -28,19 +32,22 @@ def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
         signature = inspect.signature(function)
-        defaults = {name: parameter.default for name, parameter in signature.parameters.items()}
-        numeric = {
-            name for name, default in defaults.items() if default is inspect.Parameter.empty or not callable(default)
+        checked_ones = {
+            name: (by_key[name], each.default is None, each.annotation in SINGLE)
+            for name, each in signature.parameters.items()
+            if name in by_key and (each.default is inspect.Parameter.empty or not callable(each.default))
         }
-        given = {name: by_key[name] for name in numeric if name in by_key}
-        optional = {name for name in given if defaults[name] is None}
 
         @functools.wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> T:
             bound = signature.bind(*args, **kwargs)
             for name, value in bound.arguments.items():
-                if name in given and not (value is None and name in optional):
-                    bound.arguments[name] = checked(given[name], value)
+                if name in checked_ones:
+                    own, optional, single = checked_ones[name]
+                    if single and np.ndim(value):
+                        raise ValueError(f"{name} = {shown(value)}: must be a single number")
+                    if not (value is None and optional):
+                        bound.arguments[name] = checked(own, value)
             return function(*bound.args, **bound.kwargs)
 
         return call
@@ -49,15 +56,15 @@ def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
 
 def checked(declared: Range, value: Any) -> Any:
-    """Return the value as a float or an array of floats, or raise ValueError for the first that is out of range."""
+    """Return the value as a number or an array of floats, or raise ValueError for the first that is out of range."""
     number = _floats(value)
     if number is None or value is None:
         raise declared.refusal(value)
     above = number >= declared.lowest if declared.lowest_allowed else number > declared.lowest
-    outside = ~(above & (number <= declared.highest))
+    outside = ~(above & (number <= declared.highest) & ((number == np.floor(number)) | (not declared.whole)))
     if outside.any():
         raise declared.refusal(float(number[outside].flat[0]))
-    return number[()]
+    return int(number) if declared.whole and not number.ndim else number[()]
 
 
 def numbers(name: str, value: Any, rule: str) -> Array:
@@ -87,21 +94,6 @@ def positive(name: str, value: Any, unit: str) -> None:
     rule = f"must be a finite number with {name} > 0 ({_in(unit)})"
     array = numbers(name, value, rule)
     require(name, array, np.isfinite(array) & (array > 0.0), rule)
-
-
-def single(name: str, value: Any) -> float:
-    """Return the value as a float, or refuse what is not one number."""
-    if np.ndim(value):
-        raise ValueError(f"{name} = {shown(value)}: must be a single number")
-    return float(np.asarray(value).item())
-
-
-def whole(name: str, value: Any, highest: int) -> None:
-    """Refuse what is not a whole number from 1 on."""
-    rule = f"must be a whole number with 1 <= {name} <= {highest}"
-    array = numbers(name, value, rule)
-    holds = (array >= 1) & (array <= highest) & (array == np.floor(array))
-    require(name, array, holds, rule)
 
 
 def _floats(value: Any) -> Array | None:
@@ -143,8 +135,8 @@ RIGHT, TURN = 0.5 * math.pi, 2.0 * math.pi
 
 _ROWS = (
     # The tool and the wire.
-    ("mass", "kg", 1e-30, 1e6, "rounding: m v^2 and v/m of the extremes are floats"),
-    ("length", "m", 1e-9, 1e3, "rounding: m L^2 of the extremes is a float"),
+    ("mass rod_mass", "kg", 1e-30, 1e6, "rounding: m v^2 and v/m of the extremes are floats"),
+    ("length rod_length", "m", 1e-9, 1e3, "rounding: m L^2 of the extremes is a float"),
     ("hub_radius", "m", 0.0, 1e3, "physics; rounding: r_h/L keeps L's digits up to 1e12"),
     ("hub_speed", "rad/s", 0.0, 1e6, "physics: the hub turns forward; rounding: r_h omega^2"),
     ("speed_ratio", "1", -1e9, 1e9, "rounding: R + r_h/L keeps either's digits"),
@@ -160,34 +152,24 @@ _ROWS = (
     ("retraction", "rad", -TURN, TURN, "physics: a turn either way"),
     ("penetration", "m", -2e3, 2e3, "physics: within the reach of hub and bristle"),
     ("bar_reach", "m", 0.0, 1e4, "physics: a radius; rounding: S keeps the bristle's digits"),
-    ("bar_horizontal", "m", -1e4, 1e4, "rounding: S keeps the bristle's digits"),
-    ("bar_vertical", "m", -1e4, 1e4, "rounding: S keeps the bristle's digits"),
+    ("bar_horizontal bar_vertical", "m", -1e4, 1e4, "rounding: S keeps the bristle's digits"),
     ("tip_radius", "m", 0.0, 1e4, "physics: a radius; rounding: S keeps the bristle's digits"),
-    ("distance", "m", 0.0, 1e5, "physics: a distance; rounding: the sum of the two above"),
-    ("direction", "rad", -1e6, 1e6, "rounding: a larger angle has lost its digits"),
     ("speed_share", "1", 0.0, 1.0, "physics: damping slows"),
     # Impacts.
     ("impact_angle", "rad", 0.0, RIGHT, "physics: from along the surface to straight down"),
-    ("friction", "1", 0.0, 1e9, "physics: Coulomb's; rounding: 1 + mu^2"),
-    ("restitution_friction", "1", 0.0, 1e9, "physics: Coulomb's; rounding: 1 + mu^2"),
+    ("friction restitution_friction", "1", 0.0, 1e9, "physics: Coulomb's; rounding: 1 + mu^2"),
     ("restitution", "1", 0.0, 1.0, "physics: no energy is gained"),
     ("tip_speed", "m/s", -1e12, 1e12, "rounding: m v^2"),
     ("impulse", "N s", -1e30, 1e30, "rounding: p^2/m"),
-    ("initial_rate", "rad/s", -1e15, 1e15, "rounding: its square is a float"),
-    ("rod_mass", "kg", 1e-30, 1e6, "rounding as a bristle's mass"),
-    ("rod_length", "m", 1e-9, 1e3, "rounding as a bristle's length"),
+    ("initial_rate relative_speed", "rad/s", -1e15, 1e15, "rounding: its square is a float"),
     ("mass_ratio", "1", 1e-30, 1e12, "physics: positive; rounding: n + 3 keeps either's digits"),
-    ("angle_1", "rad", -RIGHT, RIGHT, "physics: the rods reach the surface from above"),
-    ("angle_2", "rad", -RIGHT, RIGHT, "physics: the rods reach the surface from above"),
-    ("rate", "rad/s", -1e9, 1e9, "rounding: L^2 rate^2 keeps its digits"),
-    ("rate_1", "rad/s", -1e9, 1e9, "rounding: L^2 rate^2 keeps its digits"),
-    ("rate_2", "rad/s", -1e9, 1e9, "rounding: L^2 rate^2 keeps its digits"),
+    ("angle_1 angle_2", "rad", -RIGHT, RIGHT, "physics: the rods reach the surface from above"),
+    ("rate rate_1 rate_2", "rad/s", -1e9, 1e9, "rounding: L^2 rate^2 keeps its digits"),
     # Force histories.
-    ("time", "s", -1e30, 1e30, "rounding: any clock; its square is a float"),
+    ("time start", "s", -1e30, 1e30, "rounding: any clock; its square is a float"),
     ("compression_time", "s", 1e-30, 1e3, "physics: positive; rounding: F^(n) t^n"),
     ("duration", "s", 1e-30, 1e30, "physics: positive; rounding: its square is a float"),
     ("peak_force", "N", 1e-30, 1e30, "physics: positive; rounding: squares of residuals"),
-    ("start", "s", -1e30, 1e30, "rounding: any clock; its square is a float"),
     # Cutting.
     ("decay", "1/s", 0.0, 1e15, "physics: the motion slows; rounding: decay times compression_time"),
     ("resultant_angle", "rad", -math.pi, math.pi, "physics: half a turn either way"),
@@ -200,17 +182,21 @@ _ROWS = (
     ("specific_energy", "J/m^3", 1e-60, 1e60, "physics: positive; rounding: a volume"),
     ("speed", "m/s", 1e-60, 1e15, "physics: the tip moves; rounding: m v^2"),
     ("effective_mass", "kg", 1e-60, 1e30, "physics: positive; rounding: m v^2"),
-    ("normal_force", "N", -1e30, 1e30, "rounding: a work"),
-    ("tangential_force", "N", -1e30, 1e30, "rounding: a work"),
-    ("normal_velocity", "m/s", -1e30, 1e30, "rounding: a work"),
-    ("tangential_velocity", "m/s", -1e30, 1e30, "rounding: a work"),
+    ("normal_force tangential_force", "N", -1e30, 1e30, "rounding: a work"),
+    ("normal_velocity tangential_velocity", "m/s", -1e30, 1e30, "rounding: a work"),
 )
 
-_CONSTANT = Range("constant", "rad", 0.0, RIGHT, False, "physics: 0 < C <= pi/2, which is least work")
+_WHOLE = (
+    ("plies", 10_000_000, "rounding: summed in one array"),
+    ("segments", 10_000_000, "rounding: integrated in one array"),
+    ("modes", 50, "rounding: cosh(lambda) overflows beyond the 220th, and no contact here excites so many"),
+    ("links", 1000, "rounding: eigenvalues of dense matrices of this size"),
+)
 
 RANGES: dict[str, Range] = {
-    "constant": _CONSTANT,
-    **{key: Range(key, unit, lowest, highest, True, reason) for key, unit, lowest, highest, reason in _ROWS},
+    "constant": Range("constant", "rad", 0.0, RIGHT, False, "physics: 0 < C <= pi/2, which is least work"),
+    **{key: Range(key, unit, low, high, True, why) for keys, unit, low, high, why in _ROWS for key in keys.split()},
+    **{key: Range(key, "1", 1, most, True, reason, whole=True) for key, most, reason in _WHOLE},
 }
 """By the argument's name; the source of each is the reason of its bounds."""
 

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import checked_arguments, require, single
+from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
 
@@ -45,9 +45,6 @@ NEWTON_STEPS = 60
 
 LEAST_ANGLE = 1e-60
 """Least angle, rad: a path that descends by less has no depth that is a float."""
-
-COLUMNS = ("time", "normal_force", "tangential_force", "penetration", "normal_velocity", "tangential_velocity")
-"""What is known of a contact resolved in time, sample by sample."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,11 +103,7 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
 
 
 @checked_arguments
-def depth_from_energy(
-    energy: ArrayLike,
-    specific_energy: ArrayLike,
-    impact_angle: ArrayLike = IMPACT_ANGLE,
-) -> Number:
+def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
     Args:
@@ -134,9 +127,7 @@ def depth_from_energy(
 
 @checked_arguments
 def depth_from_force(
-    cutting_force: ArrayLike,
-    specific_energy: ArrayLike,
-    impact_angle: ArrayLike = IMPACT_ANGLE,
+    cutting_force: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE
 ) -> Number:
     """Return the crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m.
 
@@ -159,10 +150,7 @@ def depth_from_force(
 
 @checked_arguments
 def cutting_stroke(
-    speed: float,
-    effective_mass: float,
-    specific_energy: float,
-    impact_angle: float = IMPACT_ANGLE,
+    speed: float, effective_mass: float, specific_energy: float, impact_angle: float = IMPACT_ANGLE
 ) -> CuttingStroke:
     """Stop a tip by cutting alone, (effective_mass) dv/dt = -u b d_u.
 
@@ -175,9 +163,6 @@ def cutting_stroke(
     Raises:
         ValueError: if speed, mass or u is not positive or gamma not within 0 < gamma < pi/2.
     """
-    given = {"speed": speed, "effective_mass": effective_mass, "specific_energy": specific_energy}
-    for name, value in (given | {"impact_angle": impact_angle}).items():
-        single(name, value)
     depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle))
     path = depth / math.sin(impact_angle)
     # v = speed sqrt(1 - V/V_end) vanishes like a root at the end: S = path (1 - w^2) takes it away.
@@ -237,12 +222,14 @@ def crater_depth_from_contact(
         ValueError: for arrays of unequal length, values that are not finite, times that do not increase, or a contact
             without a pressing force.
     """
-    scalars = {"impact_angle": impact_angle, "shear_yield_stress": shear_yield_stress, "friction": friction}
-    for name, value in scalars.items():
-        if value is not None:
-            single(name, value)
     _check_angle(impact_angle)
-    given = (time, normal_force, tangential_force, penetration, normal_velocity, tangential_velocity)
+    given = {
+        "time": time,
+        "normal_force": normal_force,
+        "tangential_force": tangential_force,
+        "penetration": penetration,
+    }
+    given |= {"normal_velocity": normal_velocity, "tangential_velocity": tangential_velocity}
     t, normal, tangential, inside, v_n, v_t = _compression(given)
     along = math.sin(impact_angle) * normal + math.cos(impact_angle) * np.abs(tangential)
     peak = int(np.argmax(along))
@@ -266,13 +253,14 @@ def crater_depth_from_contact(
     )
 
 
-def _compression(values: tuple[ArrayLike, ...]) -> list[Array]:
+def _compression(values: dict[str, ArrayLike]) -> list[Array]:
     """Return the columns up to the deepest penetration, once they are rows of one length and times that increase."""
-    columns = [np.asarray(value) for value in values]
-    shape = columns[0].shape
-    if len(shape) != 1 or shape[0] < 2 or any(column.shape != shape for column in columns):
-        shapes = ", ".join(f"{name} {column.shape}" for name, column in zip(COLUMNS, columns, strict=True))
+    columns = {name: np.asarray(value) for name, value in values.items()}
+    shape = columns["time"].shape
+    if len(shape) != 1 or shape[0] < 2 or any(column.shape != shape for column in columns.values()):
+        shapes = ", ".join(f"{name} {column.shape}" for name, column in columns.items())
         raise ValueError(f"{shapes}: must be rows of equal lengths, of two samples or more")
-    require("time", columns[0][1:], np.diff(columns[0]) >= 0.0, "must be times that do not decrease (in s)")
-    deepest = max(int(np.argmax(columns[3])), 1)
-    return [column[: deepest + 1] for column in columns]
+    steps = np.diff(columns["time"])
+    require("time", columns["time"][1:], steps >= 0.0, "must be times that do not decrease (in s)")
+    deepest = max(int(np.argmax(columns["penetration"])), 1)
+    return [column[: deepest + 1] for column in columns.values()]

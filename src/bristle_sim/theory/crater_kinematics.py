@@ -49,32 +49,17 @@ class CraterKinematics:
     face_depth: float = 2.8e-4
 
     @classmethod
-    def of_tool(
-        cls,
-        tool: Tool,
-        bristle_rate: float,
-    ) -> CraterKinematics:
+    def of_tool(cls, tool: Tool, bristle_rate: float) -> CraterKinematics:
         """Work the relations out unrounded for a radial bristle that arrives at ``bristle_rate`` (rad/s, absolute).
 
         The tip arrives with v = r_h w + L rate (2.24), so lambda = v/c_1 (4.3); at rest the tip leaves the bristle with
         the rate -r_h w/L (2.36) and its centre with half the rim's speed.
         """
-        rim = tool.hub.speed * tool.hub.radius
-        length = tool.bristle.length
-        tip_speed = rim + length * bristle_rate
-        excursion = 3.25e-4
-        depth = excursion * math.sin(IMPACT_ANGLE)
-        return cls(
-            decay=tip_speed / excursion,
-            excursion=excursion,
-            tip_speed=tip_speed,
-            rate=tip_speed / length,
-            final_rate=rim / length,
-            centre_speed=0.5 * tip_speed,
-            final_centre_speed=0.5 * rim,
-            depth=depth,
-            face_depth=depth / math.sin(TipFace().face_angle),
-        )
+        rim, length, excursion = tool.hub.speed * tool.hub.radius, tool.bristle.length, 3.25e-4
+        speed, depth = rim + length * bristle_rate, excursion * math.sin(IMPACT_ANGLE)
+        rates, centre = (speed / length, rim / length), (0.5 * speed, 0.5 * rim)
+        face_depth = depth / math.sin(TipFace().face_angle)
+        return cls(speed / excursion, excursion, speed, *rates, *centre, depth, face_depth)
 
     def tip_displacement(self, time: ArrayLike) -> Number:
         """Return S along the path (4.4a), m."""
@@ -95,10 +80,6 @@ class CraterKinematics:
     def crater_depth(self, time: ArrayLike) -> Number:
         """Return the depth below the surface, S sin(gamma) (4.8), m."""
         return self.depth * self._grown(time)
-
-    def crater_face_depth(self, time: ArrayLike) -> Number:
-        """Return the trace of the depth on the tip's face (4.10), m."""
-        return self.face_depth * self._grown(time)
 
     def _left(self, time: ArrayLike) -> Number:
         return np.exp(-self.decay * np.asarray(time, dtype=float))

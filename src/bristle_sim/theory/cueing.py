@@ -27,7 +27,7 @@ import numpy as np
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.quantity import shown
-from bristle_sim.theory.checks import RANGES, checked_arguments, positive, require
+from bristle_sim.theory.checks import checked_arguments, positive, require
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""
@@ -53,21 +53,6 @@ def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """Return A, the angle by which the tip lags the root as seen from the hub's centre, rad (fig. 2.3)."""
     return np.arctan2(length * np.sin(retraction), hub_radius + length * np.cos(retraction))
-
-
-@checked_arguments
-def bar_distance(bar_reach: Number, tip_radius: Number) -> Number:
-    """Return the distance S of the bar's centre from the hub's, m (2.1).
-
-    The bar's reach is its radius and half of the wire's, which the dissertation neglects.
-    """
-    return bar_reach + tip_radius
-
-
-@checked_arguments
-def bar_position(distance: Number, direction: Number) -> tuple[Number, Number]:
-    """Return (S_H, S_V) = S (sin, cos)(A + theta_1 + gamma), m, along and normal to the workpart (2.1)."""
-    return distance * np.sin(direction), distance * np.cos(direction)
 
 
 @checked_arguments
@@ -100,18 +85,6 @@ def natural_rate(stiffness: Number, inertia: Number) -> Number:
 def centrifugal_stiffness(mass: Number, hub_radius: Number, length: Number, hub_speed: Number) -> Number:
     """Return g = m r_h (L/2) omega^2, N m/rad."""
     return 0.5 * mass * hub_radius * length * hub_speed**2
-
-
-@checked_arguments
-def cue_time(natural_rate: Number) -> Number:
-    """Return t_c, a quarter of the oscillation's period, s."""
-    return 0.5 * np.pi / natural_rate
-
-
-@checked_arguments
-def highest_relative_speed(retraction: Number, natural_rate: Number) -> Number:
-    """Return the speed of the bristle relative to the hub when it is radial, theta_p sqrt(k/I), rad/s."""
-    return retraction * natural_rate
 
 
 @checked_arguments
@@ -156,7 +129,7 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
 @checked_arguments
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
     """Return the highest speed relative to the hub, theta_p Omega e^(-zeta f(zeta)), rad/s."""
-    return highest_relative_speed(retraction, natural_rate) * np.exp(-_phase(damping_ratio) * damping_ratio)
+    return retraction * natural_rate * np.exp(-_phase(damping_ratio) * damping_ratio)
 
 
 @checked_arguments
@@ -212,46 +185,59 @@ class Cue:
     bar_vertical: float
 
 
+@checked_arguments
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad.
 
     Raises:
         ValueError: if the tool lacks bar, workpart or belt stiffness.
     """
-    retraction = _retraction(tool, retraction)
+    _check_tool(tool)
     rate, damping = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root), tool.belt.damping_ratio
     speed = damped_highest_speed(retraction, rate, damping)
-    return _placed(tool, retraction, damped_cue_time(rate, damping), speed)
+    return placed_cue(tool, retraction, damped_cue_time(rate, damping), speed)
 
 
+@checked_arguments
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad.
 
     Raises:
         ValueError: if the tool lacks bar or workpart, or nothing drives the bristle.
     """
-    retraction = _retraction(tool, retraction)
+    _check_tool(tool)
+    swing = (retraction, tool.belt.stiffness, field_stiffness(tool), tool.bristle.inertia_about_root)
+    return placed_cue(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
+
+
+def field_stiffness(tool: Tool) -> float:
+    """Return g of a tool, N m/rad."""
+    _check_tool(tool)
     bristle, hub = tool.bristle, tool.hub
-    g = centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
-    swing = (retraction, tool.belt.stiffness, g, bristle.inertia_about_root)
-    return _placed(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
+    return float(centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
 
 
-def _retraction(tool: Tool, retraction: float) -> float:
-    """Return the retraction, once the arguments of a cue are checked."""
+def _check_tool(tool: Tool) -> None:
     if not isinstance(tool, Tool):
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
-    return RANGES["retraction"].check(retraction)
 
 
-def _placed(tool: Tool, retraction: float, time: Number, speed: Number) -> Cue:
-    """Place the bar for a cue time."""
+@checked_arguments
+def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
+    """Place the bar for a cue time (2.1): S (sin, cos)(A + theta_1 + gamma) along and normal to the workpart.
+
+    S is the tip's distance from the hub's centre and the bar's reach, its radius and half of the wire's, which the
+    dissertation neglects. Retraction in rad, time in s, highest speed in rad/s.
+
+    Raises:
+        ValueError: if the tool lacks bar or workpart.
+    """
+    _check_tool(tool)
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be there")
     geometry, turn = (tool.hub.radius, tool.bristle.length), tool.hub.speed * time
     angle = impact_angle(*geometry, tool.workpart.penetration)
     lag, radius = tip_lag(*geometry, retraction), tip_radius(*geometry, retraction)
-    distance, direction = bar_distance(tool.bar_reach, radius), lag + turn + angle
-    horizontal, vertical = bar_position(distance, direction)
-    values = (angle, radius, lag, time, turn, speed, distance, direction, horizontal, vertical)
-    return Cue(*(float(each) for each in values))
+    distance, direction = tool.bar_reach + radius, lag + turn + angle
+    place = (distance * np.sin(direction), distance * np.cos(direction))
+    return Cue(*(float(each) for each in (angle, radius, lag, time, turn, relative_speed, distance, direction, *place)))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
-from bristle_sim.theory.checks import checked_arguments, single
+from bristle_sim.theory.checks import checked_arguments
 from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 from bristle_sim.theory.force_record import find_contact
 
@@ -67,7 +67,7 @@ def fit_force_history(
             found or whose contact began before it.
     """
     time, force = _checked_points(time, force)
-    _check_settings(time, force, duration, peak_force, start)
+    _check_settings(time, force, duration, start)
     if start is None:
         return _fit_record(time, force, duration, peak_force)
     scale = float(force.max()) if peak_force is None else peak_force
@@ -150,12 +150,7 @@ def _checked_points(time: ArrayLike, force: ArrayLike) -> tuple[Array, Array]:
     return time, force
 
 
-def _check_settings(
-    time: Array, force: Array, duration: float | None, peak_force: float | None, start: float | None
-) -> None:
-    for name, value in {"duration": duration, "peak_force": peak_force, "start": start}.items():
-        if value is not None:
-            single(name, value)
+def _check_settings(time: Array, force: Array, duration: float | None, start: float | None) -> None:
     unknowns = 2 + (duration is None) + (start is None)
     if force.size <= unknowns:
         raise ValueError(f"force: {force.size} points; there must be more than the {unknowns} unknowns")

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import checked_arguments, finite, positive, single, whole
+from bristle_sim.theory.checks import checked_arguments, finite, positive
 
 LEAD_SHARE = 0.1
 """t_o/t_f (Zhang 2020, below eq. 3.3)."""
@@ -33,9 +33,6 @@ PRINTED_BRISTLE_IMPULSE = 1.619e-3
 
 TABLE_3_1 = ("0.13", "0.43", "0.79", "1.18", "1.56", "1.93", "2.24", "2.49", "2.67", "2.76")
 """Ten-segment impulses of the bristle, 1e-4 N s, with the digits they have in print (Zhang 2020, table 3.1)."""
-
-MOST_SEGMENTS = 10_000_000
-"""Segments are integrated in one array."""
 
 SCAN = 512
 """Grid on which a peak is located before it is refined; the curve turns once or twice in a contact."""
@@ -198,9 +195,7 @@ def segment_impulses(
     Raises:
         ValueError: if segments is not a positive whole number or impulse is not finite.
     """
-    whole("segments", segments, MOST_SEGMENTS)
-    single("segments", segments)
-    end = curve.peak_time() if compression_time is None else single("compression_time", compression_time)
-    edges = np.linspace(0.0, end, int(segments) + 1)
+    end = curve.peak_time() if compression_time is None else compression_time
+    edges = np.linspace(0.0, end, segments + 1)
     parts = curve.impulse(edges[1:], edges[:-1])
     return np.asarray(np.asarray(impulse, dtype=float)[..., np.newaxis] * parts / curve.impulse(end))

@@ -111,11 +111,10 @@ class FitProblem:
 
     def model(self, unknowns: Array) -> tuple[ForceCurve, float, float]:
         """Return the curve, start in s and baseline in N."""
-        values = (unknowns * self.units).tolist()
-        amplitude, decay, *rest = values
-        duration = abs(rest.pop(0)) if self.duration is None else self.duration
-        start = rest.pop(0) if self.shifted else 0.0
-        return ForceCurve.of_impact(amplitude, decay, self.peak_force, duration), start, rest[0] if self.based else 0.0
+        values = dict(zip(self.sizes, (unknowns * self.units).tolist(), strict=True))
+        duration = abs(values["duration"]) if self.duration is None else self.duration
+        curve = ForceCurve.of_impact(values["amplitude 1"], values["decay 1"], self.peak_force, duration)
+        return curve, values.get("start", 0.0), values.get("baseline", 0.0)
 
     def first(self, duration: float, baseline: float) -> Array:
         """Return start values: a straight line through ln(F/bracket)."""
@@ -132,13 +131,9 @@ class FitProblem:
             # Noise may tilt the line at will; a contact's decay is of the order of its duration.
             slope = float(np.clip(slope, -STEEPEST / duration, STEEPEST / duration))
         column = np.exp(-slope * np.where(bracket != 0.0, self.time, 0.0)) * bracket
-        amplitudes = np.linalg.lstsq(column[:, np.newaxis], force, rcond=None)[0]
-        rest = [
-            *([] if self.duration is not None else [duration]),
-            *([0.0] if self.shifted else []),
-            *([baseline] if self.based else []),
-        ]
-        return np.concatenate([amplitudes, [slope], rest]) / self.units
+        amplitude = float(np.linalg.lstsq(column[:, np.newaxis], force, rcond=None)[0][0])
+        begin = {"amplitude 1": amplitude, "decay 1": slope, "duration": duration, "start": 0.0, "baseline": baseline}
+        return np.array([begin[name] for name in self.sizes]) / self.units
 
     def report(self, unknowns: Array, jacobian: Array, origin: float) -> ForceFit:
         """Return the fit with its covariance, from the normal equations at the solution."""
@@ -147,12 +142,10 @@ class FitProblem:
         spread = math.sqrt(float(residuals @ residuals) / freedom)
         covariance = spread**2 * self._inverse_normal(jacobian) * np.outer(self.units, self.units)
         curve, start, baseline = self.model(unknowns)
-        values = unknowns * self.units
-        if self.duration is None:
-            values[2] = curve.duration
-        if self.shifted:
-            values[-2 if self.based else -1] = start + origin
-        return ForceFit(curve, self.names, values, covariance, residuals, spread, start + origin, baseline)
+        exact = {"duration": curve.duration, "start": start + origin}
+        found = dict(zip(self.sizes, (unknowns * self.units).tolist(), strict=True))
+        values = np.array([exact.get(name, value) for name, value in found.items()])
+        return ForceFit(curve, tuple(found), values, covariance, residuals, spread, start + origin, baseline)
 
     def _inverse_normal(self, jacobian: Array) -> Array:
         """Return (J^T J)^-1 through the singular values of J with its columns scaled to length one."""
@@ -166,17 +159,17 @@ class FitProblem:
         return np.asarray(scaled @ scaled.T / np.outer(lengths, lengths))
 
     @property
-    def units(self) -> Array:
-        """Return the size that each unknown is measured in."""
-        rest = [
-            *([] if self.duration is not None else [self.unit]),
-            *([self.unit] if self.shifted else []),
-            *([self.peak_force] if self.based else []),
-        ]
-        return np.array([1.0, 1.0 / self.unit, *rest])
+    def sizes(self) -> dict[str, float]:
+        """Return the size that each unknown is measured in, by name and in order."""
+        later = {
+            "duration": (self.duration is None, self.unit),
+            "start": (self.shifted, self.unit),
+            "baseline": (self.based, self.peak_force),
+        }
+        fitted = {name: size for name, (unknown, size) in later.items() if unknown}
+        return {"amplitude 1": 1.0, "decay 1": 1.0 / self.unit, **fitted}
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """Return the names of the unknowns, in order."""
-        unknown = (("duration", self.duration is None), ("start", self.shifted), ("baseline", self.based))
-        return ("amplitude 1", "decay 1", *(name for name, fitted in unknown if fitted))
+    def units(self) -> Array:
+        """Return the sizes as an array."""
+        return np.array(list(self.sizes.values()))

@@ -18,7 +18,7 @@ import math
 
 import numpy as np
 
-from bristle_sim.theory.checks import checked_arguments, require, single
+from bristle_sim.theory.checks import checked_arguments, require
 
 LEAST_SPEED = 1e-100
 """Least speed, rad/s: the squares of smaller speeds vanish beside the least inertia."""
@@ -35,8 +35,6 @@ def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub
     Raises:
         ValueError: if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
     """
-    for name, value in (("inertia", inertia), ("stiffness", stiffness), ("hub_speed", hub_speed)):
-        single(name, value)
     require("hub_speed", hub_speed, hub_speed >= LEAST_SPEED, f"must be at least {LEAST_SPEED:g} (in rad/s)")
     from scipy.optimize import brentq
 

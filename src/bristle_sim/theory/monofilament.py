@@ -104,8 +104,7 @@ def monofilament_impact(
 @checked_arguments
 def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
     """Return the speed of the tip towards the workpart before the impact, v_C = (R L + r_h) omega, m/s (2.24, 2.33)."""
-    reach = speed_ratio * length + hub_radius
-    return hub_speed * reach
+    return hub_speed * (speed_ratio * length + hub_radius)
 
 
 @checked_arguments
@@ -116,17 +115,9 @@ def stiction_friction(impact_angle: Number) -> Number:
 
 
 @checked_arguments
-def rest_rate(length: Number, hub_radius: Number, hub_speed: Number) -> Number:
-    """Return phi'(p_cy) = -(r_h/L) omega, the rate at which the tip is at rest, rad/s (2.36)."""
-    radius_ratio = hub_radius / length
-    return -radius_ratio * hub_speed
-
-
-@checked_arguments
 def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """Return p_cy = m v_C/(3 s_1), N s (2.37)."""
-    momentum = mass * np.maximum(tip_speed, 0.0)
-    return momentum / (3.0 * _lever(impact_angle, friction))
+    return mass * np.maximum(tip_speed, 0.0) / (3.0 * _lever(impact_angle, friction))
 
 
 @checked_arguments
@@ -180,14 +171,14 @@ def final_rate(
     restitution: Number,
     restitution_friction: Number | None = None,
 ) -> Number:
-    """Return phi'_f = -(r_h/L) omega - e* (v_C/L) sqrt(s_2/s_1), rad/s: (2.43) at the p_fy of (2.48), as in (2.65).
+    """Return phi'_f = -(r_h/L) omega (2.36) - e* (v_C/L) sqrt(s_2/s_1), rad/s: (2.43) at the p_fy of (2.48), as in (2.65).
 
     With mu_2 >= tan gamma or e* = 0 the tip stays at rest, phi'_f = -(r_h/L) omega; where v_C <= 0 it keeps its rate.
     """
     later = _later_lever(impact_angle, friction if restitution_friction is None else restitution_friction)
     thrown = restitution * np.sqrt(later / _lever(impact_angle, friction))
     factor = np.where(tip_speed > 0.0, -thrown, 1.0)
-    return rest_rate(length, hub_radius, hub_speed) + factor * tip_speed / length
+    return -(hub_radius / length) * hub_speed + factor * tip_speed / length
 
 
 def _lever(impact_angle: Number, friction: Number) -> Number:

@@ -19,8 +19,8 @@ after the end of compression; then C sticks, or slips the other way if mu < mu_b
 work of restitution is W_r = -e*^2 W_c (2.87). The rods here are followed in q; ``impact.energetic_impact`` solves the
 same impact in the velocities of C, and each is the other's test.
 
-Rates are negative where they bring the tip of a rod of positive inclination to the surface. Source beside Zhang: W. J. Stronge, *Rigid body collisions
-with friction*, Proc. R. Soc. Lond. A 431 (1990) 169-181.
+Rates are negative where they bring the tip of a rod of positive inclination to the surface. Source beside Zhang: W. J. Stronge,
+*Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990) 169-181.
 """
 
 from __future__ import annotations
@@ -29,10 +29,17 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from bristle_sim.theory.checks import RANGES, checked_numbers, require
+from bristle_sim.arrays import Array, Number
+from bristle_sim.theory.checks import RANGES, checked_arguments, checked_numbers, require
 from bristle_sim.theory.monofilament import LEAST_ANGLE
-from bristle_sim.theory.pendulum_phases import RodImpact, Rods, compress, restitute
+
+_ROUNDING = 1e-12
+"""Fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero."""
+
+_PARALLEL = 1e-8
+"""Rods whose angles differ by less (rad) count as parallel: their tip moves along one line, up to rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,19 +65,17 @@ def single_pendulum_impact(
     Raises:
         ValueError: for an argument outside its range.
     """
-    given = {"rod_mass": rod_mass, "rod_length": rod_length, "impact_angle": impact_angle, "rate": rate}
-    mass, length, angle, rate = checked_numbers(**given)
+    mass, length = checked_numbers(rod_mass=rod_mass, rod_length=rod_length)
+    angle, rate = checked_numbers(impact_angle=impact_angle, rate=rate)
     mu, e = checked_numbers(friction=friction, restitution=restitution)
     require("impact_angle", angle, angle >= LEAST_ANGLE, f"must be at least {LEAST_ANGLE:g} (in rad)")
     if rate >= 0.0:
         return SinglePendulumImpact(0.0, 0.0, rate, 1.0, "no contact")
-    # Generalized impulses of a unit normal impulse, over L; the tip's inertia is m/3.
     compressing = math.sin(angle) + mu * math.cos(angle)
     releasing = math.sin(angle) - mu * math.cos(angle)
     compressive = -mass * length * rate / (3.0 * compressing)
     if releasing <= 0.0 or e == 0.0:
-        outcome = "stiction" if e > 0.0 else "no rebound"
-        return SinglePendulumImpact(compressive, compressive, 0.0, 0.0, outcome)
+        return SinglePendulumImpact(compressive, compressive, 0.0, 0.0, "stiction" if e > 0.0 else "no rebound")
     ratio = -e * math.sqrt(releasing / compressing)
     final = compressive + mass * length * ratio * rate / (3.0 * releasing)
     return SinglePendulumImpact(compressive, final, ratio * rate, ratio, "rebound")
@@ -78,15 +83,9 @@ def single_pendulum_impact(
 
 @dataclass(frozen=True, slots=True)
 class DoublePendulumImpact:
-    """Impact of a double pendulum.
+    """Impact of a double pendulum: rates after it in rad/s, impulses p_c, p_f and p_s in N s, and what C does, in order.
 
-    Attributes:
-        final_rate_1, final_rate_2: phi'_1, phi'_2 after the impact, rad/s.
-        normal_compressive_impulse, normal_final_impulse: p_c and p_f, N s.
-        slip_stop_impulse: p_s, the normal impulse at which the initial slip stops, N s; inf if it lasts.
-        phases: what C does, in order, e.g. ``("compression slip", "restitution slip", "restitution stick")``.
-        kinetic_energy_ratio: kinetic energy after the impact over that before it.
-        outcome: a word of ``impact.OUTCOMES``.
+    ``slip_stop_impulse`` is inf for a slip that lasts; ``kinetic_energy_ratio`` is that after over before the impact.
     """
 
     final_rate_1: float
@@ -113,26 +112,21 @@ def double_pendulum_impact(
 ) -> DoublePendulumImpact:
     """Strike with Stronge's double pendulum of any ratio of masses (Zhang 2020, eqs. 2.66-2.108).
 
-    Args:
-        rod_mass, mass_ratio: m_2 in kg and n = m_1/m_2; identical rods have n = 1.
-        rod_length: L of either rod, m.
-        angle_1, angle_2: theta_1, theta_2, within a right angle, rad.
-        rate_1, rate_2: phi'_1, phi'_2 before the impact, rad/s.
-        friction, restitution: mu and e*.
-        restitution_friction: mu in restitution, equal to friction by default as in the dissertation.
+    m_2 in kg, n = m_1/m_2, L of either rod in m, theta_1 and theta_2 within a right angle in rad, phi'_1 and phi'_2 before
+    the impact in rad/s; the friction in restitution is equal to the other one by default, as in the dissertation.
 
     Raises:
         ValueError: for an argument outside its range.
     """
-    rods = Rods(*checked_numbers(rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2))
+    rods = _Rods(*checked_numbers(rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2))
     length, mu, e = checked_numbers(rod_length=rod_length, friction=friction, restitution=restitution)
     later = mu if restitution_friction is None else RANGES["restitution_friction"].check(restitution_friction)
     first, second = checked_numbers(rate_1=rate_1, rate_2=rate_2)
     speeds = np.array([length * first, length * second / 2.0])
-    impact = RodImpact(rods, speeds)
+    impact = _RodImpact(rods, speeds)
     outcome = "no contact"
     if impact.tip[1] < 0.0:
-        outcome = restitute(impact, later, e) if compress(impact, mu) else "jam"
+        outcome = impact.restitute(later, e) if impact.compress(mu) else "jam"
     before, after = rods.kinetic_energy(speeds), rods.kinetic_energy(impact.speeds)
     return DoublePendulumImpact(
         final_rate_1=float(impact.speeds[0]) / length,
@@ -144,3 +138,163 @@ def double_pendulum_impact(
         kinetic_energy_ratio=after / before if before > 0.0 else 1.0,
         outcome=outcome,
     )
+
+
+@checked_arguments
+def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike) -> Number:
+    """Return the least friction with which C, once its slip has stopped, sticks: mu_bar (Zhang 2020, eq. 2.90, n = 1).
+
+        mu_bar = |sin 2 theta_1 + (n + 3) sin 2 theta_2 - 3 c sin(theta_1 + theta_2)|
+                 / (2 cos^2 theta_1 + 2 (n + 3) cos^2 theta_2 - 6 c cos theta_1 cos theta_2)
+
+    Angles in rad, arrays broadcast. For theta_1 = theta_2 it is tan theta whatever n (2.111).
+    """
+    first, second = np.asarray(angle_1, dtype=float), np.asarray(angle_2, dtype=float)
+    heavy, c = np.add(mass_ratio, 3.0), np.cos(first - second)
+    driven = np.sin(2.0 * first) + heavy * np.sin(2.0 * second) - 3.0 * c * np.sin(first + second)
+    resisted = np.cos(first) ** 2 + heavy * np.cos(second) ** 2 - 3.0 * c * np.cos(first) * np.cos(second)
+    return np.abs(driven) / (2.0 * resisted)
+
+
+@dataclass(frozen=True, slots=True)
+class _Rods:
+    """Inertia and geometry: mass of the second rod, kg, ratio of the masses, angles, rad; q are (q_1, q_2), m/s."""
+
+    mass: float
+    ratio: float
+    angle_1: float
+    angle_2: float
+
+    @property
+    def parallel(self) -> bool:
+        """Tell whether C moves along one line, so that it cannot lift off while it sticks."""
+        return abs(self.angle_1 - self.angle_2) < _PARALLEL
+
+    def kinetic_energy(self, q: Array) -> float:
+        """Return T (2.93), J."""
+        coupled = math.cos(self.angle_1 - self.angle_2) * q[0] * q[1]
+        own = (self.ratio / 6.0 + 0.5) * q[0] ** 2 + 2.0 / 3.0 * q[1] ** 2
+        return self.mass * float(own + coupled)
+
+    def tip_velocity(self, q: Array) -> tuple[float, float]:
+        """Return v_C (2.95), m/s."""
+        along = -q[0] * math.cos(self.angle_1) - 2.0 * q[1] * math.cos(self.angle_2)
+        away = q[0] * math.sin(self.angle_1) + 2.0 * q[1] * math.sin(self.angle_2)
+        return float(along), float(away)
+
+    def response(self, along: float, away: float) -> Array:
+        """Return the change of q by an impulse on C: eqs. 2.94 and 2.96 solved for it."""
+        first = -along * math.cos(self.angle_1) + away * math.sin(self.angle_1)
+        second = -2.0 * along * math.cos(self.angle_2) + 2.0 * away * math.sin(self.angle_2)
+        c, own = math.cos(self.angle_1 - self.angle_2), self.ratio / 3.0 + 1.0
+        solved = np.array([4.0 / 3.0 * first - c * second, own * second - c * first])
+        return solved / (self.mass * (4.0 / 3.0 * own - c * c))
+
+    def sticking(self) -> Array:
+        """Return dq/dp_y while C sticks: one freedom is left, q proportional to (2 cos theta_2, -cos theta_1)."""
+        freedom = np.array([2.0 * math.cos(self.angle_2), -math.cos(self.angle_1)])
+        lift = 0.0 if self.parallel else 2.0 * math.sin(self.angle_1 - self.angle_2)
+        return freedom * lift / (2.0 * self.kinetic_energy(freedom))
+
+    def sliding_at_rest(self) -> Array:
+        """Return dq/dp_y while C slips with v_y = 0, under the friction that keeps it there: again one freedom."""
+        friction = self.tip_velocity(self.response(0.0, 1.0))[1] / self.tip_velocity(self.response(1.0, 0.0))[1]
+        freedom = np.array([2.0 * math.sin(self.angle_2), -math.sin(self.angle_1)])
+        drift = 2.0 * math.sin(self.angle_1 - self.angle_2)
+        return -friction * freedom * drift / (2.0 * self.kinetic_energy(freedom))
+
+
+class _RodImpact:
+    """The rods during an impact: speeds, normal impulse and normal work so far; a change is dq/dp_y."""
+
+    def __init__(self, rods: _Rods, speeds: Array) -> None:
+        self.rods, self.speeds = rods, speeds
+        self.impulse, self.compressive_impulse, self.work = 0.0, 0.0, 0.0
+        self.phases: list[str] = []
+        across = 2.0 * _PARALLEL if rods.parallel else 0.0
+        self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
+        self.first_slip = self.slip
+        self.slip_stop = math.inf if self.first_slip else 0.0
+
+    @property
+    def tip(self) -> tuple[float, float]:
+        """Return v_C without its rounding."""
+        along, away = self.rods.tip_velocity(self.speeds)
+        return along if abs(along) > self._least else 0.0, away if abs(away) > self._least else 0.0
+
+    @property
+    def slip(self) -> float:
+        """Return the direction in which C slips; 0 if it does not."""
+        along, _ = self.tip
+        return math.copysign(1.0, along) if along else 0.0
+
+    def slipping(self, direction: float, mu: float) -> tuple[str, Array]:
+        """Return what a slip is called, beside the first one of the impact, and its change (2.74, 2.80, 2.98)."""
+        self.first_slip = self.first_slip or direction
+        return "slip" if direction == self.first_slip else "reverse slip", self.rods.response(-mu * direction, 1.0)
+
+    def after_slip(self, mu: float) -> tuple[str, Array]:
+        """Return what C does once slip has stopped, stick or slip as the normal impulse drives it, and its change."""
+        if mu >= stick_friction(self.rods.ratio, self.rods.angle_1, self.rods.angle_2):
+            return "stick", self.rods.sticking()
+        driven, _ = self.rods.tip_velocity(self.rods.response(0.0, 1.0))
+        return self.slipping(math.copysign(1.0, driven), mu)
+
+    def until_zero(self, axis: int, change: Array) -> float:
+        """Return the further normal impulse at which slip (0) or compression (1) stops (2.75, 2.76, 2.99, 2.100)."""
+        value, slope = self.tip[axis], self.rods.tip_velocity(change)[axis]
+        return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
+
+    def until_work(self, change: Array, work: float) -> float:
+        """Return the further normal impulse that does the work, the root of v_y p + v_y' p^2/2 = W (2.83)."""
+        speed, gain = self.tip[1], self.rods.tip_velocity(change)[1]
+        if gain <= 0.0:
+            return math.inf
+        final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
+        return 2.0 * work / (speed + final) if final > 0.0 else 0.0
+
+    def follow(self, phase: str, change: Array, impulse: float) -> float:
+        """Apply the normal impulse, with q changing at the rate ``change``, and return its normal work."""
+        work = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * impulse) * impulse
+        self.speeds = self.speeds + change * impulse
+        self.work += work
+        self.impulse += impulse
+        self.phases.append(phase)
+        if math.isinf(self.slip_stop) and not self.slip:
+            self.slip_stop = self.impulse
+        return work
+
+    def compress(self, mu: float) -> bool:
+        """Slip until C rests or slip stops; if slip stops first, stick or slip on until C rests; tell whether it can."""
+        if self.slip:
+            motion, change = self.slipping(self.slip, mu)
+            self.follow(f"compression {motion}", change, min(self.until_zero(0, change), self.until_zero(1, change)))
+        if self.tip[1] < 0.0:
+            motion, change = self.after_slip(mu)
+            end = self.until_zero(1, change)
+            if math.isinf(end):
+                return False
+            self.follow(f"compression {motion}", change, end)
+        self.compressive_impulse = self.impulse
+        return True
+
+    def restitute(self, mu: float, restitution: float) -> str:
+        """Continue until the work of restitution is -e*^2 that of compression (2.87), and return the outcome."""
+        if restitution == 0.0:
+            return "no rebound"
+        wanted = -(restitution**2) * self.work
+        if self.slip:
+            motion, change = self.slipping(self.slip, mu)
+            if self.rods.tip_velocity(change)[1] <= 0.0:
+                # More friction than in compression: it would drive C back as soon as C leaves.
+                change = self.rods.sliding_at_rest()
+            stop, end = self.until_zero(0, change), self.until_work(change, wanted)
+            wanted -= self.follow(f"restitution {motion}", change, min(stop, end))
+            if end <= stop:
+                return "rebound"
+        motion, change = self.after_slip(mu)
+        end = self.until_work(change, wanted)
+        if math.isinf(end):
+            return "stiction"
+        self.follow(f"restitution {motion}", change, end)
+        return "rebound"

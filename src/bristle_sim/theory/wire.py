@@ -23,13 +23,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
-from bristle_sim.theory.checks import checked_arguments, single, whole
-
-MOST_MODES = 50
-"""The most modes that are computed: cosh(lambda) overflows beyond the 220th, and no contact here excites so many."""
-
-MOST_LINKS = 1000
-"""The chain's eigenvalues are those of dense matrices of this size."""
+from bristle_sim.theory.checks import checked_arguments
 
 RIGID = 1e-10
 """Ratio of the root's spring to the wire's bending, k_T L/(E I_a), below which the first mode is a rigid rod's to this relative
@@ -45,7 +39,6 @@ def second_moment_of_area(diameter: float) -> float:
 @checked_arguments
 def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) -> float:
     """Return the torsion spring between two links of a wire, E I_a/l with l = L/n, in N m/rad."""
-    whole("links", links, MOST_LINKS)
     return modulus * second_moment_of_area(diameter) * links / length
 
 
@@ -85,9 +78,6 @@ def beam_frequencies(
     Raises:
         ValueError: for arguments out of range.
     """
-    whole("modes", modes, MOST_MODES)
-    for name, value in {"mass": mass, "length": length, "diameter": diameter, "modulus": modulus}.items():
-        single(name, value)
     bending = modulus * second_moment_of_area(diameter)
     ratio = root_stiffness * length / bending
 
@@ -128,7 +118,6 @@ def chain_modes(
     The squares of the frequencies are the eigenvalues of stiffness against mass matrix in the links' absolute angles:
     M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j, k from 1) and m l^2/n (n - j + 1/3) on it.
     """
-    whole("links", links, MOST_LINKS)
     each, link = mass / links, length / links
     number = np.arange(1, links + 1)
     inertia = each * link**2 * (links - np.maximum.outer(number, number) + 0.5)
