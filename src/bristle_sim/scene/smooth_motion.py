@@ -158,7 +158,8 @@ class SmoothMotion:
         changes = progress.changes
         if self.before is None and self.limit is None and self.contacts is None:
             changes.look_back(self.interval_to(result), functions)
-        known, happens, resolve = dict(changes.signs), None, None
+        known, happens = dict(changes.signs), None
+        resolve: Resolve | None = None
         for function in functions:
             changed = changes.find(function, self.interval_to(result), self.before)
             if changed is not None:
