@@ -61,6 +61,7 @@ class TestExtrapolation:
         interval that keeps the price.
         """
         stepper = Extrapolation(1e-6)
+        stepper.length = 0.3
         counts, overhead = (4, 5, 6, 7, 8, 10), repetitions.RUN_OVERHEAD
 
         def cost(of: int) -> float:
@@ -79,6 +80,15 @@ class TestExtrapolation:
         expected = length(row) * (cost(row + 1) / cost(row) if grows else 1.0)
         assert stepper.length == pytest.approx(expected, rel=1e-14)
         assert stepper.rows == row + 1 + grows
+
+    @pytest.mark.parametrize(("duration", "kept"), [(0.01, True), (0.2, False)])
+    def test_an_interval_cut_short_does_not_shorten_the_next(self, duration: float, kept: bool) -> None:
+        """What an interval of a tenth or less tells, at most four times itself, is no news about the length proposed before."""
+        stepper = Extrapolation(1e-6)
+        stepper.length = 0.5
+        accurate = Advance(State(duration, (0.0,), (0.0,)), (0.0,), (), 1e-6, errors={2: 1e-6, 3: 1e-6})
+        assert stepper.accepts(accurate, duration)
+        assert (stepper.length == 0.5) is kept
 
     def test_a_refused_interval_is_halved_at_least(self) -> None:
         """Row 3 of an error of 1.01 limits would go on with 0.9 (1/2.02)^(1/4) = 0.75 of the interval."""

@@ -102,12 +102,12 @@ def test_a_strike_with_hardly_any_relative_speed_is_judged_by_the_hub_s():
 
 
 def test_a_long_row_has_as_little_time_as_two_bristles():
-    """Each of twelve takes a sixth of the steps of each of two."""
+    """Each of twelve takes a sixth of the steps of each of two; those of a hundred iterations count twice."""
     steps = Settings(maximum_steps=1200, hub_turn=1000.0)
     for bristles, most in ((2, 1200), (12, 200)):
         with pytest.raises(ValueError, match="step budget spent after") as refused:
             neighbours(Tool(), Neighbours(search="no", bristles=bristles), steps)
-        assert most <= int(re.search(r"after (\d+) engine", str(refused.value))[1]) < 2 * most
+        assert 0.5 * most <= int(re.search(r"after (\d+) engine", str(refused.value))[1]) < 2 * most
 
 
 def test_bad_input_in_one_line():

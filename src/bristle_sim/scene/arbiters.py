@@ -5,10 +5,9 @@ Within a step: how fast a contact approaches, and its friction; after it: the im
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, Protocol
 
 import pymunk
 
@@ -17,72 +16,71 @@ from bristle_sim.scene.engine import bare_object, ffi, lib
 Approach = Callable[[pymunk.Arbiter], tuple[float, float]]
 """Speed at which the fastest point of a contact approaches, and the sum of the bodies' speeds there, to which it is rounded."""
 
-Impulse = Callable[[], tuple[float, float]]
-"""(Normal, tangential) impulse of the last step on a body."""
-
 Tuner = Callable[[pymunk.Arbiter, float], None]
 """Gives a contact a friction, and no restitution, until the next step."""
 
 
-def impulse_reader(space: pymunk.Space, body: pymunk.Body) -> Impulse:
-    """Return what tells the impulse of the last step on a body, whatever it touches; the space has all its shapes."""
+class ImpulseRecord(Protocol):
+    """Notes the impulses of contacts, step after step."""
+
+    def begin(self) -> None:
+        """Forget what was noted."""
+
+    def note(self) -> None:
+        """Note the last step's."""
+
+    def read(self) -> Sequence[float]:
+        """Return what was noted: impulse (x, y) and normal (x, y) of one contact after the other."""
+
+
+def impulse_record(space: pymunk.Space, body: pymunk.Body) -> ImpulseRecord:
+    """Return a record of a body's contacts, which are all that the space has while it is used."""
     bare = bare_object(space, "_space")
-    if bare is None:
-        return partial(_impulse, body)
-    alone = all(shape.body in (body, space.static_body) for shape in space.shapes)
-    return _BareImpulse(bare, None if alone else body.id)
+    return _Record(body) if bare is None else _BareRecord(bare)
 
 
-def _impulse(body: pymunk.Body) -> tuple[float, float]:
-    parts: list[tuple[float, float]] = []
-    body.each_arbiter(lambda arbiter: parts.append(_push_and_rub(*arbiter.total_impulse, *arbiter.normal)))
-    return _added(parts)
+class _Record:
+    """Notes a body's contacts by pymunk's documented calls."""
+
+    def __init__(self, body: pymunk.Body) -> None:
+        self._body = body
+        self._numbers: list[float] = []
+
+    def begin(self) -> None:
+        self._numbers.clear()
+
+    def note(self) -> None:
+        self._body.each_arbiter(lambda each: self._numbers.extend((*each.total_impulse, *each.normal)))
+
+    def read(self) -> Sequence[float]:
+        return self._numbers
 
 
-def _added(parts: Iterable[tuple[float, float]]) -> tuple[float, float]:
-    push = rub = 0.0
-    for normal, tangential in parts:
-        push += normal
-        rub += tangential
-    return push, rub
+class _BareRecord:
+    """Has the engine write down all its contacts, one step after the other, to be read at once."""
+
+    def __init__(self, space: Any) -> None:
+        self._numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
+        self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, lib.TOTAL_IMPULSE | lib.NORMAL))
+        write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
+        self.note = partial(lib.cpSpaceEachCachedArbiter, space, write, self._data)
+
+    def begin(self) -> None:
+        self._numbers.num = 0
+
+    def read(self) -> Sequence[float]:
+        numbers: list[float] = ffi.unpack(self._numbers.arr, self._numbers.num)
+        return numbers
 
 
-def _push_and_rub(p: float, q: float, x: float, y: float) -> tuple[float, float]:
-    """Return the (normal, tangential) parts of a contact's impulse (p, q), whose normal is (x, y).
+def pushes(numbers: Sequence[float]) -> list[float]:
+    """Return the normal part of each impulse of a record.
 
     Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
     contact only pushes, which settles both.
     """
-    push = p * x + q * y
-    return abs(push), 0.0 + math.copysign(1.0, push) * (p * y + q * -x)
-
-
-class _BareImpulse:
-    """Has the engine write down all its contacts at one call, and adds up those of a body, or all if no other can touch."""
-
-    def __init__(self, space: Any, body: int | None) -> None:
-        self._body = body
-        self._numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
-        self._ids = ffi.gc(lib.pmIntArrayNew(0), lib.pmIntArrayFree)
-        fields = lib.TOTAL_IMPULSE | lib.NORMAL
-        if body is not None:
-            fields |= lib.BODY_A_ID | lib.BODY_B_ID
-        self._data = ffi.new("pmBatchedData *", (self._ids, self._numbers, fields))
-        write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
-        self._look = partial(lib.cpSpaceEachCachedArbiter, space, write, self._data)
-
-    def __call__(self) -> tuple[float, float]:
-        numbers, ids, body = self._numbers, self._ids, self._body
-        numbers.num = 0
-        if body is not None:
-            ids.num = 0
-        self._look()
-        found = ffi.unpack(numbers.arr, numbers.num)
-        if len(found) == 4 and body is None:
-            return _push_and_rub(*found)
-        who = [body] * (len(found) // 2) if body is None else ffi.unpack(ids.arr, ids.num)
-        own = [2 * at for at in range(0, len(who), 2) if body in who[at : at + 2]]
-        return _added([_push_and_rub(*found[at : at + 4]) for at in own])
+    each = [iter(numbers)] * 4
+    return [abs(p * x + q * y) for p, q, x, y in zip(*each, strict=True)]
 
 
 def approach_reader(space: pymunk.Space) -> Approach:

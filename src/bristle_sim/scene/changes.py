@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.event_functions import EventFunction
-from bristle_sim.scene.events import guess, locate
+from bristle_sim.scene.events import guess, locate, settle
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.stepping import Advance, Stepper
 from bristle_sim.scene.touch_search import Interval
@@ -44,20 +44,36 @@ class Changes:
         known = {function.name: math.copysign(1.0, value) for function, value in values if abs(value) > self.noise}
         self.signs = {function.name: 1.0 for function, _ in values if function.final is not None} | known
 
-    def look_back(self, interval: Interval, functions: Sequence[EventFunction]) -> bool:
+    def return_to(
+        self,
+        known: Mapping[str, float],
+        functions: Sequence[EventFunction],
+        end: Advance,
+        happens: EventFunction | None,
+    ) -> None:
+        """Forget signs beyond an interval's new end for those known before it, except of the function that is zero there."""
+        signs = dict(known)
+        for function in functions:
+            value = function.value(end)
+            if function is happens:
+                signs[function.name] = self.signs[function.name]
+            elif abs(value) > self.noise:
+                signs[function.name] = math.copysign(1.0, value)
+        self.signs = signs
+
+    def look_back(self, interval: Interval, functions: Sequence[EventFunction]) -> None:
         """Find signs at the very start exactly, if the first link's acceleration may have changed its sign since.
 
-        By the cubic through the ends. Whether it did so, which moves the bodies.
+        By the cubic through the ends.
         """
         (start, *_), (rate_0, *_) = interval.start.angles, interval.start.rates
         (end, *_), (rate_1, *_) = interval.end.state.angles, interval.end.state.rates
         length, after = interval.length, interval.end.accelerations[0]
         before = 6.0 * (end - start) / length - 4.0 * rate_0 - 2.0 * rate_1
         if after * before >= 0.2 * length * after**2:
-            return False
+            return
         exact = {function.name: function.exact(interval.start) for function in functions if function.exact is not None}
         self.signs |= {name: math.copysign(1.0, value) for name, value in exact.items() if abs(value) > NOISE}
-        return True
 
     def find(self, function: EventFunction, interval: Interval, before: Advance | None) -> Advance | None:
         """Return the interval up to where the function changes its sign, or None; ``before`` is the one before it."""
@@ -91,10 +107,18 @@ class Changes:
             return function.value(at) if function.exact is None else function.exact(at.state)
 
         tolerance = max(1e-3 * self.accuracy * max(abs(left), abs(right)), 0.01 * NOISE)
+        self.stepper.begin_afresh()
         near = None
         if function.exact is None:
-            near = guess(lambda state: function.value(_no_interval(state)), interval.start, interval.end.state)
-        self.stepper.begin_afresh()
+
+            def of_state(state: State) -> float:
+                return function.value(_no_interval(state))
+
+            near = guess(of_state, interval.start, interval.end.state)
+            if near is not None:
+                found = settle(of_state, interval.start, interval.again, near, interval.length, tolerance)
+                if found is not None:
+                    return found
         return locate(value, 0.0, interval.length, left, right, tolerance, near)
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
+from bristle_sim.scene.arbiters import pushes
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.sustained_contact import Sustained
@@ -29,34 +30,50 @@ class ContactForces:
         self._sums: list[float] = []
         self._step = 0.0
         self._due = False
+        # A push alone, of one contact, is read once an interval.
+        alone = len(obstacles) == 1 and not obstacles[0].friction
+        self._record = scene.contacts.record(obstacles[0]) if alone else None
+        self._stale = 0
 
-    def begin(self) -> None:
-        """Forget what was added up."""
+    def begin(self, step: float) -> Callable[[], None]:
+        """Forget what was added up; return what adds up, before each step, what the engine did in the step before."""
+        if step != self._step:
+            self.scene.warm_up(step)
+        self._step = step
+        if self._record is not None:
+            self._record.begin()
+            self._record.note()
+            # The first note of a run is of what was before it.
+            self._stale = len(self._record.read())
+            return self._record.note
         count = len(self.obstacles)
         self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
+        return self._apply
 
-    def apply(self, step: float) -> None:
+    def _apply(self) -> None:
         """Add up what the engine, which acts by itself, did in the step before."""
         if self._due:
             self._add()
-        elif step != self._step:
-            self.scene.warm_up(step)
-        self._due, self._step = True, step
+        self._due = True
         if self._pushes_back:
             for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=True):
                 if obstacle.partner is not None:
                     # The partner's shape is larger than it, which lengthens the lever of friction on it.
-                    self.scene.links[obstacle.partner].torque -= MARGIN * rub / step
+                    self.scene.links[obstacle.partner].torque -= MARGIN * rub / self._step
 
-    def totals(self, step: float) -> list[float]:
+    def totals(self) -> list[float]:
         """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
 
         Of several links the tangential forces in the last step follow: friction may make a contact stick.
         """
-        if self._due:
-            self._add()
-        found = [each[0] / step for each in self._last] + self._sums
-        return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
+        if self._record is not None:
+            self._record.note()
+            found = pushes(self._record.read()[2 * self._stale :])
+            force = found[-1] / self._step if found else 0.0
+            return [force, sum(found)] + [0.0] * (2 if len(self.scene.links) == 1 else 3)
+        self._add()
+        found = [each[0] / self._step for each in self._last] + self._sums
+        return found if len(self.scene.links) == 1 else found + [each[1] / self._step for each in self._last]
 
     def fails(self, totals: list[float]) -> bool:
         """Return whether a contact would have to pull."""
@@ -88,4 +105,3 @@ class ContactForces:
             if obstacle.friction:
                 sums[3 * index + 1] += rub
                 sums[3 * index + 2] += rub * slip
-        self._due = False

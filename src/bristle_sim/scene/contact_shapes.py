@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import pymunk
 
-from bristle_sim.scene.arbiters import impulse_reader
+from bristle_sim.scene.arbiters import ImpulseRecord, impulse_record
 from bristle_sim.scene.mechanism import Mechanism, Vector
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.wire_pair import WirePair
@@ -47,7 +47,6 @@ class ContactShapes:
         """Add the shapes of what is fixed; those of two wires are added when they touch first."""
         self.space, self.mechanism, self.links = space, mechanism, links
         self.in_flight, self._set_iterations = space.iterations, set_iterations
-        self._impulses = [impulse_reader(space, each) for each in links]
         self._shapes = {_key(each): self._add(each) for each in obstacles if not isinstance(each, WirePair)}
         self._engaged: dict[Key, tuple[pymunk.Shape, pymunk.Shape]] = {}
 
@@ -92,10 +91,12 @@ class ContactShapes:
         self._engaged = {}
         self._set_iterations(self.in_flight)
 
+    def record(self, obstacle: Obstacle) -> ImpulseRecord:
+        """Return a record of the impulses on a pair's link while no other pair is engaged."""
+        return impulse_record(self.space, self.links[obstacle.link])
+
     def totals(self, obstacle: Obstacle) -> tuple[float, float, float]:
         """Return (normal, tangential) impulse of the last step on a pair's link, and its slip if there is friction."""
-        if len(self._engaged) < 2 and not obstacle.friction:
-            return (*self._impulses[obstacle.link](), 0.0)
         body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
         # Where nothing else is engaged, a link has no other contact.
         shape = None if len(self._engaged) < 2 else self._engaged[_key(obstacle)][0]

@@ -131,10 +131,10 @@ class EngineSteps:
         """Return the rates of the links."""
         return list(map(self._rate, self._links))
 
-    def take(self, length: float, count: int, act: Callable[[float], None] | None = None) -> list[float]:
+    def take(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
         """Take ``count`` engine steps of one length, and return the links' angles, rates, and accelerations in the last step.
 
-        ``act`` is called before each of them with the length.
+        ``act`` is called before each of them.
         """
         if length > (WARM if count > 2 else ALONE) * self._last_length:
             self._start_cold(length)
@@ -147,9 +147,9 @@ class EngineSteps:
                 advance(length)
         else:
             for _ in range(count - 1):
-                act(length)
+                act()
                 advance(length)
-            act(length)
+            act()
         return self._last_step(length)
 
     def _last_step(self, length: float) -> list[float]:

@@ -26,6 +26,9 @@ LEAST_LEVER = 1e-6
 MOST_GRIP = 1.99
 """With more, each iteration of the engine's solver overshoots twofold."""
 
+CLOSED = 1e-13
+"""A gap below this fraction of the link is rounding, and so is what closing it changes of the rate."""
+
 NEWTON = 3
 """Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
 
@@ -187,6 +190,8 @@ def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None
             return state
         angle -= touch.gap / lever
         rate -= touch.velocity[0] / lever
+        if abs(touch.gap) < CLOSED:
+            break
     return State(state.time, (angle,), (rate,))
 
 

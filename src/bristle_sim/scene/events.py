@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable
 
 from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.stepping import Advance
 
 CUBIC_ERROR = 0.01
 """Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety."""
@@ -153,6 +154,41 @@ def _share(last: float, before: float, at_last: float, at_other: float, at_befor
     share = at_last / (at_other - at_last) * at_before / (at_other - at_before)
     share += (last - before) / last * at_last / (at_before - at_last) * at_other / (at_before - at_other)
     return min(max(share, LEAST_SHARE), 1.0 - LEAST_SHARE)
+
+
+MOST_GUESSES = 4
+"""Two or three bring a touch that is found on the cubic of a whole interval to rounding."""
+
+NEARBY = 1e-3
+"""Fraction of an interval over which a slope is taken on its cubic; a secant step makes up for its error."""
+
+
+def settle(
+    value: Callable[[State], float],
+    start: State,
+    again: Callable[[float], Advance],
+    near: float,
+    last: float,
+    tolerance: float,
+) -> float | None:
+    """Return the duration, near a guess and at most ``last``, after which a function of the state is zero; None if in doubt.
+
+    The next guess is the zero on the cubic through the start and the state last reached, where that is exact.
+    """
+    for _ in range(MOST_GUESSES):
+        reached = again(near).state
+        found = value(reached)
+        if abs(found) <= tolerance:
+            return near
+        slope = (found - value(interpolate(start, reached, 1.0 - NEARBY))) / NEARBY
+        if not slope:
+            return None
+        change = -found / slope
+        left = value(interpolate(start, reached, 1.0 + change))
+        near *= 1.0 + change * found / (found - left)
+        if not 0.0 < near <= last:
+            return None
+    return None
 
 
 def guess(value: Callable[[State], float], start: State, end: State, fraction: float = 1.0) -> float | None:

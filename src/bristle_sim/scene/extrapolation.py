@@ -18,6 +18,9 @@ from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.repetitions import CLOSE, LEAST_ROWS, Repetitions
 from bristle_sim.scene.stepping import Advance, Load, take_steps, unpack
 
+CUT_SHORT = 0.25
+"""Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
+
 
 class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each interval.
@@ -77,9 +80,16 @@ class Extrapolation:
         return unpack(scene, state, duration, best, error, errors=known)
 
     def accepts(self, result: Advance, duration: float) -> bool:
-        """Whether the estimate is within the tolerance; the next interval follows what was learnt either way."""
+        """Whether the estimate is within the tolerance; the next interval follows what was learnt either way.
+
+        An interval that was cut far short of the proposed one tells nothing against that.
+        """
+        proposed = self.length
         self.length, self.rows = self.learnt(result, duration)
-        return result.error <= self.limit
+        accurate = result.error <= self.limit
+        if accurate and duration < CUT_SHORT * proposed:
+            self.length = max(self.length, proposed)
+        return accurate
 
     def learnt(self, result: Advance, duration: float) -> tuple[float, int]:
         """Return the length and the repetitions of the next interval that cost least per time, by the estimates so far."""

@@ -113,14 +113,17 @@ class Mechanism:
             parts = (slice(first, first + size) for first in range(0, len(self.links), size))
             alone = (State(state.time, state.angles[part], state.rates[part]) for part in parts)
             return [pose for wire, own in enumerate(alone) for pose in self.wire(wire).poses(own)]
-        turn = _turn(self.hub_angle(state.time))
-        joint, joint_velocity = _carried((0.0, 0.0), (0.0, 0.0), (0.0, -self.hub_radius), turn, self.hub_speed)
+        speed, angle = self.hub_speed, self.hub_angle(state.time)
+        x, y = self.hub_radius * math.sin(angle), -self.hub_radius * math.cos(angle)
+        joint, joint_velocity = (x, y), (-speed * y, speed * x)
         poses = []
         for link, angle, rate in zip(self.links, state.angles, state.rates, strict=True):
-            turn = _turn(angle)
-            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, turn, rate)
-            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, turn, rate)
-            knees = tuple([_carried(joint, joint_velocity, knee, turn, rate)[0] for knee in link.knees])
+            cosine, sine = math.cos(angle), math.sin(angle)
+            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, cosine, sine, rate)
+            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, cosine, sine, rate)
+            knees: tuple[Vector, ...] = ()
+            if link.knees:
+                knees = tuple([_carried(joint, joint_velocity, each, cosine, sine, rate)[0] for each in link.knees])
             poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
             joint, joint_velocity = tip, tip_velocity
         return poses
@@ -187,13 +190,10 @@ def cross(arm: Vector, direction: Vector) -> float:
     return arm[0] * direction[1] - arm[1] * direction[0]
 
 
-def _turn(angle: float) -> Vector:
-    return math.cos(angle), math.sin(angle)
-
-
-def _carried(origin: Vector, velocity: Vector, arm: Vector, turn: Vector, rate: float) -> tuple[Vector, Vector]:
+def _carried(
+    origin: Vector, velocity: Vector, arm: Vector, cosine: float, sine: float, rate: float
+) -> tuple[Vector, Vector]:
     """Return the position and velocity of a point fixed on a link that is turned about ``origin``, by cosine and sine."""
-    cosine, sine = turn
-    x = cosine * arm[0] - sine * arm[1]
-    y = sine * arm[0] + cosine * arm[1]
+    along, across = arm
+    x, y = cosine * along - sine * across, sine * along + cosine * across
     return (origin[0] + x, origin[1] + y), (velocity[0] - rate * y, velocity[1] + rate * x)

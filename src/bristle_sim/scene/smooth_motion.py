@@ -22,13 +22,16 @@ from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress
 from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import SHY, Sustained, at_work, extremes, inner_states, limits
+from bristle_sim.scene.sustained_contact import BEYOND, Sustained, at_work, extremes, inner_states, limits
 from bristle_sim.scene.touch_search import SHORTEST, Interval, search_touch
 from bristle_sim.stop_reason import StopReason
 
 LONGEST = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
 cubic through the ends is good to 1/384 of the motion."""
+
+GROWTH = 16.0
+"""Largest ratio of an interval after a contact to the one before it: a polynomial through the samples of both is accurate."""
 
 Resolve = Callable[[], Change | None]
 """Resolves the event at an interval's end; returns what it changes about the contacts."""
@@ -44,7 +47,6 @@ class SmoothMotion:
         contacts: the engine's contacts; None where there is none.
         before: the last interval of this motion, if there is one.
         limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
-        ending: whether a force is known to vanish within the next interval of full length.
     """
 
     def __init__(
@@ -59,7 +61,6 @@ class SmoothMotion:
         self.sustained, self.separating = tuple(sustained), tuple(separating)
         self.before: Advance | None = None
         self.limit = limit
-        self.ending = False
         self.contacts: EngineContacts | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
@@ -77,7 +78,7 @@ class SmoothMotion:
         result = self.advance(length)
         if self.contacts is not None:
             forces = self.contacts.forces.normal(result.totals)
-            if result.failed or min(forces) <= 0.0:
+            if result.failed or (self.before is None and min(forces) <= 0.0):
                 return self._approach_release(forces, length)
             if self.before is None and (slip := self.contacts.breaks_away(result.totals)) is not None:
                 return slip
@@ -103,11 +104,13 @@ class SmoothMotion:
         if at_once or length <= self._shortest:
             lost = zip(self.sustained, forces, strict=True)
             return Release(tuple(each.obstacle for each, force in lost if force <= 0.0))
-        self.ending = True
-        predicted = min(each.vanishes_in() for each in self.sustained)
-        nearer = max(SHY * predicted if predicted < math.inf else 0.0, length / 16.0)
-        self.limit = max(min(0.5 * length, nearer), 0.5 * self._shortest)
+        self.limit = max(min(0.5 * length if self.before else length / 16.0, self._expected), 0.5 * self._shortest)
         return None
+
+    @property
+    def _expected(self) -> float:
+        """Length of an interval in which the next force vanishes, by the last interval's."""
+        return max(BEYOND * min((each.vanishes_in for each in self.sustained), default=math.inf), self._shortest)
 
     @property
     def _shortest(self) -> float:
@@ -127,21 +130,16 @@ class SmoothMotion:
         self.before = result
         if self.contacts is not None:
             _engage(progress, self.contacts)
-            force = progress.force_of_wires(self.contacts.forces.normal(result.totals), self.contacts.obstacles)
+            # A release is located to rounding, on either side.
+            forces = [max(0.0, each) for each in self.contacts.forces.normal(result.totals)]
+            force = progress.force_of_wires(forces, self.contacts.obstacles)
         progress.recording.error += result.error
         progress.sample(force)
         if self.limit is not None:
-            self.limit = self._next_limit(length)
+            self.limit = min(self._expected, max(GROWTH * length, progress.first_interval))
         if self.separating:
             gaps, state = progress.gaps, progress.state
             self.separating = tuple(each for each in self.separating if gaps.gap(each, state) <= GAP_ROUNDING)
-
-    def _next_limit(self, length: float) -> float:
-        """Return the longest interval after one of a length: they grow after a contact, but not towards a release."""
-        if self.ending and (left := min(each.vanishes_in() for each in self.sustained)) < 4.0 * length:
-            # Close to the release; once less than the shortest interval is left, that one passes it.
-            return max(SHY * left, self._shortest)
-        return max(2.0 * length, 0.0 if self.ending else self.progress.first_interval)
 
     def _begin_contact(self) -> list[EventFunction]:
         """Let the engine's contacts act from here on, if they can; return the events that end them."""
@@ -156,22 +154,26 @@ class SmoothMotion:
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
-        at_start = self.before is None and self.limit is None and self.contacts is None
-        if at_start and self.progress.changes.look_back(self.interval_to(result), self.event_functions()):
-            # Signs at the very start of a run are looked at exactly, which moves the bodies.
-            result = self.advance(self.interval_to(result).length)
+        progress, functions = self.progress, self.event_functions()
+        changes = progress.changes
+        if self.before is None and self.limit is None and self.contacts is None:
+            changes.look_back(self.interval_to(result), functions)
+        known, happens = dict(changes.signs), None
         resolve: Resolve | None = None
-        active = [each.obstacle for each in self.sustained]
-        for obstacle in self.progress.obstacles:
-            if obstacle not in active and result.state.time > self.progress.state.time:
-                found = search_touch(self.progress, self.interval_to(result), obstacle, active, self.separating)
+        for function in functions:
+            changed = changes.find(function, self.interval_to(result), self.before)
+            if changed is not None:
+                result, happens, resolve = changed, function, partial(self.note, function)
+        active, whole = [each.obstacle for each in self.sustained], result
+        for obstacle in progress.obstacles:
+            if obstacle not in active and result.state.time > progress.state.time:
+                found = search_touch(progress, self.interval_to(result), obstacle, active, self.separating)
                 if found is not None:
                     result, touch = found
                     resolve = None if touch is None else partial(Touch, *touch)
-        for function in self.event_functions():
-            changed = self.progress.changes.find(function, self.interval_to(result), self.before)
-            if changed is not None:
-                result, resolve = changed, partial(self.note, function)
+        if result is not whole or happens is not None:
+            # What changes its sign later has not done so yet.
+            changes.return_to(known, functions, result, happens if result is whole else None)
         return result, resolve
 
     def interval_to(self, end: Advance) -> Interval:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from operator import mul
 from typing import NamedTuple
 
 from bristle_sim.arrays import Array
@@ -129,47 +131,47 @@ class SpringLoad:
         x, y, _, _ = self._tip()
         plane = Plane(touch.normal, touch.tangent, x * touch.normal[0] + y * touch.normal[1])
         self.spring = Spring(plane, touch.velocity[1], inverse_mass, stiffness, coefficients)
-        self.begin()
 
-    def begin(self) -> None:
-        """Forget what was added up, and take down the law that acts until something turns: steps are many."""
-        plane = self.spring.plane
+    def begin(self, step: float) -> Callable[[], None]:
+        """Forget what was added up; return what pushes on the tip for a step, by the law that acts until something turns."""
+        plane, stop = self.spring.plane, self.spring.stop
+        (n_x, n_y), (t_x, t_y) = plane.normal, plane.tangent
         stiffness, end, ratio = self.spring.line()
-        self._law = (stiffness, plane.height - end, ratio, self.spring.stop, plane.normal, plane.tangent)
-        self._totals = [0.0, 0.0, 0.0, 0.0]
-        self._stopping: list[float] = []
+        height, tip, push = plane.height - end, self._tip, self._push
+        self._steps = steps = []
+        note = steps.append
 
-    def apply(self, step: float) -> None:
-        """Push on the tip for the next engine step, and add up impulses and works."""
-        stiffness, height, ratio, stop, (n_x, n_y), (t_x, t_y) = self._law
-        x, y, u, v = self._tip()
-        slip = u * t_x + v * t_y
-        normal = stiffness * (height - x * n_x - y * n_y)
-        tangential = ratio * normal
-        if stop:
-            tangential -= stop * slip / step
-            self._stopping.append(tangential)
-        self._push((normal * n_x + tangential * t_x, normal * n_y + tangential * t_y), (x, y))
-        totals = self._totals
-        totals[0] += normal * step
-        totals[1] += tangential * step
-        totals[2] += normal * (u * n_x + v * n_y) * step
-        totals[3] += tangential * slip * step
+        def act() -> None:
+            x, y, u, v = tip()
+            slip = u * t_x + v * t_y
+            normal = stiffness * (height - x * n_x - y * n_y)
+            tangential = ratio * normal
+            if stop:
+                tangential -= stop * slip / step
+            push((normal * n_x + tangential * t_x, normal * n_y + tangential * t_y), (x, y))
+            note((normal, tangential, u * n_x + v * n_y, slip))
 
-    def totals(self, step: float) -> list[float]:
+        self._step, self._law = step, (stiffness, height, ratio, stop)
+        return act
+
+    def totals(self) -> list[float]:
         """Return impulse (normal, tangential), work (the same), and the force that stick takes at the beginning and the end.
 
         What stops the point in a step is what the step before has left of its motion, forces of the spring and of inertia
         alike. So the second step applies what stick takes at the beginning, and one more step would apply what it takes
         at the end, both up to powers of the step. In slip these two are 0.
         """
-        if not self._stopping:
-            return [*self._totals, 0.0, 0.0]
-        stiffness, height, ratio, stop, (n_x, n_y), (t_x, t_y) = self._law
+        step = self._step
+        normal, tangential, opening, slip = zip(*self._steps, strict=True)
+        sums = [sum(normal), sum(tangential), sum(map(mul, normal, opening)), sum(map(mul, tangential, slip))]
+        found = [step * each for each in sums]
+        stiffness, height, ratio, stop = self._law
+        if not stop:
+            return [*found, 0.0, 0.0]
+        (n_x, n_y), (t_x, t_y) = self.spring.plane.normal, self.spring.plane.tangent
         x, y, u, v = self._tip()
-        normal = stiffness * (height - x * n_x - y * n_y)
-        last = ratio * normal - stop * (u * t_x + v * t_y) / step
-        return [*self._totals, self._stopping[1] if len(self._stopping) > 1 else last, last]
+        last = ratio * stiffness * (height - x * n_x - y * n_y) - stop * (u * t_x + v * t_y) / step
+        return [*found, tangential[1] if len(tangential) > 1 else last, last]
 
     def fails(self, totals: list[float]) -> bool:
         """Return that a spring always acts."""

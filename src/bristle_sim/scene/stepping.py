@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple, Protocol
 
@@ -20,14 +20,11 @@ NONE: Mapping[int, float] = MappingProxyType({})
 class Load(Protocol):
     """What acts on the links besides springs and joints, and what it adds up over an interval."""
 
-    def begin(self) -> None:
-        """Begin a run over an interval: forget what was added up."""
+    def begin(self, step: float) -> Callable[[], None]:
+        """Begin a run over an interval in steps of one length; return what acts on the bodies before each of them."""
 
-    def apply(self, step: float) -> None:
-        """Act on the bodies for the next engine step."""
-
-    def totals(self, step: float) -> list[float]:
-        """Return what was added up, as numbers that are smooth in the step."""
+    def totals(self) -> list[float]:
+        """Return what was added up since, as numbers that are smooth in the step."""
 
     def fails(self, totals: list[float]) -> bool:
         """Whether the load could not act as it should, so that the interval is of no use."""
@@ -139,8 +136,7 @@ def take_steps(scene: Scene, step: float, count: int, load: Load | None) -> list
     """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from where the bodies are."""
     if load is None:
         return scene.step(step, count)
-    load.begin()
-    return scene.step(step, count, load.apply) + load.totals(step)
+    return scene.step(step, count, load.begin(step)) + load.totals()
 
 
 def unpack(

@@ -12,6 +12,7 @@ from bristle_sim.scene.event_functions import (
     Change,
     EventFunction,
     HandOver,
+    Release,
     Slip,
     Touch,
     freedom,
@@ -36,8 +37,8 @@ if TYPE_CHECKING:
 SHORTEST_SAMPLED = 2e-3
 """Intervals shorter than this, in the scene's time units, are left to the cubic: its error falls with their third power."""
 
-SHY = 0.95
-"""Fraction of the time until a force vanishes, by its slope, that the next interval takes: a force that bends is met later."""
+BEYOND = 1.02
+"""Multiple of the time until a force is expected to vanish that the next interval takes: the release is within it then."""
 
 CUBIC = 0.1
 """Error of the cubic's rate, as a fraction of the requested one, above which the middle alone is not enough."""
@@ -57,7 +58,8 @@ class Sustained:
         obstacle: the pair in contact.
         start: state at which it began; None before.
         sums: normal and tangential impulse and friction's work since.
-        force, slope: normal force at the end of the last interval, and its rate over it; None and 0 before.
+        force: normal force at the end of the last interval; None before.
+        vanishes_in: after what time from then it would vanish, by the parabola that has the interval's forces and impulse.
         slip: sense of the slip that friction acts against; 0 sticks, None until it is looked up.
         stopped: sense of the slip that has stopped just now; 0 where none has.
     """
@@ -66,20 +68,23 @@ class Sustained:
     start: State | None = None
     sums: tuple[float, ...] = (0.0, 0.0, 0.0)
     force: float | None = None
-    slope: float = 0.0
+    vanishes_in: float = math.inf
     slip: int | None = None
     stopped: int = 0
 
     def begin(self, state: State) -> None:
         """Begin a smooth motion in contact, the first one or another."""
         self.start = self.start or state
-        self.force, self.slope = None, 0.0
+        self.force, self.vanishes_in = None, math.inf
 
     def look_up_slip(self, gaps: Gaps, state: State) -> None:
-        """Find the sense of slip where friction may make the contact stick: on several links."""
-        if self.slip is None and self.obstacle.friction and len(state.angles) > 1:
+        """Find the sense of slip that friction acts against; a single link that does not slip is at rest."""
+        if self.slip is None and self.obstacle.friction:
             slip = gaps.touch(self.obstacle, state).velocity[1]
-            self.slip = int(math.copysign(1.0, slip)) if abs(slip) > STILL else 0
+            if abs(slip) > STILL:
+                self.slip = int(math.copysign(1.0, slip))
+            elif len(state.angles) > 1:
+                self.slip = 0
 
     def turn(self, sense: int) -> None:
         """Slip in another sense, or stick, from now on."""
@@ -87,14 +92,17 @@ class Sustained:
 
     def add(self, force: float, sums: Iterable[float], length: float) -> None:
         """Add up what the contact did in an interval, and note the force at its end."""
-        self.sums = tuple(a + b for a, b in zip(self.sums, sums, strict=True))
-        if self.force is not None and length > 0.0:
-            self.slope = (force - self.force) / length
+        added = tuple(sums)
+        self.sums = tuple(a + b for a, b in zip(self.sums, added, strict=True))
+        if length > 0.0:
+            mean = added[0] / length
+            first = 2.0 * mean - force if self.force is None else self.force
+            bend = 3.0 * (first + force) - 6.0 * mean
+            slope = force - first + bend
+            square = slope * slope - 4.0 * bend * force
+            falls = math.sqrt(square) - slope if square >= 0.0 else 0.0
+            self.vanishes_in = 2.0 * length * force / falls if falls > 0.0 else math.inf
         self.force = force
-
-    def vanishes_in(self) -> float:
-        """Return after what time the force would vanish at its present rate."""
-        return -self.force / self.slope if self.force is not None and self.slope < 0.0 else math.inf
 
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
         """Return the contact record; None for a contact that took no time."""
@@ -139,8 +147,9 @@ def in_touch(gaps: Gaps, contact: Sustained, state: State) -> list[EventFunction
     if obstacle.friction and contact.slip is None:
         functions.append(EventFunction(f"slip of {where}", partial(slip, 1)))
     elif contact.slip:
-        stops = partial(Slip, obstacle, 0)
-        functions.append(EventFunction(f"slip of {where}", partial(slip, contact.slip), falling=True, act=stops))
+        # Geometry and hub alone tell how a single link slips: it turns back where several may stick.
+        turns = partial(Slip, obstacle, 0 if len(state.angles) > 1 else -contact.slip)
+        functions.append(EventFunction(f"slip of {where}", partial(slip, contact.slip), falling=True, act=turns))
     return functions
 
 
@@ -174,6 +183,7 @@ def at_work(progress: Progress, contacts: EngineContacts) -> list[EventFunction]
     found = []
     for index, obstacle in enumerate(contacts.obstacles):
         found += [locking(contacts, progress.gaps, index), elbow(contacts, progress.gaps, index)]
+        found.append(_parting(contacts.forces, index))
         if len(progress.mechanism.links) > 1:
             found += _hand_overs(progress, obstacle)
             found += [_sticking(contacts.forces, index)] if contacts.slips[index] == 0 else []
@@ -224,6 +234,16 @@ def _hand_overs(progress: Progress, obstacle: Obstacle) -> list[EventFunction]:
     if (upper := neighbour(progress, obstacle, 1)) is not None:
         found.append(EventFunction(f"end of {where}", partial(after, upper), falling=False, act=partial(act, upper)))
     return found
+
+
+def _parting(forces: ContactForces, index: int) -> EventFunction:
+    """Watch the normal force fall to zero: the link leaves the obstacle."""
+    obstacle = forces.obstacles[index]
+
+    def push(at: Advance) -> float:
+        return forces.normal(at.totals)[index] if at.totals else math.nan
+
+    return EventFunction(f"force of {_label(obstacle)}", push, falling=True, act=partial(Release, (obstacle,)))
 
 
 def _sticking(forces: ContactForces, index: int) -> EventFunction:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.scene.event_functions import Touch
-from bristle_sim.scene.events import first_touch, guess, locate
+from bristle_sim.scene.events import first_touch, guess, locate, settle
 from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
@@ -68,10 +68,11 @@ def search_touch(
         return None
     error = progress.stepper.interpolation_error(interval.start, end.state)
     if progress.mechanism.wire_links > 1:
-        if behind_joint(progress, obstacle, [*separating, *sustained]):
+        states = (interval.start, end.state)
+        if all(behind_joint(progress, each, obstacle, [*separating, *sustained]) for each in states):
             return None
         error += progress.cubic_error(interval.length)
-    found = find_touch(interval, progress.gaps, obstacle, error)
+    found = find_touch(progress, interval, obstacle, error)
     return None if found is None else (found[0], Touch(obstacle) if found[1] else None)
 
 
@@ -101,20 +102,25 @@ def _rise(interval: Interval, gaps: Gaps, obstacle: Obstacle) -> Advance:
 
 
 def find_touch(
-    interval: Interval, gaps: Gaps, obstacle: Obstacle, interpolation_error: float
+    progress: Progress, interval: Interval, obstacle: Obstacle, interpolation_error: float
 ) -> tuple[Advance, bool] | None:
     """Return the interval up to its first touch and True, or up to where it nearly touched and False; else None.
 
     ``interpolation_error`` is how far the motion may be off the cubic through the ends besides the cubic's own error.
     """
-    start, end = interval.start, interval.end
+    start, end, gaps = interval.start, interval.end, progress.gaps
     fraction = first_touch(
         gaps.mechanism, lambda state: gaps.gap_and_rate(obstacle, state), start, end.state, interpolation_error
     )
     if fraction is None:
         return None
+    progress.stepper.begin_afresh()
     again = functools.cache(interval.again)
-    reached, closed = end if fraction == 1.0 else again(fraction * interval.length), fraction * interval.length
+    gap_of, last = partial(gaps.gap, obstacle), fraction * interval.length
+    near = guess(gap_of, start, end.state, fraction)
+    if near is not None and (closed := settle(gap_of, start, again, near, last, GAP_TOLERANCE)) is not None:
+        return again(closed), True
+    reached, closed = end if fraction == 1.0 else again(last), last
     at_end, rate = gaps.gap_and_rate(obstacle, reached.state)
     if at_end > 0.0 and rate > 0.0:
         closed, at_end = least_gap(interval._replace(again=again), gaps, obstacle, closed, at_end)
@@ -122,10 +128,7 @@ def find_touch(
         return reached, False
     if at_end < 0.0:
         at_start = max(gaps.gap(obstacle, start), 1e-300)
-        near = guess(partial(gaps.gap, obstacle), start, end.state, fraction)
-        closed = locate(
-            lambda span: gaps.gap(obstacle, again(span).state), 0.0, closed, at_start, at_end, GAP_TOLERANCE, near
-        )
+        closed = locate(lambda span: gap_of(again(span).state), 0.0, closed, at_start, at_end, GAP_TOLERANCE, near)
     return again(closed), True
 
 

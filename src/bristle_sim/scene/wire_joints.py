@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 
 if TYPE_CHECKING:
@@ -23,11 +24,11 @@ def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> Obstacle | N
     return next((each for each in progress.obstacles if (each.name, each.link) == (obstacle.name, link)), None)
 
 
-def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle]) -> bool:
+def behind_joint(progress: Progress, state: State, obstacle: Obstacle, active: Sequence[Obstacle]) -> bool:
     """Whether a link is nearest to what its neighbour is in contact with at the joint that both have."""
     if not active:
         return False
-    start, end = obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])
+    start, end = obstacle.foot(progress.gaps.poses(state)[obstacle.link])
     lower, upper = (neighbour(progress, obstacle, step) for step in (-1, 1))
     return (lower in active and start <= AT_JOINT) or (upper in active and end >= -AT_JOINT)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 SAMPLES = 8
 """Samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15."""
 
-UNEVEN = 5.0
+UNEVEN = 20.0
 """Largest ratio of a sample interval to that of the instant: where an event falls next to a sample, a polynomial through
 both would magnify their rounding."""
 
