@@ -104,14 +104,15 @@ def test_force_history_beside_print():
 
 
 def test_force_history_of_measured_points(tmp_path: Path):
-    """A ball's impact, sampled exactly: a bristle on a turning hub has no such contact, and the exit status says so."""
+    """A ball's impact, sampled exactly: a bristle on a turning hub has no such contact, so that there is nothing to compare."""
     time = np.linspace(0.0, 5e-3, 51)
     lines = [f"{t:.9g};{f:.9g}" for t, f in zip(time, BALL(time), strict=True)]
     path = tmp_path / "ball.csv"
     path.write_text("\n".join(["time (s);force (N)", *lines]))
     run_ = process("force_history", "--json", "-", "--set", f"force_csv={path}")
     found = json.loads(run_.stdout)
-    assert run_.returncode == 1
+    assert run_.returncode == 0
+    assert all(row["simulated"] is None and row["ok"] is None for row in found["quantities"][:3])
     # (3.5) peaks at 340.75 N and 2.329 ms and carries 0.46288 N s; its offset is rounded by 0.02 %.
     assert quantity(found, "peak_force")["theory"] == pytest.approx(340.75, rel=1e-3)
     assert quantity(found, "compression_time")["theory"] == pytest.approx(2.329e-3, rel=1e-3)

@@ -73,7 +73,7 @@ def written(folder: Path, text: str, encoding="utf-8") -> Path:
 @pytest.mark.parametrize("ends", ["\n", "\r\n"])
 @pytest.mark.parametrize("name", FILES)
 def test_layouts(tmp_path, name, ends):
-    time, force = read_force_csv(written(tmp_path, FILES[name].replace("\n", ends)))
+    time, force, _ = read_force_csv(written(tmp_path, FILES[name].replace("\n", ends)))
     # Twelve digits are written.
     np.testing.assert_allclose(time, TIME, rtol=1e-11, atol=1e-17)
     np.testing.assert_allclose(force, FORCE, rtol=1e-11)
@@ -81,7 +81,7 @@ def test_layouts(tmp_path, name, ends):
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "cp1252"])
 def test_encodings(tmp_path, encoding):
-    time, _ = read_force_csv(written(tmp_path, "Zeit (µs);Kraft (N)\n" + rows(1e6, between=";"), encoding))
+    time, _, _ = read_force_csv(written(tmp_path, "Zeit (µs);Kraft (N)\n" + rows(1e6, between=";"), encoding))
     np.testing.assert_allclose(time, TIME, rtol=1e-11, atol=1e-17)
 
 
@@ -105,7 +105,7 @@ def three(heading, units=""):
     ],
 )
 def test_columns_are_chosen_by_heading_number_or_unit(tmp_path, text, chosen):
-    time, force = read_force_csv(written(tmp_path, text), **chosen)
+    time, force, _ = read_force_csv(written(tmp_path, text), **chosen)
     assert time.tolist() == TIME.tolist()
     assert force.tolist() == FORCE.tolist()
 
@@ -114,18 +114,25 @@ def test_a_voltage_needs_a_sensitivity(tmp_path):
     path = written(tmp_path, "Time,Channel A\n(ms),(mV)\n\n" + rows(1e3, 1e3 / -20.0))
     with pytest.raises(ValueError, match=r"points\.csv: column 2 \(Channel A\) in mV: force_per_volt must be given"):
         read_force_csv(path)
-    np.testing.assert_allclose(read_force_csv(path, force_per_volt=-20.0)[1], FORCE, rtol=1e-11, atol=1e-30)
+    np.testing.assert_allclose(read_force_csv(path, force_per_volt=-20.0).force, FORCE, rtol=1e-11, atol=1e-30)
 
 
 def test_a_sensitivity_says_that_bare_numbers_are_volts(tmp_path):
-    assert read_force_csv(written(tmp_path, rows()), force_per_volt=2.0)[1].tolist() == (2.0 * FORCE).tolist()
+    assert read_force_csv(written(tmp_path, rows()), force_per_volt=2.0).force.tolist() == (2.0 * FORCE).tolist()
+
+
+def test_what_was_read_is_told(tmp_path):
+    plain = read_force_csv(written(tmp_path, "TIME,CH1\n" + rows())).reading
+    assert plain == "time from column 1 (TIME), no unit: taken as s; force from column 2 (CH1), no unit: taken as N"
+    scaled = read_force_csv(written(tmp_path, "t (ms),CH1\n" + rows(1e3)), force_per_volt=2.0).reading
+    assert scaled == "time from column 1 (t (ms)), ms; force from column 2 (CH1), no unit: taken as V"
 
 
 def test_a_clock_rounded_to_fewer_digits_than_its_steps_is_even(tmp_path):
     """1 MHz written with five decimals: ten samples share a time."""
     count = 200
     text = "\n".join(f"{round(i * 1e-6, 5):.5f},{i}" for i in range(count))
-    time, _ = read_force_csv(written(tmp_path, text))
+    time, _, _ = read_force_csv(written(tmp_path, text))
     # Rounding takes half a tick off either end: 199 steps span 200 us to one tick of 10 us.
     np.testing.assert_allclose(np.diff(time), 1e-6, rtol=0.06)
 
@@ -158,6 +165,11 @@ def test_a_clock_rounded_to_fewer_digits_than_its_steps_is_even(tmp_path):
         ("time,force\n0,001,0,5\n0,002,1,5\n0,003,2,5\n0,004,1,5\n", {}, "force_column must say"),
         ("time (s),pressure (bar)\n" + rows(), {}, r"in 'bar': a force must be in N, mN, kN, lbf or V, mV"),
         ("time (min),force (N)\n" + rows(), {}, "in 'min': a time must be in s, ms, us, ns"),
+        (
+            "X,CH1,\nSequence,Volt,\n0,0.1\n1,0.2\n2,0.3\n3,0.2\n",
+            {"force_per_volt": 5.0},
+            r"counts samples: there must be",
+        ),
         ("Vertical Units,Pa\nTIME,CH1\n" + rows(), {}, "in 'Pa'"),
         ("time (s),force (N)\n" + rows(), {"force_per_volt": 2.0}, "force_per_volt must not be given"),
     ],

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,13 +27,21 @@ TIME_NAME = re.compile(r"^(t|time|x|x-axis|zeit)\b", re.IGNORECASE)
 FORCE_NAME = re.compile(r"^(f|force|kraft)\b", re.IGNORECASE)
 
 
+class ForceRecord(NamedTuple):
+    """What a file holds: times in s on its clock, increasing, forces in N, each of shape (n,); and how it was read, in words."""
+
+    time: Array
+    force: Array
+    reading: str
+
+
 def read_force_csv(
     path: str | Path,
     *,
     time_column: str | None = None,
     force_column: str | None = None,
     force_per_volt: float | None = None,
-) -> tuple[Array, Array]:
+) -> ForceRecord:
     """Read points of a force history from columns separated by comma, semicolon, tab or blanks.
 
     Lines before the numbers, blank lines and those that begin with # are no points. Decimal commas are read where the
@@ -44,9 +53,6 @@ def read_force_csv(
         time_column: heading, or number from 1 on; by default the one that says it is a time, else the first.
         force_column: likewise; by default the one that says it is a force, or the only other one.
         force_per_volt: sensitivity, N/V, of a force recorded as a voltage.
-
-    Returns:
-        Times in s on the file's clock, increasing, and forces in N, each of shape (n,).
 
     Raises:
         ValueError: in one line that names the file, and the line where there is one, for anything else.
@@ -62,8 +68,15 @@ def read_force_csv(
     if len(rows) < FEWEST_POINTS:
         raise ValueError(f"{path}: {len(rows)} points; there must be at least {FEWEST_POINTS}")
     values = _numbers(path, layout, rows, (time.place, force.place))
+    if not time.unit and np.array_equal(np.diff(values[0]), np.ones(len(rows) - 1)):
+        raise ValueError(
+            f"{path}: column {time} counts samples: there must be a column of times, or a unit in its heading"
+        )
     seconds = _increasing(path, rows, values[0] * _time_unit(path, time))
-    return seconds, values[1] * _force_unit(path, force, force_per_volt)
+    assumed = "s", "N" if force_per_volt is None else "V"
+    units = [each.unit or f"no unit: taken as {unit}" for each, unit in zip((time, force), assumed, strict=True)]
+    reading = f"time from column {time}, {units[0]}; force from column {force}, {units[1]}"
+    return ForceRecord(seconds, values[1] * _force_unit(path, force, force_per_volt), reading)
 
 
 def _lines(path: str | Path) -> list[str]:

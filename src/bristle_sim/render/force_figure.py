@@ -27,8 +27,8 @@ def force_figure(comparison: ForceComparison) -> Figure:
     """Draw forces over time (us), impulses of the ten segments, and points with their fit."""
     figure = blank_figure(16.0, 14.4)
     name = "force of chapter 3" if comparison.curve is BRISTLE else "fit to the measured force"
-    simulated = "a bristle's contact" if comparison.contact else "no contact of a bristle"
-    title = f"{name}, and {simulated} of the same impulse and compression time"
+    simulated = ", and a bristle's contact of the same impulse and compression time"
+    title = name + (simulated if comparison.contact else ", without a simulated contact")
     _draw_forces(add_panel(figure, (1.3, 7.9, 14.2, 5.4), title), comparison)
     _draw_segments(add_panel(figure, (1.3, 1.1, 6.3, 4.5), "impulse of each tenth of the compression"), comparison)
     _draw_fit(add_panel(figure, (9.2, 1.1, 6.3, 4.5), "the fit, tried on points of the curve"), comparison)

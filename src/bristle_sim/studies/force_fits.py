@@ -125,8 +125,15 @@ def fit_as_dict(fit: ForceFit) -> dict[str, Any]:
 def _in_words(fit: ForceFit) -> str:
     """Describe a fit for the terminal by its values, standard errors and residuals."""
     pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
-    shown = ", ".join(f"{name} = {value:.6g} +- {error:.1g}" for name, value, error in pairs)
+    shown = ", ".join(f"{name} = {value:.{_digits(value, error)}g} +- {error:.1g}" for name, value, error in pairs)
     return f"{shown}; residuals {fit.root_mean_square:.2g} N"
+
+
+def _digits(value: float, error: float) -> int:
+    """Return how many significant digits of a value its standard error, of one digit, leaves; at most six."""
+    if not (value and error):
+        return 6
+    return min(6, max(1, 1 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,12 +145,14 @@ class MeasuredForce:
         force: N above the baseline, shape (n,).
         fit: see ForceFit; its start is on the file's clock.
         inverted: whether the file has the force with the opposite sign.
+        reading: from which columns and in which units the file was read, in words.
     """
 
     time: Array
     force: Array
     fit: ForceFit
     inverted: bool = False
+    reading: str = ""
 
     @property
     def noise(self) -> float:
@@ -161,7 +170,7 @@ def measured_force(measurement: Measurement) -> MeasuredForce | None:
     if measurement.force_csv is None:
         return None
     try:
-        time, force = read_force_csv(
+        time, force, reading = read_force_csv(
             measurement.force_csv,
             time_column=measurement.time_column,
             force_column=measurement.force_column,
@@ -178,8 +187,8 @@ def measured_force(measurement: Measurement) -> MeasuredForce | None:
         pulled = _pulled(time, force)
         if pulled is None:
             raise ValueError(f"force_csv = {measurement.force_csv}: {error}") from None
-        return pulled
-    return found
+        found = pulled
+    return dataclasses.replace(found, reading=reading)
 
 
 def _pulled(time: Array, force: Array) -> MeasuredForce | None:
@@ -227,8 +236,9 @@ def measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
     level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
     sign = ("the file's force is negative in the contact: taken with the opposite sign",) if measured.inverted else ()
     return (
+        f"read from the file: {measured.reading}",
         *sign,
-        f"contact found in the file from {fit.start:.9g} s on its clock, for {1e6 * fit.curve.duration:.4g} us; baseline"
-        f" {level}",
+        f"contact found at {1e6 * fit.start:.6g} us on the file's clock, for {1e6 * fit.curve.duration:.4g} us;"
+        f" baseline {level}",
         f"theory: the curve (3.3) fitted to it, {_in_words(fit)}",
     )
