@@ -220,9 +220,11 @@ def _number(value: float | None, factor: float, digits: int) -> str:
 
 
 def _relative(value: float | None, sign: str = "") -> str:
-    """A relative number: in per cent, or by its power of ten where it is small or huge."""
+    """A relative number: in per cent, by its power of ten where it is small, as so many times the other where it is large."""
     if value is None or not math.isfinite(value):
         return "-"
     if value == 0.0:
         return "0"
-    return f"{100.0 * value:{sign}.3g} %" if 1e-4 <= abs(value) < 10.0 else f"{value:{sign}.0e}"
+    if 1e-4 <= abs(value) < 10.0:
+        return f"{100.0 * value:{sign}.3g} %"
+    return f"{value:{sign}.0e}" if abs(value) < 1.0 else f"{value:{sign}.2g} times"

@@ -39,6 +39,10 @@ def test_every_scenario_is_found_and_keeps_its_name(name: str, capsys: pytest.Ca
 def test_help_and_messages_name_the_command(capsys: pytest.CaptureFixture[str]):
     assert command.main(["--version"]) == 0
     assert capsys.readouterr().out == f"bristle-sim {bristle_sim.__version__}\n"
+    assert command.main(["--help"]) == 0
+    told = capsys.readouterr().out
+    assert told.startswith(command.overview())
+    assert "--list-keys" in told
     assert command.main(["single_pendulum", "--set", "rat=1"]) == 2
     assert capsys.readouterr().err == (
         "bristle-sim single_pendulum: error: --set 'rat=1': unknown key 'rat'; did you mean rate?\n"
@@ -53,6 +57,15 @@ def test_an_unknown_scenario_is_refused_in_one_line(name: str, advice: str, caps
     out, err = capsys.readouterr()
     assert (out, err.count("\n")) == ("", 1)
     assert advice in err
+
+
+def test_misplaced_settings_are_told_where_they_belong(capsys: pytest.CaptureFixture[str]):
+    assert command.main(["--set", "rate=1"]) == 2
+    assert "--set: must come after the name of a scenario" in capsys.readouterr().err
+    assert command.main(["single_pendulum", "rate=1"]) == 2
+    assert capsys.readouterr().err.endswith("unrecognized arguments: rate=1; did you mean --set rate=1?\n")
+    assert command.main(["tolerances", "--csv", "a.csv"]) == 2
+    assert capsys.readouterr().err.endswith("--csv a.csv; bristle-sim tolerances --help lists the options\n")
 
 
 def quantities(*words: str, **options: Any) -> Any:

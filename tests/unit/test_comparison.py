@@ -26,6 +26,10 @@ def test_the_reference_judges_before_theory_and_theory_before_print():
     assert row(1.0, theory=0.0, printed=5.0).judge == 0.0
 
 
+def test_a_difference_of_many_times_is_told_as_such():
+    assert "+47 times theory" in table([Quantity("a", "N", 48.0, 1.0)])
+
+
 def test_differences_are_relative_to_the_size_of_the_other_side():
     assert row(-3.0, theory=-4.0, printed=-2.0).relative_difference == 0.25
     assert row(-5.0, theory=4.0).relative_difference == -2.25

@@ -325,6 +325,17 @@ def test_first_contact(trajectory: Trajectory):
     assert trajectory.first_contact("floor") is None
 
 
+def test_runs_are_equal_by_value(trajectory: Trajectory):
+    """Also where they hold NaN."""
+    twin = dataclasses.replace(trajectory, time=trajectory.time.copy())
+    assert twin == trajectory
+    assert trajectory in [twin]
+    assert dataclasses.replace(trajectory, rates=trajectory.rates + 1e-12) != trajectory
+    unknown = dataclasses.replace(trajectory, normal_force=np.full_like(trajectory.time, np.nan))
+    assert unknown == dataclasses.replace(unknown, normal_force=unknown.normal_force.copy())
+    assert trajectory != "run"
+
+
 def test_a_file_holds_everything(trajectory: Trajectory, tmp_path: Path):
     """Every number comes back as it was, to the last bit, and so does the history of each contact that has one."""
     path = tmp_path / "run.npz"

@@ -21,6 +21,10 @@ from bristle_sim.scenario_cli.scenario import Scenario
 
 PROGRAM = "bristle-sim"
 
+HELP = f"""for example
+  {PROGRAM} cue_and_impact --set hub_speed=3000rpm --set bristle_length=25mm --report pass.html
+{PROGRAM} SCENARIO --help lists a scenario's options, {PROGRAM} SCENARIO --list-keys its keys with units and ranges"""
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the scenario that the first argument names, or list all; return the exit status."""
@@ -29,10 +33,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         output.say(f"{PROGRAM} {bristle_sim.__version__}")
         return 0
     if not given or given[0] in ("-h", "--help"):
-        output.say(overview())
+        output.say("\n\n".join([overview(), *([HELP] if given else [])]))
         return 0
     known = scripts()
     name = given[0].removesuffix(".py")
+    if name.startswith("-"):
+        output.tell(f"{PROGRAM}: error: {name}: must come after the name of a scenario; {PROGRAM} alone lists them")
+        return BAD_INPUT
     if name not in known:
         advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
         output.tell(f"{PROGRAM}: error: unknown scenario {given[0]!r}; {advice}")
@@ -66,8 +73,8 @@ def overview() -> str:
     known = scripts()
     width = max(map(len, known), default=0)
     lines = [f"  {name:{width}}  {_question(path)}" for name, path in known.items()]
-    usage = f"usage: {PROGRAM} SCENARIO [--set KEY=VALUE]... [--report FILE.html]; {PROGRAM} SCENARIO --help says more"
-    return "\n".join([usage, "", *lines])
+    usage = f"usage: {PROGRAM} SCENARIO [--set KEY=VALUE]... [--report FILE.html]"
+    return "\n".join([f"{usage}; {PROGRAM} --help says more", "", *lines])
 
 
 def _question(path: Path) -> str:

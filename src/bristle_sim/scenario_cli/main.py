@@ -124,6 +124,11 @@ def _draw(scenario: Scenario, report: Report, targets: dict[str, Path | None]) -
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Raise, so that ``main`` reports it in one line."""
+        unknown = message.removeprefix("unrecognized arguments: ")
+        if unknown != message:
+            setting = "=" in unknown and not unknown.startswith("-")
+            advice = f"did you mean --set {unknown}?" if setting else f"{self.prog} --help lists the options"
+            raise ValueError(f"{message}; {advice}")
         raise ValueError(message)
 
 

@@ -50,7 +50,8 @@ class EnergeticContact:
     which costs energy, if any; the impact itself changes the energy by the works of its record, a sum that is never positive
     for ``energetic_impact`` (moving kinematic bodies, motors and surface velocities do work of their own). What the engine
     does between impacts is not bound to this: joints are solved in iterations and given extra velocity to correct their
-    positions (``error_bias``; none at 1), overlap is reduced by moving bodies apart (``collision_bias``), which can lift them.
+    positions (``error_bias``; none at 1), overlap is reduced by moving bodies apart (``collision_bias``), which can lift them,
+    and each of its steps in gravity adds m g^2 dt^2/2 to the energy of a falling body.
 
     Joints of any kind take part by their Jacobian, at limits if they push throughout the impact; springs, joints with a
     finite ``max_force`` and joints outside the space do not. Sensors, filters and ``process_collision`` are respected. Users'

@@ -90,12 +90,16 @@ def sweep(
         cached = joblib.Memory(store, verbose=0).cache(outcome_of, ignore=["function"])
         # The cache notes the source of outcome_of here, before there are workers that would do so at the same time.
         cached.check_call_in_cache(function, identity, **next(_points(grid)))
-        with TemporaryDirectory(dir=store, prefix="unfinished-") as folder:
-            partial = Path(folder) / results.name
-            outcomes = _outcomes(functools.partial(cached, function, identity), grid, workers)
-            write(partial, grid, units, _counted(outcomes, grid, progress))
-            if not results.is_dir():  # as another program that runs the same sweep may have made it
-                partial.rename(results)
+        try:
+            with TemporaryDirectory(dir=store, prefix="unfinished-") as folder:
+                partial = Path(folder) / results.name
+                outcomes = _outcomes(functools.partial(cached, function, identity), grid, workers)
+                write(partial, grid, units, _counted(outcomes, grid, progress))
+                if not results.is_dir():  # as another program that runs the same sweep may have made it
+                    partial.rename(results)
+        except KeyboardInterrupt:
+            told = f"the points that are finished are kept in {store}; the same call computes the others"
+            raise KeyboardInterrupt(told) from None
     return opened(results)
 
 

@@ -24,9 +24,9 @@ BLOCK = 4096
 
 
 def opened(store: Any) -> xr.Dataset:
-    """The stored results, read when they are used; without chunks Dask has no part in it."""
+    """The stored results in the order of their names, read when they are used; without chunks Dask has no part in it."""
     found: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=False)
-    return found
+    return found[sorted(map(str, found.data_vars))]
 
 
 def write(target: Any, grid: xr.Dataset, units: Mapping[str, str], outcomes: Generator[Outcome, None, None]) -> None:

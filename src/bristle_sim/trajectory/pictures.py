@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 SHOWN = 6
 """Events that are named."""
 
+LINES = "white-space:pre-wrap;min-width:0"
+"""Style of a summary's lines: in a narrow cell they wrap, instead of squeezing the drawing."""
+
 WIDTH = 260
 """Width of a summary's drawing, px; its height follows from what it shows."""
 
@@ -63,7 +66,9 @@ def summary_page(run: Trajectory) -> str:
     from html import escape
 
     words = escape(summary(run))
-    return f'<div style="display:flex;gap:1em;align-items:center">{_drawing(run)}<pre>{words}</pre></div>'
+    return (
+        f'<div style="display:flex;gap:1em;align-items:center">{_drawing(run)}<pre style="{LINES}">{words}</pre></div>'
+    )
 
 
 def _drawing(run: Trajectory) -> str:
@@ -86,7 +91,7 @@ def _drawing(run: Trajectory) -> str:
     except ValueError:
         parts = []
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{WIDTH * (top - bottom) / (right - left):.0f}"'
+        f'<svg xmlns="http://www.w3.org/2000/svg" style="flex:none" width="{WIDTH}" height="{WIDTH * (top - bottom) / (right - left):.0f}"'
         f' viewBox="{left:.6g} {-top:.6g} {right - left:.6g} {top - bottom:.6g}">'
         f'<g transform="scale(1,-1)" fill="none" stroke-width="{0.25 * margin:.4g}">{"".join(parts)}'
         f'<polyline points="{_pairs(run.tip)}" stroke="#0072b2"/>'

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, EqualByValue
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +30,8 @@ class Cost:
     error_estimate: float | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class InnerSamples:
+@dataclass(frozen=True, slots=True, eq=False)
+class InnerSamples(EqualByValue):
     """The motion between the samples of a run: from the geometry of a sustained contact, and in a contact resolved in time.
 
     Attributes:
@@ -45,8 +45,8 @@ class InnerSamples:
     centre_line_velocity: Array
 
 
-@dataclass(frozen=True, slots=True)
-class ContactHistory:
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactHistory(EqualByValue):
     """A contact resolved in time; arrays of one length.
 
     Attributes:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, EqualByValue
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory.interpolation import motion_at
@@ -22,8 +22,8 @@ NOTABLE = 0.01
 """Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""
 
 
-@dataclass(frozen=True, slots=True, repr=False)
-class Trajectory:
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
+class Trajectory(EqualByValue):
     """A run of one mechanism: n samples, in SI units and radians.
 
     At an impact two samples share one instant: before and after it.
