@@ -86,10 +86,13 @@ class Range:
         return self._checked(number, number)
 
     def _checked(self, number: float, given: Any) -> float:
-        above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        if not (above and number <= self.highest and math.isfinite(number)) or (self.whole and not number.is_integer()):
+        if not self._admits(number):
             raise self.refusal(given)
         return int(number) if self.whole else number + 0.0  # no negative zero
+
+    def _admits(self, number: float) -> bool:
+        above = number >= self.lowest if self.lowest_allowed else number > self.lowest
+        return above and number <= self.highest and math.isfinite(number) and (not self.whole or number.is_integer())
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
         """Return what to raise for a value that is refused."""
