@@ -194,18 +194,16 @@ def quantity(
     usual: tuple[float, float] | None = None,
     needs: str = "",
 ) -> Any:
-    """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` includes it.
+    """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` (0) includes it.
 
     A default of None makes the parameter optional. ``meaning``, ``usual`` and ``needs`` are those of :class:`Range`; unit
     and meaning are the glossary's unless given.
     """
-    if (above is None) == (at_least is None):
-        raise ValueError(f"{key}: declare exactly one of above and at_least")
-    lowest = above if above is not None else at_least
-    assert lowest is not None
-    known = KEYS.get(key, ("", ""))
+    if above is not None and at_least is not None:
+        raise ValueError(f"{key}: declare one of above and at_least")
+    lowest, known = (at_least or 0.0 if above is None else above), KEYS.get(key, ("", ""))
     words = (source, default is None, meaning or known[1], usual, needs)
-    return _declared(default, Range(key, unit or known[0], lowest, at_most, at_least is not None, *words))
+    return _declared(default, Range(key, unit or known[0], lowest, at_most, above is None, *words))
 
 
 def count(

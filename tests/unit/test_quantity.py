@@ -302,10 +302,11 @@ def test_declarations_can_be_asked_for():
     assert "undeclared" not in found
 
 
-@pytest.mark.parametrize("bounds", [{}, {"above": 0.0, "at_least": 0.0}])
-def test_a_declaration_has_one_lower_bound(bounds: dict[str, float]):
-    with pytest.raises(ValueError, match="exactly one"):
-        quantity(1.0, "key", "m", at_most=2.0, source="a source", **bounds)
+def test_a_declaration_has_one_lower_bound_which_is_zero_by_default():
+    with pytest.raises(ValueError, match="declare one of above and at_least"):
+        quantity(1.0, "key", "m", at_most=2.0, source="a source", above=0.0, at_least=0.0)
+    declared = quantity(1.0, "key", "m", at_most=2.0, source="a source").metadata["declaration"]
+    assert declared.allowed == "0 <= key <= 2"
 
 
 @dataclasses.dataclass(frozen=True)
