@@ -6,7 +6,6 @@ A number is in the unit that ``--list-keys`` shows, a text such as ``"27 mm"`` c
 
 from __future__ import annotations
 
-import dataclasses
 import difflib
 import json
 import textwrap
@@ -17,7 +16,7 @@ from typing import Any
 
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.quantity import Choice, Range, shown
+from bristle_sim.quantity import Choice, Range, declarations, shown
 
 ABSENT = "false"
 """What ``read_keys`` returns for a part that the file says is absent."""
@@ -27,8 +26,7 @@ MAY_BE_ABSENT = ("bar", "workpart")
 
 def _declared(part: type) -> dict[str, tuple[str, Range | Choice]]:
     """Each key of a parameter class with its field's name and its declaration."""
-    fields = [each for each in dataclasses.fields(part) if "declaration" in each.metadata]
-    return {each.metadata["declaration"].key: (each.name, each.metadata["declaration"]) for each in fields}
+    return {each.key: (name, each) for name, each in declarations(part).items()}
 
 
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:

@@ -58,8 +58,7 @@ class Range:
         """Say the range in words, for messages and listings."""
         if self.whole:
             return f"whole number from {self.lowest:.0f} to {self.highest:.0f}"
-        sign = "<=" if self.lowest_allowed else "<"
-        return f"{self.lowest:g} {sign} {self.key} <= {self.highest:g}"
+        return f"{self.lowest:g} {'<=' if self.lowest_allowed else '<'} {self.key} <= {self.highest:g}"
 
     def parse(self, text: str) -> float:
         """Turn a typed decimal number, with a unit (``27mm``) or in the declared one, into a checked value.
@@ -74,20 +73,7 @@ class Range:
             if factor is None:
                 raise self.refusal(text, f", to which {typed['unit']} cannot be converted")
             number *= factor
-        if not self._admits(number):
-            raise self.refusal(text)
-        return self._plain(number)
-
-    def unusual(self, value: float, default: float | None) -> bool:
-        """Tell whether a value is so far from the default, or from what is usual, that its unit may be mistaken."""
-        usual = self.usual
-        if usual is None:
-            if not default:
-                return False
-            usual = (abs(default) / FAR, abs(default) * FAR)
-        rounding = 1e-12
-        size = abs(value)
-        return size > 0.0 and not usual[0] * (1.0 + rounding) < size < usual[1] * (1.0 - rounding)
+        return self._checked(number, text)
 
     def check(self, value: Any) -> float:
         """Return the value as a float, or raise ValueError naming key, value, range and unit."""
@@ -97,22 +83,30 @@ class Range:
             number = float(value)
         except OverflowError:
             number = -math.inf if value < 0 else math.inf
+        return self._checked(number, number)
+
+    def _checked(self, number: float, given: Any) -> float:
         if not self._admits(number):
-            raise self.refusal(number)
-        return self._plain(number)
+            raise self.refusal(given)
+        return int(number) if self.whole else number + 0.0  # no negative zero
 
     def _admits(self, number: float) -> bool:
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        return math.isfinite(number) and above and number <= self.highest and (not self.whole or number.is_integer())
-
-    def _plain(self, number: float) -> float:
-        return int(number) if self.whole else number + 0.0  # no negative zero
+        return above and number <= self.highest and math.isfinite(number) and (not self.whole or number.is_integer())
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
         """Return what to raise for a value that is refused."""
         unit = "dimensionless" if self.unit == "1" else f"in {self.unit}"
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{why})")
+
+    def unusual(self, value: float, default: float | None) -> bool:
+        """Tell whether a value is so far from the default, or from what is usual, that its unit may be mistaken."""
+        if self.usual is None and not default:
+            return False
+        least, most = self.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
+        rounding = 1e-12
+        return value != 0.0 and not least * (1.0 + rounding) < abs(value) < most * (1.0 - rounding)
 
 
 _UNIT = r"[A-Za-z%\u00b0\u00b5\u03bc]+(?:(?:\^|\*\*)-?\d|[\u00b2\u00b3])?"
@@ -200,18 +194,16 @@ def quantity(
     usual: tuple[float, float] | None = None,
     needs: str = "",
 ) -> Any:
-    """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` includes it.
+    """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` (0) includes it.
 
     A default of None makes the parameter optional. ``meaning``, ``usual`` and ``needs`` are those of :class:`Range`; unit
     and meaning are the glossary's unless given.
     """
-    if (above is None) == (at_least is None):
-        raise ValueError(f"{key}: declare exactly one of above and at_least")
-    lowest = above if above is not None else at_least
-    assert lowest is not None
-    known = KEYS.get(key, ("", ""))
+    if above is not None and at_least is not None:
+        raise ValueError(f"{key}: declare one of above and at_least")
+    lowest, known = (at_least or 0.0 if above is None else above), KEYS.get(key, ("", ""))
     words = (source, default is None, meaning or known[1], usual, needs)
-    return _declared(default, Range(key, unit or known[0], lowest, at_most, at_least is not None, *words))
+    return _declared(default, Range(key, unit or known[0], lowest, at_most, above is None, *words))
 
 
 def count(
@@ -239,28 +231,18 @@ def _declared(default: Any, declared: Range | Choice) -> Any:
     return field(default=default, metadata={"declaration": declared})
 
 
-def declaration(owner: Any, name: str) -> Range | Choice:
-    """Return the declaration of one field of a parameter class or object."""
-    for each in dataclasses.fields(owner):
-        if each.name == name:
-            found = each.metadata["declaration"]
-            assert isinstance(found, Range | Choice)
-            return found
-    raise AttributeError(f"{owner!r} declares no field {name!r}")
-
-
-def check(owner: Any, name: str, value: Any) -> Any:
-    """Check one value against the declaration of a field."""
-    declared = declaration(owner, name)
-    return None if value is None and declared.optional else declared.check(value)
+def declarations(owner: Any) -> dict[str, Range | Choice]:
+    """Return the declarations of a parameter class or object by the names of its fields."""
+    fields = dataclasses.fields(owner)
+    return {each.name: each.metadata["declaration"] for each in fields if "declaration" in each.metadata}
 
 
 def validate(instance: Any) -> None:
     """Check every declared field of a frozen dataclass instance and store it as a plain number or word."""
-    for each in dataclasses.fields(instance):
-        if "declaration" in each.metadata:
-            checked = check(instance, each.name, getattr(instance, each.name))
-            object.__setattr__(instance, each.name, checked)
+    for name, declared in declarations(instance).items():
+        value = getattr(instance, name)
+        checked = None if value is None and declared.optional else declared.check(value)
+        object.__setattr__(instance, name, checked)
 
 
 class Declared:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 
@@ -113,7 +114,7 @@ def test_numbers_of_a_crowd_of_events_keep_apart():
 
 def test_a_run_without_a_strike_or_obstacles_is_drawn():
     run = make_trajectory(events=(Event("highest relative speed", STRIKE),))
-    bare = Trajectory(**{**{name: getattr(run, name) for name in run.__slots__}, "contacts": ()})
+    bare = dataclasses.replace(run, contacts=())
     written = {each.get_text() for each in pass_figure(bare, Tool(bar=None, workpart=None)).findobj(Text)}
     assert "no strike; the run ended:" in written
     assert not {"bar", "workpart"} & written

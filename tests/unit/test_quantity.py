@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bristle_sim.quantity import ANY, Choice, Range, check, choice, count, declaration, quantity, validate
+from bristle_sim.quantity import ANY, Choice, Range, choice, count, declarations, quantity, validate
 
 FROM_ZERO = Range("friction", "1", 0.0, 1e9, True, "a source")
 ABOVE_ZERO = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
@@ -295,19 +295,18 @@ def test_a_field_carries_its_declaration_and_default():
 
 
 def test_declarations_can_be_asked_for():
-    assert declaration(Part, "length") == Range("length", "m", 0.0, 2.0, False, "a source")
-    assert declaration(Part(), "extra").optional
-    assert declaration(Part, "word").allowed == "one | two"
-    assert check(Part, "extra", None) is None
-    assert check(Part, "length", 2) == 2.0
-    with pytest.raises(AttributeError, match="nothing"):
-        declaration(Part, "nothing")
+    found = declarations(Part)
+    assert found["length"] == Range("length", "m", 0.0, 2.0, False, "a source")
+    assert declarations(Part())["extra"].optional
+    assert found["word"].allowed == "one | two"
+    assert "undeclared" not in found
 
 
-@pytest.mark.parametrize("bounds", [{}, {"above": 0.0, "at_least": 0.0}])
-def test_a_declaration_has_one_lower_bound(bounds: dict[str, float]):
-    with pytest.raises(ValueError, match="exactly one"):
-        quantity(1.0, "key", "m", at_most=2.0, source="a source", **bounds)
+def test_a_declaration_has_one_lower_bound_which_is_zero_by_default():
+    with pytest.raises(ValueError, match="declare one of above and at_least"):
+        quantity(1.0, "key", "m", at_most=2.0, source="a source", above=0.0, at_least=0.0)
+    declared = quantity(1.0, "key", "m", at_most=2.0, source="a source").metadata["declaration"]
+    assert declared.allowed == "0 <= key <= 2"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -322,7 +321,7 @@ class Counted:
 def test_a_count_is_kept_as_an_int(value: object) -> None:
     assert Counted(value).links == 8
     assert type(Counted(value).links) is int
-    parsed = declaration(Counted, "links").parse("8.0")
+    parsed = declarations(Counted)["links"].parse("8.0")
     assert (parsed, type(parsed)) == (8, int)
 
 
@@ -335,4 +334,4 @@ def test_what_is_no_count_is_refused(value: object) -> None:
 @pytest.mark.parametrize("text", ["2.5", "0", "65", "1e300", "eight", ""])
 def test_typed_text_that_is_no_count_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"^links = '.*': must be a whole number from 1 to 64 \(dimensionless\)$"):
-        declaration(Counted, "links").parse(text)
+        declarations(Counted)["links"].parse(text)

@@ -14,6 +14,8 @@ from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.sampled_motion import SampledMotion
 from swinging_bristle import AMPLITUDE, FREQUENCY, HUB_START, STRIKE, make_trajectory, swing
 
+FIELDS = [each.name for each in dataclasses.fields(Trajectory)]
+
 
 @pytest.fixture(scope="module")
 def run() -> Trajectory:
@@ -47,7 +49,7 @@ def test_motion_stays_at_its_ends_outside_the_run(run):
 
 
 def test_motion_needs_two_instants(run):
-    arrays = {name: getattr(run, name)[:1] for name in run.__slots__ if isinstance(getattr(run, name), np.ndarray)}
+    arrays = {name: getattr(run, name)[:1] for name in FIELDS if isinstance(getattr(run, name), np.ndarray)}
     single = Trajectory(**arrays, hub_speed=1.0, events=(), contacts=(), stop_reason=StopReason.END, cost=run.cost)
     with pytest.raises(ValueError, match="two instants are needed"):
         SampledMotion(single)

@@ -89,9 +89,7 @@ class ForceHistory(Declared):
         meaning="time from first touch to the highest force; none: the curve's",
     )
     points: int = count(101, "points", at_least=10, at_most=100_000, source="chosen: on which the fit is tried")
-    noise: float = quantity(
-        1.0, "noise", at_least=0.0, at_most=1e6, source="chosen: standard deviation of a noisy point", usual=ANY
-    )
+    noise: float = quantity(1.0, "noise", at_most=1e6, source="chosen: standard deviation of a noisy point", usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 def speed_ratio_at_strike() -> Any:
     """Declare the bristle's rate over the hub's speed."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
-    return quantity(3.23, "speed_ratio", at_least=0.0, at_most=1e6, source=source)
+    return quantity(3.23, "speed_ratio", at_most=1e6, source=source)
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = "") -> Any:
@@ -113,8 +113,8 @@ class Neighbours(Declared):
         at_most=180.0,
         source="chosen: the wires touch at the bar, and again before the last one strikes",
     )
-    friction: float = quantity(0.31, "neighbour_friction", at_least=0.0, at_most=1e6, source=STEEL_ON_STEEL)
-    restitution: float = quantity(0.42, "neighbour_restitution", at_least=0.0, at_most=1.0, source=STEEL_ON_STEEL)
+    friction: float = quantity(0.31, "neighbour_friction", at_most=1e6, source=STEEL_ON_STEEL)
+    restitution: float = quantity(0.42, "neighbour_restitution", at_most=1.0, source=STEEL_ON_STEEL)
     search: str = choice("yes", "search", ("yes", "no"), source="chosen: it takes some twenty rows of two bristles")
 
 

@@ -29,15 +29,11 @@ class Bar(Declared):
         at_most=1e3,
         source="from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg",
     )
-    horizontal: float = quantity(
-        0.05037, "bar_horizontal", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.3: S_H"
-    )
+    horizontal: float = quantity(0.05037, "bar_horizontal", at_most=1e3, source="Zhang 2020, eq. 2.3: S_H")
     vertical: float = quantity(0.0225, "bar_vertical", at_least=-1e3, at_most=1e3, source="Zhang 2020, eq. 2.3: S_V")
-    friction: float = quantity(
-        0.0, "bar_friction", at_least=0.0, at_most=1e6, source="frictionless as in Zhang 2020, sec. 2.2"
-    )
+    friction: float = quantity(0.0, "bar_friction", at_most=1e6, source="frictionless as in Zhang 2020, sec. 2.2")
     restitution: float = quantity(
-        0.0, "bar_restitution", at_least=0.0, at_most=1.0, source="assumed: the bar does not throw the wire back"
+        0.0, "bar_restitution", at_most=1.0, source="assumed: the bar does not throw the wire back"
     )
 
     @property
@@ -50,18 +46,12 @@ class Bar(Declared):
 class Surface(Declared):
     """How a tip rubs and rebounds on a flat, rigid surface."""
 
-    friction: float = quantity(
-        0.31, "friction", at_least=0.0, at_most=1e9, source="Zhang 2020, caption of fig. 2.8: mu_1"
-    )
+    friction: float = quantity(0.31, "friction", at_most=1e9, source="Zhang 2020, caption of fig. 2.8: mu_1")
     restitution_friction: float | None = quantity(
-        None, "restitution_friction", at_least=0.0, at_most=1e9, source="Zhang 2020, case II: equal to friction"
+        None, "restitution_friction", at_most=1e9, source="Zhang 2020, case II: equal to friction"
     )
     restitution: float = quantity(
-        0.42,
-        "restitution",
-        at_least=0.0,
-        at_most=1.0,
-        source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*",
+        0.42, "restitution", at_most=1.0, source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*"
     )
 
     @property

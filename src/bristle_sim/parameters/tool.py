@@ -20,10 +20,8 @@ USUAL_HUB_SPEEDS = (1.0, 1500.0)
 class Hub(Declared):
     """Rotating hub that keeps its speed."""
 
-    speed: float = quantity(
-        261.8, "hub_speed", at_least=0.0, at_most=1e6, source="Zhang 2020, eq. 2.2", usual=USUAL_HUB_SPEEDS
-    )
-    radius: float = quantity(0.0275, "hub_radius", at_least=0.0, at_most=1e3, source="Zhang 2020, eq. 2.2: root circle")
+    speed: float = quantity(261.8, "hub_speed", at_most=1e6, source="Zhang 2020, eq. 2.2", usual=USUAL_HUB_SPEEDS)
+    radius: float = quantity(0.0275, "hub_radius", at_most=1e3, source="Zhang 2020, eq. 2.2: root circle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,13 +31,10 @@ class Belt(Declared):
     stiffness: float = quantity(
         math.degrees(PRINTED_BELT_STIFFNESS),
         "belt_stiffness",
-        at_least=0.0,
         at_most=1e9,
         source="Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
     )
-    damping_ratio: float = quantity(
-        0.0, "belt_damping_ratio", at_least=0.0, at_most=1e3, source="undamped as in Zhang 2020"
-    )
+    damping_ratio: float = quantity(0.0, "belt_damping_ratio", at_most=1e3, source="undamped as in Zhang 2020")
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +51,7 @@ class Tool:
     bar: Bar | None = field(default_factory=Bar)
     workpart: Workpart | None = field(default_factory=Workpart)
     contact: Contact = field(default_factory=Contact)
-    gravity: float = quantity(
-        0.0, "gravity", at_least=0.0, at_most=1e6, source="off: 1e-4 of the centrifugal acceleration"
-    )
+    gravity: float = quantity(0.0, "gravity", at_most=1e6, source="off: 1e-4 of the centrifugal acceleration")
 
     def __post_init__(self) -> None:
         validate(self)

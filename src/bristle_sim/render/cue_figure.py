@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_hub, draw_workpart, name_parts
+from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, name_parts
 from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
 from bristle_sim.studies.cue_places import BarPlace, FullPass, Release
@@ -82,40 +82,32 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
-    """Draw hub, workpart and bars to scale, with the wire as released and at its highest speed.
-
-    Returns the names of the stiffnesses whose bars the view shows: those near enough to the tool's own.
-    """
-    tool, given, radius = timing.tool, BarPlace.of(timing.bar), timing.bar.radius
+    """Draw the tool and the bars it needs, with the wire as released and fastest; return which stiffnesses' bars are shown."""
+    tool, given, radius = replace(timing.tool, bar=None), BarPlace.of(timing.bar), timing.bar.radius
     own = timing.places[timing.own].simulated or given
     bars: dict[str, dict[str, BarPlace]] = {}
     for name, each in timing.places.items():
-        sides = {"simulated": each.simulated, "formula": each.formula}
-        bars[name] = {side: place for side, place in sides.items() if place is not None}
-    near = {
-        name
-        for name, places in bars.items()
-        if places and all(abs(each.direction - own.direction) < NEARBY for each in places.values())
-    }
+        sides = {side: found for side in ("simulated", "formula") if (found := getattr(each, side)) is not None}
+        if sides and all(abs(place.direction - own.direction) < NEARBY for place in sides.values()):
+            bars[name] = sides
     wires = [line for line in (timing.released, timing.fastest) if line is not None]
-    centres = [_centre(given), *(_centre(place) for name in near for place in bars[name].values())]
     corners = radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
     surface = np.array([[0.4 * tool.hub.radius, 0.0], [0.0, -1.06 * tool.workpart_depth]])
+    centres = [_centre(given), *(_centre(place) for sides in bars.values() for place in sides.values())]
     points = [*(np.array(each) + corners for each in centres), *wires, surface]
     view = View.around([MILLIMETRES * each for each in points], 7.2 / 6.2, 0.06)
     axes.grid(visible=False)
-    draw_hub(axes, tool)
-    draw_workpart(axes, tool.workpart_depth, view)
+    draw_tool(axes, tool, view)
     draw_bar(axes, *_centre(given), radius, gid="bar as given")
-    for name in near:
-        for side, place in bars[name].items():
+    for name, sides in bars.items():
+        for side, place in sides.items():
             look: dict[str, Any] = {"edgecolor": READINGS[name][1], "linewidth": 1.3, "zorder": 5, "fill": False}
             style = "-" if side == "simulated" else ":"
             draw_bar(axes, *_centre(place), radius, gid=f"{side} {name}", linestyle=style, **look)
     view.apply(axes)
-    name_parts(axes, replace(tool, bar=None), 7.0)
-    places = (("released", GREY, (0.0, 4.0), "right", "bottom"), ("fastest", BLACK, (6.0, -2.0), "left", "top"))
-    for line, (name, color, offset, ha, va) in zip(wires, places, strict=False):
+    name_parts(axes, tool, 7.0)
+    names = (("released", GREY, (0.0, 4.0), "right", "bottom"), ("fastest", BLACK, (6.0, -2.0), "left", "top"))
+    for line, (name, color, offset, ha, va) in zip(wires, names, strict=False):
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
@@ -123,12 +115,11 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
         note(axes, name, (float(x), float(y)), offset, color=color, ha=ha, va=va)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
-    return near
+    return set(bars)
 
 
 def _centre(place: BarPlace) -> tuple[float, float]:
-    """Return the bar's centre on the incoming side, m."""
-    return -place.horizontal, -place.vertical
+    return -place.horizontal, -place.vertical  # on the incoming side, m
 
 
 def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:

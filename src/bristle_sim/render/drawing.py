@@ -113,16 +113,7 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
-    """Draw the hub, the bar and the workpart that a tool has."""
-    draw_hub(axes, tool)
-    if tool.bar is not None:
-        draw_bar(axes, *tool.bar.centre, tool.bar.radius)
-    if tool.workpart is not None:
-        draw_workpart(axes, tool.workpart_depth, view)
-
-
-def draw_hub(axes: Axes, tool: Tool) -> None:
-    """Draw the root circle that carries the belt, the hub's centre, and an arrow in the direction of its turn."""
+    """Draw the root circle that carries the belt, with the sense of its turn, and the bar and workpart that a tool has."""
     radius = tool.hub.radius * MILLIMETRES
     axes.add_patch(Circle((0.0, 0.0), radius, facecolor=HUB_COLOUR, edgecolor=GREY, linewidth=0.8))
     axes.plot([0.0], [0.0], "+", color=GREY, markersize=5, markeredgewidth=0.6)
@@ -130,20 +121,19 @@ def draw_hub(axes: Axes, tool: Tool) -> None:
         ends = 0.5 * radius * toward(np.radians([-35.0, 35.0]))
         style, bend = "-|>,head_length=4,head_width=2", "arc3,rad=0.33"
         axes.add_patch(FancyArrowPatch(*ends, arrowstyle=style, connectionstyle=bend, color=GREY, linewidth=0.8))
+    if tool.bar is not None:
+        draw_bar(axes, *tool.bar.centre, tool.bar.radius)
+    if tool.workpart is not None:
+        beyond = 10.0  # drawn beyond the view, so that only the surface shows an edge
+        place = (view.left - beyond, view.bottom - beyond)
+        height = -tool.workpart_depth * MILLIMETRES - view.bottom + beyond
+        axes.add_patch(Rectangle(place, view.right - view.left + 2.0 * beyond, height, **GROUND))
 
 
 def draw_bar(axes: Axes, x: float, y: float, radius: float, **options: Any) -> None:
     """Draw an accelerator bar, lengths in m; ``options`` as for a patch."""
     look: dict[str, Any] = {"facecolor": BAR_COLOUR, "edgecolor": BLACK, "linewidth": 0.8}
     axes.add_patch(Circle((MILLIMETRES * x, MILLIMETRES * y), MILLIMETRES * radius, **(look | options)))
-
-
-def draw_workpart(axes: Axes, depth: float, view: View) -> None:
-    """Draw the workpart, hatched from its surface ``depth`` (m) below the hub's centre down to the view's edge."""
-    beyond = 10.0  # drawn beyond the view, so that only the surface shows an edge
-    place = (view.left - beyond, view.bottom - beyond)
-    size = (view.right - view.left + 2.0 * beyond, -depth * MILLIMETRES - view.bottom + beyond)
-    axes.add_patch(Rectangle(place, *size, **GROUND))
 
 
 def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:

@@ -15,7 +15,7 @@ from bristle_sim.render.contact_motion import ContactMotion, caption, contact_mo
 from bristle_sim.render.drawing import point_arrow
 from bristle_sim.render.film_scene import BORDER, HEADER, FilmScene, TimeWarp, slow_motion, write_film
 from bristle_sim.render.impact_drawings import NORMAL, TANGENTIAL, CloseUp, draw_chain
-from bristle_sim.render.impulse_plane import PHASE_COLOURS
+from bristle_sim.render.impact_figures import PHASE_COLOURS
 from bristle_sim.render.story import Phase, phase_at
 from bristle_sim.render.style import scale_for, signed, styled
 from bristle_sim.studies.impacts import Impacts
@@ -106,7 +106,7 @@ class ImpactScene(FilmScene):
         rods = self.chain.get_window_extent().height / float(np.ptp(self.chain.get_ylim()))
         ways = near.get_window_extent().width * close_up.scale
         deeper = f", depth {close_up.stretch:.2g} times more" if close_up.stretch > 1.0 else ""
-        words = f"the tip's displacements are drawn {_rounded(ways / rods)} times larger than the rods{deeper}"
+        words = f"the tip's displacements are drawn {ways / rods:.3g} times larger than the rods{deeper}"
         figure.text(near.get_position().x0, 0.028, words, fontsize=0.58 * self.letters, color=GREY)
 
     def _draw_panel(self, number: int, title: str, unit: str, lines: tuple[tuple[str, str], ...]) -> None:
@@ -168,15 +168,3 @@ def _connect(whole: Axes, near: Axes) -> None:
     whole.add_patch(Rectangle((-half, -half), 2.0 * half, 2.0 * half, fill=False, edgecolor=GREY, zorder=6))
     line = ConnectionPatch((half, 0.0), (0.0, 0.2), whole.transData, near.transAxes, color=GREY, linewidth=0.8)
     whole.figure.add_artist(line)
-
-
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
-def _rounded(value: float) -> str:
-    """Format one digit and a power of ten, or the number itself where that is short."""
-    if 0.1 <= value < 1e4:
-        return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
-    leading, exponent = f"{value:.0e}".split("e")
-    power = f"10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
-    return power if leading == "1" else f"{leading}·{power}"

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import zlib
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from itertools import pairwise
 from pathlib import Path
@@ -126,29 +126,26 @@ def write_video(
     """
     target = checked_video_target(path)
     check_film(target.suffix, size, fps)
-    shown = _progress(_of_size(frames, size), total, target.name)
+    shown = _counted(frames, size, total, target.name)
     with complete_or_absent(target) as partial:
         (_write_mp4 if target.suffix.lower() == ".mp4" else _write_gif)(partial, shown, size, fps)
     return target
 
 
-def _of_size(frames: Iterable[memoryview], size: tuple[int, int]) -> Iterator[memoryview]:
-    """Yield the frames, each refused unless it has the announced size; a raw stream would shear without a word."""
+def _counted(frames: Iterable[memoryview], size: tuple[int, int], total: int | None, name: str) -> Iterator[memoryview]:
+    """Yield the frames, counted on standard error where that is a terminal and tqdm is installed.
+
+    A frame that has not the announced size is refused; a raw stream would shear without a word.
+    """
+    with suppress(ImportError):
+        from tqdm import tqdm
+
+        look = {"desc": name, "unit": "frame", "leave": False, "file": sys.stderr, "disable": not sys.stderr.isatty()}
+        frames = tqdm(frames, total=total, **look)
     for frame in frames:
         if frame.shape != (size[1], size[0], 4):
             raise ValueError(f"frame of shape {frame.shape}: must be {(size[1], size[0], 4)} (in px)")
         yield frame
-
-
-def _progress(items: Iterable[memoryview], total: int | None, name: str) -> Iterable[memoryview]:
-    """Count the items on standard error where that is a terminal and tqdm is installed."""
-    try:
-        from tqdm import tqdm
-    except ImportError:
-        return items
-    look = {"desc": name, "unit": "frame", "leave": False, "file": sys.stderr, "disable": not sys.stderr.isatty()}
-    counted: Iterable[memoryview] = tqdm(items, total=total, **look)
-    return counted
 
 
 def _ffmpeg(target: Path) -> str:
@@ -172,15 +169,14 @@ def _write_mp4(partial: Path, frames: Iterable[memoryview], size: tuple[int, int
         with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=complaints) as process:
             assert process.stdin is not None
             try:
-                for frame in frames:
-                    process.stdin.write(frame)
-            except BrokenPipeError:
-                pass  # the encoder ended early; its status and words follow below
+                with suppress(BrokenPipeError):  # the encoder ended early; its status and words follow below
+                    for frame in frames:
+                        process.stdin.write(frame)
             except BaseException:
                 process.kill()
                 raise
             finally:
-                with suppress(BrokenPipeError):  # its reader may be gone
+                with suppress(BrokenPipeError):
                     process.stdin.close()
         if process.returncode:
             complaints.seek(0)
@@ -195,20 +191,15 @@ def _write_gif(partial: Path, frames: Iterable[memoryview], size: tuple[int, int
     packed = [zlib.compress(np.asarray(frame)[..., :3].tobytes(), 1) for frame in frames]
     if not packed:
         raise ValueError(f"{partial.name}: no frames")
-    pictures = (Image.frombytes("RGB", size, zlib.decompress(each)) for each in packed)
-    palette = _palette(packed[:: -(-len(packed) // GIF_SAMPLES)], size)
-    first, *others = (each.quantize(palette=palette, dither=Image.Dither.NONE) for each in pictures)
+    shape = (size[1], size[0], 3)
+    pictures = (np.frombuffer(zlib.decompress(each), np.uint8).reshape(shape) for each in packed)
+    samples = packed[:: -(-len(packed) // GIF_SAMPLES)]
+    chosen = [np.frombuffer(zlib.decompress(each), np.uint8).reshape(shape)[::2, ::2] for each in samples]
+    # Every other pixel and line will do; maximum coverage keeps small areas' colours, one round of k-means the large ones'.
+    montage, plain = Image.fromarray(np.concatenate(chosen)), Image.Dither.NONE
+    palette = montage.quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=plain)
+    first, *others = (Image.fromarray(each).quantize(palette=palette, dither=plain) for each in pictures)
     # A gif counts hundredths of a second: rounding the instants, not the durations, keeps the film's length.
     instants = [round(100.0 * number / fps) for number in range(len(packed) + 1)]
     durations = [10 * (after - before) for before, after in pairwise(instants)]
     first.save(partial, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=True)
-
-
-def _palette(packed: Sequence[bytes], size: tuple[int, int]) -> Any:
-    """Return a picture whose palette suits all of some packed frames."""
-    from PIL import Image
-
-    shapes = [np.frombuffer(zlib.decompress(each), np.uint8).reshape(size[1], size[0], 3) for each in packed]
-    # Every other pixel and line will do; maximum coverage keeps small areas' colours, one round of k-means the large ones'.
-    montage = Image.fromarray(np.concatenate([each[::2, ::2] for each in shapes]))
-    return montage.quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=Image.Dither.NONE)

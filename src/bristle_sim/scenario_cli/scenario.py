@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.quantity import Choice, Range
+from bristle_sim.quantity import Choice, Range, declarations
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -55,16 +55,11 @@ class Scenario:
         """Return every key with its declaration and default; the declaration's source is that of this default."""
         found: dict[str, tuple[Range | Choice, Any]] = {}
         for part in self.parts:
-            for each in dataclasses.fields(part):
-                declared = each.metadata.get("declaration")
-                if declared is None or declared.key in self.without:
-                    continue
-                default = each.default
-                if declared.key in self.defaults:
-                    default, source = self.defaults[declared.key]
-                    declared = dataclasses.replace(declared, source=source)
-                found[declared.key] = (declared, default)
-        return found
+            defaults = {each.name: each.default for each in dataclasses.fields(part)}
+            found |= {each.key: (each, defaults[name]) for name, each in declarations(part).items()}
+        for key, (default, source) in self.defaults.items():
+            found[key] = (dataclasses.replace(found[key][0], source=source), default)
+        return {key: each for key, each in found.items() if key not in self.without}
 
 
 def build_tool(values: Values) -> Tool:
@@ -76,12 +71,7 @@ def build_tool(values: Values) -> Tool:
 
 def build(part: type[T], values: Values) -> T:
     """Build a parameter object of the given class from key values."""
-    arguments = {}
-    for each in dataclasses.fields(part):
-        declared = each.metadata.get("declaration")
-        if declared is not None and declared.key in values:
-            arguments[each.name] = values[declared.key]
-    return part(**arguments)
+    return part(**{name: values[each.key] for name, each in declarations(part).items() if each.key in values})
 
 
 def figure(name: str) -> Callable[[Report, Path], None]:

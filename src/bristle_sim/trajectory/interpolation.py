@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -10,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
+from bristle_sim.trajectory.records import InnerSamples, Motion
 
 if TYPE_CHECKING:
-    from bristle_sim.trajectory.records import InnerSamples
     from bristle_sim.trajectory.trajectory import Trajectory
 
 
@@ -25,39 +24,6 @@ both would magnify their rounding."""
 
 SAME = 1e-6
 """Rounding of a contact's end, as a fraction of its duration."""
-
-
-@dataclass(frozen=True, slots=True)
-class Motion:
-    """The motion at instants of any shape (...), in SI units and radians.
-
-    Attributes:
-        time, hub_angle: s and rad, shape (...).
-        angles, rates: absolute angle and rate of each link, shape (..., links), rad and rad/s.
-        centre_line, centre_line_velocity: corners of the centre line, shape (..., corners, 2), m and m/s.
-    """
-
-    time: Array
-    hub_angle: Array
-    angles: Array
-    rates: Array
-    centre_line: Array
-    centre_line_velocity: Array
-
-    @property
-    def relative_angle(self) -> Array:
-        """Angle of the first link relative to the radial direction, negative when it lags, shape (...), rad."""
-        return np.asarray(self.angles[..., 0] - self.hub_angle)
-
-    @property
-    def tip(self) -> Array:
-        """Position of the tip, shape (..., 2), m."""
-        return self.centre_line[..., -1, :]
-
-    @property
-    def tip_velocity(self) -> Array:
-        """Velocity of the tip, shape (..., 2), m/s."""
-        return self.centre_line_velocity[..., -1, :]
 
 
 def motion_at(run: Trajectory, time: ArrayLike, *, side: str = "after") -> Motion:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 from dataclasses import dataclass
 
+import numpy as np
+
 from bristle_sim.arrays import Array, EqualByValue
 
 
@@ -30,12 +32,53 @@ class Cost:
     error_estimate: float | None = None
 
 
+@dataclass(frozen=True, slots=True, repr=False, eq=False)
+class Motion(EqualByValue):
+    """The motion at instants of any shape (...), in SI units and radians.
+
+    Attributes:
+        time: s.
+        hub_angle: of the bristle's root, from the direction of the workpart, rad; zero throughout for a fixed root.
+        angles, rates: absolute angle and rate of each link, shape (..., links), rad and rad/s.
+        centre_line: corners of the wires' centre line from the root over knees and joints to the tip, (x, y) from the
+            hub's centre, shape (..., corners, 2), m; pictures draw these points.
+        centre_line_velocity: of the same corners, shape (..., corners, 2), m/s.
+    """
+
+    time: Array
+    hub_angle: Array
+    angles: Array
+    rates: Array
+    centre_line: Array
+    centre_line_velocity: Array
+
+    @property
+    def tip(self) -> Array:
+        """Position of the last link's tip, where the centre line ends, shape (..., 2), m."""
+        return self.centre_line[..., -1, :]
+
+    @property
+    def tip_velocity(self) -> Array:
+        """Velocity of the tip, shape (..., 2), m/s."""
+        return self.centre_line_velocity[..., -1, :]
+
+    @property
+    def relative_angle(self) -> Array:
+        """Angle of the first link relative to the radial direction, alpha; negative when it lags (retraction), rad."""
+        return np.asarray(self.angles[..., 0] - self.hub_angle)
+
+    @property
+    def retraction(self) -> Array:
+        """Angle by which the first link lags the radial direction, positive when it lags, rad; minus relative_angle."""
+        return np.asarray(self.hub_angle - self.angles[..., 0])
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class InnerSamples(EqualByValue):
     """The motion between the samples of a run: from the geometry of a sustained contact, and in a contact resolved in time.
 
     Attributes:
-        time, angles, rates, centre_line, centre_line_velocity: as in Trajectory.
+        time, angles, rates, centre_line, centre_line_velocity: as in Motion.
     """
 
     time: Array

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array, EqualByValue
+from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
-from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples
+from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
 from bristle_sim.trajectory.storage import read, write
 from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 
@@ -23,18 +23,13 @@ NOTABLE = 0.01
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
-class Trajectory(EqualByValue):
-    """A run of one mechanism: n samples, in SI units and radians.
+class Trajectory(Motion):
+    """A run of one mechanism: the motion at n samples, in SI units and radians.
 
     At an impact two samples share one instant: before and after it.
 
     Attributes:
-        time: s.
-        hub_angle: of the bristle's root, from the direction of the workpart, rad; zero throughout for a fixed root.
-        angles, rates: absolute angle and rate of each link, shape (n, links), rad and rad/s.
-        centre_line: corners of the wires' centre line from the root over knees and joints to the tip, (x, y) from the
-            hub's centre, shape (n, corners, 2), m; pictures draw these points.
-        centre_line_velocity: of the same corners, shape (n, corners, 2), m/s.
+        time, hub_angle, angles, rates, centre_line, centre_line_velocity: see Motion.
         kinetic_energy, potential_energy: of the links and of belt and gravity, J.
         normal_force: of the obstacle that is touched, N; zero in flight.
         events, contacts: in order of time.
@@ -46,12 +41,6 @@ class Trajectory(EqualByValue):
         inner_samples: of contacts that last, for ``at``; None where there are none, and of the reference.
     """
 
-    time: Array
-    hub_angle: Array
-    angles: Array
-    rates: Array
-    centre_line: Array
-    centre_line_velocity: Array
     kinetic_energy: Array
     potential_energy: Array
     normal_force: Array
@@ -64,26 +53,6 @@ class Trajectory(EqualByValue):
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     stop_detail: str = ""
     inner_samples: InnerSamples | None = None
-
-    @property
-    def tip(self) -> Array:
-        """Position of the last link's tip, where the centre line ends, shape (n, 2), m."""
-        return self.centre_line[:, -1]
-
-    @property
-    def tip_velocity(self) -> Array:
-        """Velocity of the tip, shape (n, 2), m/s."""
-        return self.centre_line_velocity[:, -1]
-
-    @property
-    def retraction(self) -> Array:
-        """Angle by which the first link lags the radial direction, positive when it lags, rad; minus relative_angle."""
-        return np.asarray(self.hub_angle - self.angles[:, 0])
-
-    @property
-    def relative_angle(self) -> Array:
-        """Angle of the first link relative to the radial direction, alpha; negative when it lags (retraction), rad."""
-        return np.asarray(self.angles[:, 0] - self.hub_angle)
 
     @property
     def relative_rate(self) -> Array:
