@@ -72,12 +72,7 @@ class ForceComparison:
 
 
 def force_comparison(
-    hub: Hub,
-    bristle: Bristle,
-    surface: Surface,
-    history: ForceHistory,
-    measurement: Measurement,
-    settings: Settings,
+    hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, measurement: Measurement, settings: Settings
 ) -> Report:
     """Compare the simulated contact with the curve of chapter 3, or with one fitted to measured points.
 

@@ -179,9 +179,8 @@ def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tu
 
     E_k = m v_G^2/2 + (m L^2/12) rate^2/2 (4.58-4.59).
     """
-    wire = Bristle()
+    wire, k = Bristle(), kinematics
     half_mass, half_inertia = 0.5 * wire.mass, 0.5 * wire.inertia_about_centre
-    k = kinematics
     return (
         half_mass * k.centre_speed**2 + half_inertia * k.rate**2,
         2.0 * (half_mass * k.centre_speed * k.final_centre_speed - half_inertia * k.rate * k.final_rate),
@@ -191,9 +190,7 @@ def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tu
 
 @checked_arguments
 def kinetic_energy(
-    time: ArrayLike,
-    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
-    decay: float = PRINTED_KINEMATICS.decay,
+    time: ArrayLike, coefficients: tuple[float, float, float] = PRINTED_ENERGY, decay: float = PRINTED_KINEMATICS.decay
 ) -> Number:
     """Return the kinetic energy of the bristle (4.59), J, at times >= 0 in s; coefficients as printed by default."""
     _check_since_touch(time)

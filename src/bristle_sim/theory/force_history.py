@@ -136,20 +136,21 @@ class ForceCurve:
         )
 
     def _derivative(self, time: ArrayLike, order: int) -> Number:
-        t = np.asarray(time, dtype=float)[..., np.newaxis]
         decay, exponent = self._exponents()
+        t = np.asarray(time, dtype=float)[..., np.newaxis]
         constant = self.offset * (-decay) ** order * np.exp(-decay * t)
         turning = exponent**order * np.exp(exponent * t + 1j * exponent.imag * self.lead)
-        total = np.sum(np.asarray(self.amplitude) * (constant - self.swing * turning.real), axis=-1)
-        return float(total) if total.ndim == 0 else total
+        return self._sum(constant - self.swing * turning.real)
 
     def _integral(self, time: ArrayLike) -> Number:
-        t = np.asarray(time, dtype=float)[..., np.newaxis]
         decay, exponent = self._exponents()
-        slow = decay == 0.0
+        t, slow = np.asarray(time, dtype=float)[..., np.newaxis], decay == 0.0
         constant = np.where(slow, t, -np.expm1(-decay * t) / np.where(slow, 1.0, decay))
         turning = np.exp(1j * exponent.imag * self.lead) * np.expm1(exponent * t) / exponent
-        total = np.sum(np.asarray(self.amplitude) * (self.offset * constant - self.swing * turning.real), axis=-1)
+        return self._sum(self.offset * constant - self.swing * turning.real)
+
+    def _sum(self, terms: Array) -> Number:
+        total = np.sum(np.asarray(self.amplitude) * terms, axis=-1)
         return float(total) if total.ndim == 0 else total
 
     def _exponents(self) -> tuple[Array, NDArray[np.complex128]]:
