@@ -134,14 +134,13 @@ def impact_curve(
 
     An impact without an end, or without the quantity, is left out.
     """
-    points: dict[str, Array] = {}
+    points: dict[str, tuple[ArrayLike, ArrayLike]] = {}
     for law, at in places.items():
         records = ((each, _struck(*impact(each), law)) for each in at.tolist())
-        found = [(each, read(record)) for each, record in records if record is not None]
-        found = [pair for pair in found if pair[1] is not None]
+        found = [(each, value) for each, record in records if record and (value := read(record)) is not None]
         if found:
-            points[law] = np.array(found, dtype=float).T
-    return curve_of(name, formula, x, {law: (pairs[0], pairs[1]) for law, pairs in points.items()})
+            points[law] = ([each for each, _ in found], [value for _, value in found])
+    return curve_of(name, formula, x, points)
 
 
 @functools.cache

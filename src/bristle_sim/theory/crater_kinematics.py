@@ -90,14 +90,10 @@ class CraterKinematics:
 
 @dataclass(frozen=True, slots=True)
 class TipFace:
-    """The cutting face: an ellipse where a plane cuts the wire (Zhang 2020, eqs. 4.9-4.13).
+    """The cutting face: an ellipse where a plane cuts the wire of diameter d, m (Zhang 2020, eqs. 4.9-4.13).
 
-    Attributes:
-        wire_diameter: d, m.
-        tilt: between the face's normal and the wire's axis, rad (39.5 deg, measured; fig. 4.5).
-        face_angle: between face and surface as (4.10) uses it, rad (28 deg).
-
-    The rake angle gamma + 11.5 deg (4.36) puts the face at 55.1 deg to the surface, not 28 deg; both are kept as printed.
+    Its normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5), and (4.10) puts it at 28 deg to the surface.
+    The rake angle gamma + 11.5 deg (4.36) puts it at 55.1 deg instead; both are kept as printed. Angles in rad.
     """
 
     wire_diameter: float = 7.1e-4
@@ -129,10 +125,8 @@ class TipFace:
 class CuttingWidth:
     """b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, t in s (Zhang 2020, eq. 4.16); defaults as printed.
 
-    Attributes:
-        half_width: h = d/2, m.
-        swing: s, the trace of the final depth on the face times a_2/a_1, m; the other printed constant, 1.39e-4, is h - s.
-        decay: lambda, 1/s.
+    h = d/2 is the half-width, m; the swing s, m, the trace of the final depth on the face times a_2/a_1: the other printed
+    constant, 1.39e-4, is h - s. The decay is lambda, 1/s.
 
     Raises:
         ValueError: unless 0 < swing <= half_width; deeper than its centre line the face no longer widens.

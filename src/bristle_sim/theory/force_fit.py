@@ -53,14 +53,11 @@ def fit_force_history(
 ) -> ForceFit:
     """Fit (3.3) with one exponential to a measured force history by least squares (3.2).
 
-    Args:
-        time: s on any clock, increasing, shape (n,); of a contact or its beginning, and of what the record shows
-            before and after it.
-        force: N, shape (n,); positive where the tip is pushed.
-        duration: t_f, s; fitted too by default.
-        peak_force: F*, N, which scales the c_i; by default the largest measured force.
-        start: of the contact, s, where it is known, from which on the points are one contact without a baseline; by
-            default it is found and fitted, and the baseline with it if the record holds samples outside the contact.
+    Times in s on any clock, increasing, and forces in N, positive where the tip is pushed, of shape (n,), are those of a
+    contact or its beginning, and of what the record shows before and after it. t_f in s is fitted too by default; F* in N,
+    which scales the c_i, is by default the largest measured force. Where the contact's start, s, is known, the points from
+    there on are one contact without a baseline; by default it is found and fitted, and the baseline with it if the record
+    holds samples outside the contact.
 
     Raises:
         ValueError: for points that are no force history, fewer points than unknowns, and for a record in which no contact is

@@ -184,14 +184,9 @@ def segment_impulses(
 ) -> Array:
     """Divide an impulse as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
 
-    Args:
-        curve: of the impact whose shape is taken over.
-        impulse: p_c of the impact that takes it over, shape (...), N s.
-        segments: number of equal parts of the compression time.
-        compression_time: of the curve, s; its peak time by default (the dissertation rounds it to 2.328 ms).
-
-    Returns:
-        p_i, shape (..., segments), N s; their sum is the impulse.
+    p_c, shape (...), N s, is that of the impact that takes the curve's shape over; the compression time, s, is by default the
+    curve's peak time, which the dissertation rounds to 2.328 ms. Returns p_i, shape (..., segments), N s, for equal parts of
+    the compression time; their sum is the impulse.
 
     Raises:
         ValueError: if segments is not a positive whole number or impulse is not finite.

@@ -96,12 +96,9 @@ def oblique_angles(
 ) -> CuttingAngles:
     """Return the modified circle's angles, alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45).
 
-    Args:
-        friction: mu, ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives.
-        impact_angle: gamma, rad.
-        constant: C of (4.45).
-        check: refuse eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but
-            the shear plane does not come out of the surface.
+    mu is the ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives. ``check``
+    refuses eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but the shear plane
+    does not come out of the surface. Gamma in rad.
 
     Raises:
         ShearAngleError: where eta < gamma and check is set.

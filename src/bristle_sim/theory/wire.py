@@ -62,11 +62,7 @@ def beam_frequencies(
 
     The first one is the swing of the wire on its root's spring (0 without one), the second the first bending mode.
 
-    Args:
-        mass, length, diameter: of the wire, kg, m, m.
-        modulus: Young's modulus E, Pa.
-        root_stiffness: torsion spring at the root, N m/rad.
-        modes: number of frequencies, 1 to 50.
+    Mass in kg, length and diameter in m, Young's modulus in Pa, torsion spring at the root in N m/rad, 1 to 50 modes.
 
     Raises:
         ValueError: for arguments out of range.
