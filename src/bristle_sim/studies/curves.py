@@ -76,13 +76,7 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A closed form over x, and points that check it.
-
-    Attributes:
-        name: what distinguishes the curve from others of its family.
-        x, theory: the closed form.
-        points: by source, x and y of each point; an impact that comes to no end is left out.
-    """
+    """A closed form over x, and points that check it, x and y by source; an impact that comes to no end is left out."""
 
     name: str
     x: Array
@@ -92,13 +86,9 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One pair of axes.
+    """One pair of axes with a family of curves, distinguished by the symbol of what varies, and points and lines of note.
 
-    Attributes:
-        x, y: the axes.
-        curves: a family, distinguished by ``family``, e.g. the symbol of what varies.
-        marks, levels: points and lines of note.
-        top: largest y shown, SI, where curves grow without bound; None for all there is.
+    ``top`` is the largest y shown, SI, where curves grow without bound; None for all there is.
     """
 
     x: Axis

@@ -26,13 +26,9 @@ RESAMPLES = 200
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Outputs of all samples, and what they say: arrays of shape (outputs, inputs), intervals with a last axis of 2.
+    """Outputs of all samples, and what they say: indices of shape (outputs, inputs), intervals with a last axis of 2.
 
-    Attributes:
-        inputs, outputs: names, in order.
-        values: of the outputs in the two independent samples, shape (outputs, 2 samples).
-        first_order, total: Sobol indices.
-        first_order_interval, total_interval: their bootstrap intervals.
+    Values are those of the outputs in the two independent samples, shape (outputs, 2 samples).
     """
 
     inputs: tuple[str, ...]
@@ -74,13 +70,9 @@ def sobol_study(
 ) -> Study:
     """Evaluate a function of keyword arguments on Saltelli's samples and estimate the Sobol indices of its outputs.
 
-    Args:
-        function: point function as ``sweep`` takes it.
-        intervals: of each argument, uniform in between.
-        outputs: names of the results that are looked at, at least two.
-        samples: of each of the two independent samples, a power of 2.
-        seed: of the sequence's scrambling and of the bootstrap.
-        workers: processes, as ``sweep`` takes them.
+    The point function is one as ``sweep`` takes it, and so are the workers; each argument is uniform in its interval. There are
+    at least two outputs, and samples, a power of 2, of each of the two independent samples. The seed is that of the sequence's
+    scrambling and of the bootstrap.
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.

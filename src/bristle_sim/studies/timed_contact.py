@@ -60,13 +60,8 @@ def timed_contact(
 ) -> TimedContact:
     """Strike with a contact whose compression takes that long, s.
 
-    Args:
-        hub, bristle, surface: what strikes what.
-        impact_angle: gamma, rad.
-        settings: of the scene.
-        compression_time: s.
-        rate: of the bristle, rad/s; or
-        impulse: the compressive impulse, N s, for which the rate is found.
+    The impact angle is in rad. Given is either the rate of the bristle, rad/s, or the compressive impulse, N s, for which the
+    rate is found.
 
     Raises:
         ValueError: if there is no such contact.
