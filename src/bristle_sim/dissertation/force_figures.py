@@ -16,13 +16,7 @@ from bristle_sim.studies.force_fits import noisy_points
 from bristle_sim.studies.timed_contact import timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.force_fit import fit_force_history
-from bristle_sim.theory.force_history import (
-    BALL,
-    BRISTLE,
-    PRINTED_BRISTLE_IMPULSE,
-    TABLE_3_1,
-    segment_impulses,
-)
+from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, TABLE_3_1, segment_impulses
 
 NOISE, POINTS = 5.0, 61
 """Noise (N) and number of the points that stand in for the measured ones."""
