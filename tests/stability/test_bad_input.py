@@ -207,7 +207,7 @@ def test_formulas_of_any_numbers(four: list[float], many: list[float]) -> None:
         lambda: cueing.centrifugal_stiffness(*four),
         lambda: cueing.damped_highest_speed(*four[:2], array),
         lambda: cueing.retraction_at_bar(*four, array),
-        lambda: monofilament.normal_compressive_work(array, *four[:3]),
+        lambda: monofilament.normal_compressive_impulse(array, *four[:3]),
         lambda: monofilament.final_rate(*four, array, 0.3, 0.4),
     ):
         tally = Tally()

@@ -11,11 +11,17 @@ pytest.importorskip("zarr", reason="needs the extra sweep")
 
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies import rounding
-from bristle_sim.studies.rounding import HALF_UNITS, propagated, rounding_rows
 from bristle_sim.studies.sobol import sobol_study
 from bristle_sim.studies.strike_point import keys_of, strike_of_keys
-from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, tolerances
+from bristle_sim.studies.tolerances import (
+    HALF_UNITS,
+    OUTPUTS,
+    Sampling,
+    Spreads,
+    propagated,
+    rounding_rows,
+    tolerances,
+)
 
 SLOPES = {"a": 3.0, "b": -2.0, "c": 1.0, "d": 0.0}
 
@@ -157,4 +163,4 @@ def test_half_units_are_of_the_printed_inputs():
     for key, half_unit in HALF_UNITS.items():
         # A printed number has between two and four significant digits.
         assert 1e-5 < half_unit / float(values[key]) < 0.05
-    assert rounding.rounding_rows(Tool(bar=Bar(horizontal=0.05)), Settings()) == []
+    assert rounding_rows(Tool(bar=Bar(horizontal=0.05)), Settings()) == []

@@ -60,32 +60,25 @@ def figures_report(selection: Selection) -> Report:
     begin = clock.perf_counter()
     numbers = NUMBERS if selection.only == "all" else (selection.only,)
     figures: list[Redrawn] = []
+
+    def report() -> Report:
+        apart = ((each, law, value) for each in figures for law, value in largest_differences(each).items())
+        words = "largest distance of points from their curve, as a fraction of its largest value beside one, in"
+        return Report(
+            outcome=None,
+            quantities=tuple(
+                Quantity(f"{each.name}_{law}", "1", value, 0.0, tolerance=SOURCES[law].tolerance)
+                for each, law, value in apart
+            ),
+            wall_s=clock.perf_counter() - begin,
+            remarks=("", words, *(f"{each.name}: {each.title}" for each in figures)),
+            subject=tuple(figures),
+        )
+
     try:
         for number in numbers:
             logging.getLogger(__name__).info("figure %s (%d of %d)", number, len(figures) + 1, len(numbers))
             figures.append(redrawn(number))
     except KeyboardInterrupt:
-        raise Unfinished(_report(tuple(figures), begin)) from None
-    return _report(tuple(figures), begin)
-
-
-def _report(figures: tuple[Redrawn, ...], begin: float) -> Report:
-    heads = tuple(f"{figure.name}: {figure.title}" for figure in figures)
-    return Report(
-        outcome=None,
-        quantities=tuple(row for figure in figures for row in _rows(figure)),
-        wall_s=clock.perf_counter() - begin,
-        remarks=(
-            "",
-            "largest distance of points from their curve, as a fraction of its largest value beside one, in",
-            *heads,
-        ),
-        subject=figures,
-    )
-
-
-def _rows(figure: Redrawn) -> tuple[Quantity, ...]:
-    return tuple(
-        Quantity(f"{figure.name}_{law}", "1", difference, 0.0, tolerance=SOURCES[law].tolerance)
-        for law, difference in largest_differences(figure).items()
-    )
+        raise Unfinished(report()) from None
+    return report()

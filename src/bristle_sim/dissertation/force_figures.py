@@ -6,9 +6,7 @@ import functools
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Array
 from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
@@ -18,14 +16,7 @@ from bristle_sim.studies.force_fits import noisy_points
 from bristle_sim.studies.timed_contact import timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.force_fit import fit_force_history
-from bristle_sim.theory.force_history import (
-    BALL,
-    BRISTLE,
-    PRINTED_BRISTLE_IMPULSE,
-    TABLE_3_1,
-    ForceCurve,
-    segment_impulses,
-)
+from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, TABLE_3_1, segment_impulses
 
 NOISE, POINTS = 5.0, 61
 """Noise (N) and number of the points that stand in for the measured ones."""
@@ -42,12 +33,9 @@ def points_figure() -> Redrawn:
     fit = fit_force_history(time, force, duration=BALL.duration, peak_force=2.0 * BALL.swing, start=0.0)
     shown = f"fit: c = {fit.values[0]:.3f}, $\\lambda$ = {fit.values[1]:.0f} /s"
     curve = curve_of(shown, fit.curve, np.linspace(0.0, BALL.duration, 201), {"sampled": (time, force)})
-    return Redrawn(
-        "3.1",
-        "force of a steel ball on a steel plate over time",
-        (Panel(MILLISECONDS, FORCE, (curve,)),),
-        "the measured points are not in print: these are drawn from (3.5), c = 1.3935, $\\lambda$ = 101.6 /s",
-    )
+    note = "the measured points are not in print: these are drawn from (3.5), c = 1.3935, $\\lambda$ = 101.6 /s"
+    title = "force of a steel ball on a steel plate over time"
+    return Redrawn("3.1", title, (Panel(MILLISECONDS, FORCE, (curve,)),), note)
 
 
 def fit_figure() -> Redrawn:
@@ -61,9 +49,8 @@ def fit_figure() -> Redrawn:
         Mark(peak, BALL.peak_force(), f"{BALL.peak_force():.1f} N at {1e3 * peak:.3f} ms", "above"),
     )
     note = f"impulse up to the largest force {float(BALL.impulse(peak)):.4f} N·s; printed as 0.4269 N·m"
-    return Redrawn(
-        "3.2", "force history of the ball, by (3.5)", (Panel(MILLISECONDS, FORCE, (curve,), marks=marks),), note
-    )
+    panel = Panel(MILLISECONDS, FORCE, (curve,), marks=marks)
+    return Redrawn("3.2", "force history of the ball, by (3.5)", (panel,), note)
 
 
 def bristle_figure() -> Redrawn:
@@ -74,35 +61,34 @@ def bristle_figure() -> Redrawn:
     grid = np.linspace(0.0, BRISTLE.duration, 201)
     contact = bristle_contact(impulse=True)
     scaled = BALL.rescaled(PRINTED_BRISTLE_IMPULSE, BRISTLE.peak_time())
-    own = {"table": (middles, mean), "contact": (contact.time, contact.resultant.values)}
+    # The contact outlasts the curve, and has two samples at some instants.
+    time, first = np.unique(contact.time, return_index=True)
+    kept = time <= BRISTLE.duration
+    points = {"table": (middles, mean), "contact": (time[kept], contact.resultant.values[first][kept])}
     curves = (
-        curve_of("(3.19)", BRISTLE, grid, {law: _within(points, BRISTLE) for law, points in own.items()}),
+        curve_of("(3.19)", BRISTLE, grid, points),
         curve_of("ball's curve rescaled", scaled, np.linspace(0.0, scaled.duration, 201)),
     )
-    peak = BRISTLE.peak_time()
-    marks = (Mark(peak, BRISTLE.peak_force(), f"{BRISTLE.peak_force():.1f} N", "above"),)
+    mark = Mark(BRISTLE.peak_time(), BRISTLE.peak_force(), f"{BRISTLE.peak_force():.1f} N", "above")
     note = f"simulated: resultant of a contact with the curve's impulse, largest {contact.peak_force:.1f} N"
-    return Redrawn(
-        "3.3", "force on the bristle's tip, by (3.19)", (Panel(MICROSECONDS, FORCE, curves, marks=marks),), note
-    )
+    panel = Panel(MICROSECONDS, FORCE, curves, marks=(mark,))
+    return Redrawn("3.3", "force on the bristle's tip, by (3.19)", (panel,), note)
 
 
 def table() -> Redrawn:
     """Table 3.1: ten segments of the compression by print, by (3.15), by (3.19) and simulated."""
     contact = bristle_contact(impulse=True)
     edges = np.linspace(0.0, contact.compression_time, SEGMENTS + 1).tolist()
-    simulated = [1e4 * contact.resultant.integral(*pair) for pair in pairwise(edges)]
-    scaled = 1e4 * segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE)
-    own = 1e4 * segment_impulses(BRISTLE, float(BRISTLE.impulse(BRISTLE.peak_time())))
-    columns = zip(TABLE_3_1, scaled, own, simulated, strict=True)
-    rows = [
-        (str(i), f"{1e6 * low:.0f}-{1e6 * high:.0f}", printed, *(f"{each:.3f}" for each in computed))
-        for i, ((low, high), (printed, *computed)) in enumerate(zip(pairwise(edges), columns, strict=True), start=1)
-    ]
-    totals = (
-        f"{sum(float(each) for each in TABLE_3_1):.2f}",
-        *(f"{sum(each):.3f}" for each in (scaled, own, simulated)),
+    columns = (
+        1e4 * segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE),
+        1e4 * segment_impulses(BRISTLE, float(BRISTLE.impulse(BRISTLE.peak_time()))),
+        [1e4 * contact.resultant.integral(*pair) for pair in pairwise(edges)],
     )
+    rows = [
+        (str(i + 1), f"{1e6 * edges[i]:.0f}-{1e6 * edges[i + 1]:.0f}", printed, *(f"{each[i]:.3f}" for each in columns))
+        for i, printed in enumerate(TABLE_3_1)
+    ]
+    totals = (f"{sum(float(each) for each in TABLE_3_1):.2f}", *(f"{sum(each):.3f}" for each in columns))
     head = ("segment", "time (µs)", "printed", "by (3.15)", "by (3.19)", "simulated")
     return Redrawn(
         "table_3.1",
@@ -126,10 +112,3 @@ def bristle_contact(*, impulse: bool) -> TimedContact:
         rate=None if impulse else Strike().speed_ratio * Hub().speed,
         impulse=float(BRISTLE.impulse(peak)) if impulse else None,
     )
-
-
-def _within(points: tuple[ArrayLike, ArrayLike], curve: ForceCurve) -> tuple[Array, Array]:
-    """Points that the curve's duration covers, each instant once."""
-    time, first = np.unique(np.asarray(points[0]), return_index=True)
-    kept = time <= curve.duration
-    return time[kept], np.asarray(points[1])[first][kept]

@@ -13,12 +13,8 @@ from bristle_sim.studies.curves import Panel
 class Redrawn:
     """A figure or table of the dissertation with its own data.
 
-    Attributes:
-        number: e.g. ``2.24`` or ``table_3.1``.
-        title: what it shows.
-        panels: one or more.
-        note: what a reader should know; one line.
-        table: rows of a table, the head first; empty for a figure.
+    The number is e.g. ``2.24`` or ``table_3.1``; the note, one line, is what a reader should know; the rows of a table, the
+    head first, are empty for a figure.
     """
 
     number: str

@@ -43,6 +43,9 @@ SWUNG = 0.01
 """Lag in deg beyond radial that a bristle must reach somewhere: one that creeps to rest passes zero by rounding alone."""
 
 
+NOT_RADIAL = "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike"
+
+
 @dataclass(frozen=True, slots=True)
 class Place:
     """A direction of the bar from the workpart's normal, rad, and the strike that it gives."""
@@ -82,13 +85,10 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
 
     low, high = _enclosed(lag, stiffened_direction(tool) if guess is None else guess)
     direction = float(toms748(lag, low, high, xtol=FINEST_DIRECTION, rtol=4e-15))
-    found = at(direction)
-    if abs(found["lag_deg_at_contact"] or 0.0) > JUMP:
-        raise NotCuedError(
-            f"bar_horizontal, bar_vertical: no direction at this distance gives a radial strike; at"
-            f" {math.degrees(direction):.6g} deg the lag jumps from one sign to the other"
-        )
-    return Place(direction, found)
+    if abs(lag(direction)) > JUMP:
+        words = f"at {math.degrees(direction):.6g} deg the lag jumps from one sign to the other"
+        raise NotCuedError(f"{NOT_RADIAL}; {words}")
+    return Place(direction, at(direction))
 
 
 def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float]:
@@ -120,10 +120,7 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
             f"bar_horizontal, bar_vertical: no direction at this distance cues the bristle; {reasons[0]}"
         )
     least, most = min(lags.values()), max(lags.values())
-    raise NotCuedError(
-        "bar_horizontal, bar_vertical: no direction at this distance gives a radial strike; the bristle strikes with a lag"
-        f" of {least:.4g} to {most:.4g} deg"
-    )
+    raise NotCuedError(f"{NOT_RADIAL}; the bristle strikes with a lag of {least:.4g} to {most:.4g} deg")
 
 
 def _outwards(guess: float, end: float) -> Iterator[float]:

@@ -33,16 +33,11 @@ REST = 1e-4
 
 @dataclass(frozen=True, slots=True)
 class Slide:
-    """Describes how a tip slides on the workpart in its first strike.
+    """Describes how a tip slides on the workpart in its first strike; m and s from the first touch.
 
-    Attributes:
-        forward: longest distance that it is ahead of the first touch, m.
-        total: displacement along the workpart while in contact, m; negative: retracted.
-        duration: of the contact, s.
-        compression_time: from the first touch to the deepest penetration, s.
-        ending: how the first slip ends, ``turns`` or ``stops`` (the tip sticks); None if it lasts.
-        ending_phase: ``compression`` or ``restitution``, in which it ends; None if it lasts.
-        ending_time: from the first touch until then, s; inf if it lasts.
+    ``forward`` is the longest distance ahead of the first touch, ``total`` the displacement in the whole contact, negative for
+    a tip that has retracted. The first slip may end, in ``compression`` or ``restitution``: it ``turns``, or it ``stops``, the
+    tip then sticks; a slip that lasts has no ending, at an infinite time. Compression ends at the deepest penetration.
     """
 
     forward: float

@@ -81,13 +81,7 @@ def compression_end(history: ContactHistory) -> float:
 
 @dataclass(frozen=True)
 class TimedContact:
-    """A radial bristle's contact resolved in time.
-
-    Attributes:
-        bristle, surface, chain: what struck what, and how fast.
-        record: the scene's, with its history.
-        steps, wall_s: what the last strike cost.
-    """
+    """A radial bristle's contact resolved in time: what struck what, the scene's record, and what the last strike cost."""
 
     bristle: Bristle
     surface: Surface

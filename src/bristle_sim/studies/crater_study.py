@@ -40,13 +40,9 @@ CONTACT_DEPTHS = ("contact_force_depth", "contact_energy_depth", "contact_energy
 class CraterStudy:
     """Results of the study, from which its figures are drawn.
 
-    Attributes:
-        crater: its parameters.
-        angles: of the cut, or None where the shear plane does not come out of the surface.
-        no_chip: why not.
-        contact: simulated, or None where the tip does not approach, and ``no_contact`` says so.
-        parallel, inclined: craters that follow from it, for a shear plane that ends at a surface parallel to the path or
-            inclined to it.
+    There are no angles of the cut where the shear plane does not come out of the surface, as ``no_chip`` says, and no contact
+    where the tip does not approach (``no_contact``). The craters that follow from the contact are those of a shear plane that
+    ends at a surface parallel to the path, or inclined to it.
     """
 
     crater: Crater

@@ -61,11 +61,7 @@ PRINTED = {
 USUAL_PASSES = 12
 """Passes that a search usually takes."""
 
-MOVES = {
-    "hub_speed": (0.9, 1.1),
-    "belt_stiffness": (0.8, 1.25),
-    "belt_damping_ratio": (0.05, 0.1),
-}
+MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
 """Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
 
 

@@ -67,15 +67,10 @@ LEFT_OUT = (
 class CueTiming:
     """A simulated release, that of the formula, and the bars that they need.
 
-    Attributes:
-        tool, retraction: what was released, and from where, rad.
-        bar: where the bar keys put it.
-        trajectory: the release, up to the highest relative speed.
-        formula: the quasi-static formula's motion, None without belt stiffness.
-        own: name of the tool's belt stiffness among the places.
-        places: for the tool's belt stiffness and the readings of the printed one, by name.
-        released, fastest: centre lines of the simulated wire as released and at its highest speed, (corners, 2), m; None
-            if no speed is the highest.
+    The trajectory is the release from the retraction, rad, up to the highest relative speed; ``formula`` the quasi-static
+    formula's motion, None without belt stiffness; ``bar`` stands where its keys put it. ``places`` are those for the readings of
+    the belt stiffness, ``own`` the name of the tool's among them. ``released`` and ``fastest`` are centre lines of the
+    simulated wire, (corners, 2), m, at both ends of the release; None if no speed is the highest.
     """
 
     tool: Tool

@@ -76,13 +76,7 @@ class Level:
 
 @dataclass(frozen=True, slots=True)
 class Curve:
-    """A closed form over x, and points that check it.
-
-    Attributes:
-        name: what distinguishes the curve from others of its family.
-        x, theory: the closed form.
-        points: by source, x and y of each point; an impact that comes to no end is left out.
-    """
+    """A closed form over x, and points that check it, x and y by source; an impact that comes to no end is left out."""
 
     name: str
     x: Array
@@ -92,13 +86,9 @@ class Curve:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """One pair of axes.
+    """One pair of axes with a family of curves, distinguished by the symbol of what varies, and points and lines of note.
 
-    Attributes:
-        x, y: the axes.
-        curves: a family, distinguished by ``family``, e.g. the symbol of what varies.
-        marks, levels: points and lines of note.
-        top: largest y shown, SI, where curves grow without bound; None for all there is.
+    ``top`` is the largest y shown, SI, where curves grow without bound; None for all there is.
     """
 
     x: Axis
@@ -134,14 +124,13 @@ def impact_curve(
 
     An impact without an end, or without the quantity, is left out.
     """
-    points: dict[str, Array] = {}
+    points: dict[str, tuple[ArrayLike, ArrayLike]] = {}
     for law, at in places.items():
         records = ((each, _struck(*impact(each), law)) for each in at.tolist())
-        found = [(each, read(record)) for each, record in records if record is not None]
-        found = [pair for pair in found if pair[1] is not None]
+        found = [(each, value) for each, record in records if record and (value := read(record)) is not None]
         if found:
-            points[law] = np.array(found, dtype=float).T
-    return curve_of(name, formula, x, {law: (pairs[0], pairs[1]) for law, pairs in points.items()})
+            points[law] = ([each for each, _ in found], [value for _, value in found])
+    return curve_of(name, formula, x, points)
 
 
 @functools.cache

@@ -15,10 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
+from bristle_sim.studies.strike_point import outcome_of
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
@@ -62,12 +63,8 @@ STIFFNESSES = tuple(np.geomspace(0.07, 14.0, 13).tolist())
 class FlexibleStrike:
     """A wire that strikes, and the same of other numbers of links at other contact stiffnesses.
 
-    Attributes:
-        tool: with the wire; its workpart is where the wire's end is when it stands radially.
-        impact_angle: gamma, rad.
-        rate: of the wire when it strikes, rad/s.
-        contact: its stiffness.
-        settings: of the scene.
+    The tool's workpart is where the wire's end is when it stands radially at the impact angle, rad; the rate of the wire when it
+    strikes is in rad/s.
     """
 
     tool: Tool
@@ -114,11 +111,8 @@ class FlexibleStrike:
 class WireStudy:
     """Measures of strikes over contact stiffness and number of links, by name, each over that of the rigid bristle.
 
-    Attributes:
-        durations: times for which the rigid bristle would be in touch, s.
-        by_duration: for each number of links the ratios, arrays over the durations.
-        links: numbers of links at the requested stiffness.
-        by_links: the ratios, arrays over the numbers of links.
+    Durations are times for which the rigid bristle would be in touch, s; by number of links there are arrays over them, and
+    arrays over numbers of links at the requested stiffness.
     """
 
     durations: Array
@@ -171,14 +165,10 @@ def flexible_wire(
         reference = _reference(struck, rigid.contact.outcome)
     simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
-    rows = [
-        Quantity(name, unit, simulated[name], stiff.get(name), reference.get(name), tolerance=allowed)
-        for name, unit in (UNITS | {RATIO: "1"}).items()
-    ]
-    outcome = wire.contact.outcome
+    compared = rows(UNITS | {RATIO: "1"}, simulated, stiff, reference, tolerance=allowed)
     return Report(
-        outcome="stiction" if outcome == "jam" else outcome,
-        quantities=(*_frequencies(tool, with_reference), *rows),
+        outcome=outcome_of(wire.contact),
+        quantities=(*_frequencies(tool, with_reference), *compared),
         phases=wire.contact.phases,
         events=(("strike", 0.0), ("release", wire.contact.duration)),
         wall_s=wire.wall_s,
@@ -192,9 +182,7 @@ def flexible_wire(
 
 
 def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
-    """Return the measures by the independent solution, none where it takes too long, and the ratio of impulses unless the
-    rigid bristle sticks.
-    """
+    """Return the measures by the independent solution; none where it takes too long, no ratio where the rigid one sticks."""
     from bristle_sim.reference import TooStiffError
 
     try:
@@ -271,16 +259,16 @@ def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
     names = ("first_bending_frequency", "second_bending_frequency")
     found, beam, chain = wire_frequencies(tool), beam_frequencies(*wire, 3), chain_frequencies(*wire, bristle.links)
-    rows = []
+    found_rows = []
     for mode, name in enumerate(names, 1):
         if mode >= bristle.links:
-            rows.append(Quantity(name, "Hz", None, float(beam[mode])))
+            found_rows.append(Quantity(name, "Hz", None, float(beam[mode])))
             continue
         reference, within = (float(chain[mode]) if with_reference else None), None
         if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
             within = max(1e-6, rounding)  # an error of the largest eigenvalue's rounding in the square
-        rows.append(Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference, tolerance=within))
-    return rows
+        found_rows.append(Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference, tolerance=within))
+    return found_rows
 
 
 def _remarks(

@@ -57,11 +57,8 @@ PRINTED = {"peak_force": 57.0, "compression_time": 5e-5, "compressive_impulse": 
 class ForceComparison:
     """Results of the comparison, from which its figures are drawn.
 
-    Attributes:
-        curve: (3.19), or the one fitted to measured points.
-        contact: the simulated one, or None where the bristle has no such contact, and ``no_contact`` says why.
-        trials: of the fit.
-        measured: points and their fit, or None.
+    The curve is (3.19), or the one fitted to measured points. There is no contact where the bristle has none of that kind, as
+    ``no_contact`` says. Trials are those of the fit.
     """
 
     curve: ForceCurve
@@ -72,12 +69,7 @@ class ForceComparison:
 
 
 def force_comparison(
-    hub: Hub,
-    bristle: Bristle,
-    surface: Surface,
-    history: ForceHistory,
-    measurement: Measurement,
-    settings: Settings,
+    hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, measurement: Measurement, settings: Settings
 ) -> Report:
     """Compare the simulated contact with the curve of chapter 3, or with one fitted to measured points.
 

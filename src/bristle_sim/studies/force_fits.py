@@ -48,14 +48,7 @@ CERTAIN = 5.0
 
 @dataclass(frozen=True, slots=True)
 class FitTrial:
-    """Points of a curve and what the fit makes of them; None where it finds no curve.
-
-    Attributes:
-        name: ``exact`` or ``noisy``.
-        time, force: the points, s and N.
-        noise: standard deviation of a point, N.
-        fit: see ForceFit.
-    """
+    """Points of a curve, s and N, with a standard deviation of noise, N, and their fit; None where it finds no curve."""
 
     name: str
     time: Array
@@ -138,14 +131,11 @@ def _digits(value: float, error: float) -> int:
 
 @dataclass(frozen=True, slots=True)
 class MeasuredForce:
-    """Points of a contact and the curve fitted to them.
+    """Points of a contact and the curve fitted to them, whose start is on the file's clock; arrays of shape (n,).
 
-    Attributes:
-        time: s since the contact's start, from half a duration before it to half a duration after its end, shape (n,).
-        force: N above the baseline, shape (n,).
-        fit: see ForceFit; its start is on the file's clock.
-        inverted: whether the file has the force with the opposite sign.
-        reading: from which columns and in which units the file was read, in words.
+    Times in s since that start reach from half a duration before it to half a duration after the contact's end; forces in N are
+    those above the baseline. An inverted file has them with the opposite sign;
+    ``reading`` tells from which columns and in which units they were read.
     """
 
     time: Array

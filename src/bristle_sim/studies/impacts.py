@@ -27,15 +27,10 @@ it is a thousandth of that, but near the stick threshold the limit itself is app
 
 @dataclass(frozen=True, slots=True)
 class Impacts:
-    """One impact computed by every contact law.
+    """One impact of a chain on a surface, computed by every contact law.
 
-    Attributes:
-        chain, surface: what strikes what.
-        law: the requested one.
-        strikes: by law.
-        refusals: why a law that was not requested has no result, by law.
-        contact_duration: requested for the contact resolved in time, s, or None.
-        timing: the time that the contact takes, in words for a film.
+    ``law`` is the requested one; ``refusals`` say why another one has no result. A duration of the contact resolved in time, s,
+    may have been requested; ``timing`` says in words for a film how long that contact takes.
     """
 
     chain: Chain

@@ -20,13 +20,10 @@ from bristle_sim.trajectory import ContactHistory
 
 @dataclass(frozen=True, slots=True)
 class ImpulseCourse:
-    """Velocities of the contact point over the normal impulse.
+    """Velocities v_n and v_t, m/s, of the contact point over the normal impulse, ascending from 0, N s; shape (n,).
 
-    Attributes:
-        impulse: normal impulse p, ascending from 0, shape (n,), N s.
-        normal_velocity, tangential_velocity: v_n and v_t there, m/s.
-        phases: name of each piece between two impulses, shape (n - 1,); empty where it is not known.
-        compression_end, slip_stop: p_c, and p_s where the initial slip stops (inf if it lasts), N s.
+    Pieces between two impulses have the names of their phases where these are known. Compression ends at p_c, the initial slip
+    stops at p_s (inf if it lasts), N s.
     """
 
     impulse: Array

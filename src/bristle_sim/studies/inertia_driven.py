@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Report, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -57,14 +57,8 @@ Run = Callable[[Tool, float], Trajectory]
 
 @dataclass(frozen=True, slots=True)
 class Radial:
-    """The bristle when it is radial again.
-
-    Attributes:
-        time: since it entered the pulley, s.
-        relative_rate: to the pulley, rad/s.
-        retraction: largest until then, rad.
-        tip_speed: m/s.
-        trajectory: until then.
+    """The bristle when it is radial again: time since it entered the pulley, s, its rate relative to the pulley, rad/s, its
+    largest retraction until then, rad, the speed of its tip, m/s, and the run until then.
     """
 
     time: float
@@ -97,17 +91,19 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     simulated = _values(tool, run, radial, strike_speed)
     reference = _reference(tool) if with_reference else {}
     theory = _theory(tool, strike_speed)
-    allowed = max(1e-8, 10.0 * settings.accuracy)
-    rows = [
-        Quantity(name, unit, simulated[name], theory.get(name), reference.get(name),
-                 tolerance=_tolerance(name, theory, reference, allowed * _magnified(tool, radial)))
-        for name, unit in UNITS.items()
-    ]  # fmt: skip
-    found = () if radial is None else (("radial", radial.time),)
+    # A slow return magnifies an error of the motion, which is relative to its first rate.
+    slow = 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
+    allowed = slow * max(1e-8, 10.0 * settings.accuracy)
+
+    def tolerance(name: str) -> float | None:
+        # The bar-cued strike is itself good to ten times the accuracy of the motion.
+        own = 10.0 * allowed if name == "hub_speed_for_equal_tip_speed" else allowed
+        return None if reference.get(name) is None and theory.get(name) is None else own
+
     return Report(
         outcome=None,
-        quantities=tuple(rows),
-        events=found,
+        quantities=rows(UNITS, simulated, theory, reference, tolerance=tolerance),
+        events=() if radial is None else (("radial", radial.time),),
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
         steps=0 if radial is None else radial.trajectory.cost.steps,
         remarks=_remarks(tool, radial, strike_speed, with_bar.stop_reason),
@@ -138,7 +134,7 @@ def until_radial(tool: Tool, run: Run) -> Radial | None:
 
 def _first_crossing(bare: Tool, run: Run) -> float | None:
     """About when the bristle comes back to the radial direction, by a line from sample to sample, s."""
-    stiffness = bare.belt.stiffness + _centrifugal(bare)
+    stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
     if not stiffness:
         return None
     length = HALF_PERIODS * math.pi * math.sqrt(bare.bristle.inertia_about_root / stiffness)
@@ -215,17 +211,12 @@ def _tip_speed_at_strike(run: Trajectory) -> float | None:
     return None if contact is None else math.hypot(*contact.velocity_before)
 
 
-def _centrifugal(tool: Tool) -> float:
-    bristle, hub = tool.bristle, tool.hub
-    return float(cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed))
-
-
 def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
     """Return theory by energy and quadrature, for an undamped belt; hub speed from the bar-cued tool's strike."""
     if tool.belt_damping:
         return {}
     geometry = (tool.hub.radius, tool.bristle.length)
-    drive = (tool.bristle.inertia_about_root, tool.belt.stiffness, _centrifugal(tool), tool.hub.speed)
+    drive = (tool.bristle.inertia_about_root, tool.belt.stiffness, cueing.field_stiffness(tool), tool.hub.speed)
     try:
         retraction, time = inertia_drive.largest_retraction(*drive), inertia_drive.time_to_radial(*drive)
     except ValueError:
@@ -233,20 +224,6 @@ def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
     equal = None if strike_speed is None else inertia_drive.hub_speed_for_tip_speed(strike_speed, *geometry)
     speed = inertia_drive.radial_tip_speed(tool.hub.speed, *geometry)
     return dict(zip(UNITS, (math.degrees(retraction), time, tool.hub.speed, speed, equal), strict=True))
-
-
-def _magnified(tool: Tool, radial: Radial | None) -> float:
-    """Return the factor by which a slow return magnifies an error of the motion, which is relative to its first rate."""
-    return 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
-
-
-def _tolerance(
-    name: str, theory: dict[str, float | None], reference: dict[str, float | None], allowed: float
-) -> float | None:
-    """Return the tolerance of a quantity; the bar-cued strike is itself good to ten times the accuracy of the motion."""
-    if reference.get(name) is None and theory.get(name) is None:
-        return None
-    return 10.0 * allowed if name == "hub_speed_for_equal_tip_speed" else allowed
 
 
 def _remarks(tool: Tool, radial: Radial | None, strike_speed: float | None, stop_reason: str) -> tuple[str, ...]:

@@ -107,12 +107,9 @@ def least_pitch(
 ) -> float:
     """Return the pitch above which no wire touches its neighbour, by the motion of a lone bristle, rad.
 
-    Args:
-        trajectory: of a lone bristle, from a start at which it turns with the hub.
-        wire_diameter: at which distance of their centre lines two wires touch, m.
-        until: instant of the pass of the bristle in front up to which touches count, s; by default the end of the run.
-        of_follower: whether that is an instant of the follower's own pass, a pitch later.
-        largest: pitch from which the search goes down, rad.
+    The lone bristle's run starts when it turns with the hub; two wires touch at a wire diameter, m, between their centre lines.
+    Touches count until an instant of the pass of the bristle in front, s, by default the end of the run, or of the follower's
+    own pass, a pitch later. The search goes down from the largest pitch, rad.
 
     Raises:
         ValueError: if the hub stands still, the wire has no thickness, or wires touch at the largest pitch.

@@ -22,7 +22,7 @@ from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
-from bristle_sim.studies.strike_point import require_result, state_at_strike
+from bristle_sim.studies.strike_point import outcome_of, ran, require_result, state_at_strike
 from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
@@ -57,13 +57,10 @@ STATE = {"relative_speed_at_contact": "rad/s", "lag_deg_at_contact": "deg", "nor
 
 @dataclass(frozen=True, slots=True)
 class LeastPitch:
-    """A pitch above which two wires do not touch up to an instant of a lone pass.
+    """A pitch, deg, above which by a lone bristle's motion two wires do not touch up to an instant of its pass, s.
 
-    Attributes:
-        name: of the quantity.
-        until: that instant, s; None where the pass has no strike.
-        of_follower: whether it is one of the follower's pass, a pitch later than of the one in front.
-        by_theory: the pitch by the lone bristle's motion, deg.
+    There is no instant where the pass has no strike; it may be one of the follower's pass, a pitch later than of the one in
+    front.
     """
 
     name: str
@@ -116,15 +113,13 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         least = {each.name: each.by_theory for each in _least_pitches(tool, alone)}
     contact = bristles[-1].first_contact("workpart")
     return Report(
-        outcome="no contact" if contact is None else "stiction" if contact.outcome == "jam" else contact.outcome,
+        outcome=outcome_of(contact),
         quantities=(
             *(_searched(found, each, least.get(each.name)) for each in found.least),
             *_strike_quantities(found, reference),
         ),
         phases=() if contact is None else contact.phases,
-        events=tuple((each.name, each.time) for each in bristles[-1].events),
-        wall_s=bristles[-1].cost.wall_s,
-        steps=bristles[-1].cost.steps,
+        **ran(bristles[-1]),
         remarks=_remarks(found),
         subject=found,
     )
@@ -225,12 +220,11 @@ def _searched(row: Row, least: LeastPitch, reference: float | None) -> Quantity:
 def _edge(touch: Callable[[float], bool], near: float) -> float | None:
     """Bisect between a pitch at which wires touch and a larger one at which they do not, deg."""
     width = FIRST_WIDTH
-    low, high = near - 0.5 * width, near + 0.5 * width
     for _ in range(WIDENINGS):
+        low, high = near - 0.5 * width, near + 0.5 * width
         if touch(low) and not touch(high):
             break
         width *= 2.0
-        low, high = near - 0.5 * width, near + 0.5 * width
     else:
         return None
     while high - low > RESOLUTION:

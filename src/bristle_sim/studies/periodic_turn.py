@@ -39,14 +39,10 @@ class TurnNotCompleted(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class PeriodicTurn:
-    """A run of whole turns, the last of which repeats the one before.
+    """A run of whole turns, the first of which starts at rest relative to the hub; the last repeats the one before.
 
-    Attributes:
-        trajectory: from the first turn, which starts at rest relative to the hub, to the last.
-        begin, end: of the turns that count, s: the last one, or the later half of those that do not repeat.
-        turns: how many count.
-        changes: of the state at the end of each turn from the end of the turn before, rad; the first from the start.
-        repeats: whether the motion repeats.
+    The turns that count, from ``begin`` to ``end``, s, are the last one, or the later half of those that do not repeat.
+    ``changes`` of the state, rad, are those from the end of the turn before to the end of each; the first is from the start.
     """
 
     trajectory: Trajectory

@@ -81,10 +81,7 @@ OPERATING_POINT = Case()
 class Sweep:
     """A family of strikes: ``along`` varies on a curve from ``low`` to ``high``, ``family`` from curve to curve.
 
-    Attributes:
-        along, family: fields of Case.
-        values: of the family.
-        until_stiction: the curve ends, instead of at ``high``, where the friction that varies reaches tan gamma.
+    Both are fields of Case. A curve may end, instead of at ``high``, where the friction that varies reaches tan gamma.
     """
 
     along: str

@@ -17,8 +17,8 @@ from scipy.stats import sobol_indices, uniform
 
 from bristle_sim.arrays import Array
 
-CONFIDENCE = 0.95
-"""Probability of the intervals of outputs and of indices."""
+ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
+"""Percentiles between which outputs and indices lie with a probability of 95 %."""
 
 RESAMPLES = 200
 """Bootstrap resamples; the ends of a 95 % interval then rest on five of them each."""
@@ -26,13 +26,9 @@ RESAMPLES = 200
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Outputs of all samples, and what they say: arrays of shape (outputs, inputs), intervals with a last axis of 2.
+    """Outputs of all samples, and what they say: indices of shape (outputs, inputs), intervals with a last axis of 2.
 
-    Attributes:
-        inputs, outputs: names, in order.
-        values: of the outputs in the two independent samples, shape (outputs, 2 samples).
-        first_order, total: Sobol indices.
-        first_order_interval, total_interval: their bootstrap intervals.
+    Values are those of the outputs in the two independent samples, shape (outputs, 2 samples).
     """
 
     inputs: tuple[str, ...]
@@ -44,32 +40,23 @@ class Study:
     total_interval: Array
 
     def rows(self, propagated_std: Mapping[str, float]) -> list[dict[str, Any]]:
-        """One row an output, in plain numbers."""
-        ends = 50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)
-        rows = []
-        for number, (name, values) in enumerate(zip(self.outputs, self.values, strict=True)):
-            low, high = np.percentile(values, ends)
-            indices = {
-                key: {
-                    "first_order": float(self.first_order[number, at]),
-                    "first_order_interval": self.first_order_interval[number, at].tolist(),
-                    "total": float(self.total[number, at]),
-                    "total_interval": self.total_interval[number, at].tolist(),
-                }
-                for at, key in enumerate(self.inputs)
+        """Return one row an output, in plain numbers."""
+        names = ("first_order", "first_order_interval", "total", "total_interval")
+        arrays = {name: getattr(self, name) for name in names}
+        return [
+            {
+                "output": name,
+                "mean": float(values.mean()),
+                "std": float(values.std(ddof=1)),
+                "std_first_order": propagated_std.get(name),
+                **dict(zip(("low", "high"), np.percentile(values, ENDS).tolist(), strict=True)),
+                "indices": {
+                    key: {index: array[number, at].tolist() for index, array in arrays.items()}
+                    for at, key in enumerate(self.inputs)
+                },
             }
-            rows.append(
-                {
-                    "output": name,
-                    "mean": float(values.mean()),
-                    "std": float(values.std(ddof=1)),
-                    "std_first_order": propagated_std.get(name),
-                    "low": float(low),
-                    "high": float(high),
-                    "indices": indices,
-                }
-            )
-        return rows
+            for number, (name, values) in enumerate(zip(self.outputs, self.values, strict=True))
+        ]
 
 
 def sobol_study(
@@ -83,13 +70,9 @@ def sobol_study(
 ) -> Study:
     """Evaluate a function of keyword arguments on Saltelli's samples and estimate the Sobol indices of its outputs.
 
-    Args:
-        function: point function as ``sweep`` takes it.
-        intervals: of each argument, uniform in between.
-        outputs: names of the results that are looked at, at least two.
-        samples: of each of the two independent samples, a power of 2.
-        seed: of the sequence's scrambling and of the bootstrap.
-        workers: processes, as ``sweep`` takes them.
+    The point function is one as ``sweep`` takes it, and so are the workers; each argument is uniform in its interval. There are
+    at least two outputs, and samples, a power of 2, of each of the two independent samples. The seed is that of the sequence's
+    scrambling and of the bootstrap.
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.
@@ -156,6 +139,5 @@ def _resampled(first: Array, second: Array, mixed: Array, random: np.random.Gene
         func = {"f_A": first[:, chosen], "f_B": second[:, chosen], "f_AB": np.moveaxis(mixed[:, chosen], -1, 0)}
         again = sobol_indices(func=func, n=samples)
         found.append([np.reshape(each, (outputs, inputs)) for each in (again.first_order, again.total_order)])
-    ends = 50.0 * (1.0 - CONFIDENCE), 50.0 * (1.0 + CONFIDENCE)
-    both: Array = np.moveaxis(np.percentile(found, ends, axis=0), 0, -1)
+    both: Array = np.moveaxis(np.percentile(found, ENDS, axis=0), 0, -1)
     return both[0], both[1]

@@ -14,11 +14,7 @@ from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-STATE_UNITS = {
-    "lag_deg_at_contact": "deg",
-    "relative_speed_at_contact": "rad/s",
-    "tip_speed_at_contact": "m/s",
-}
+STATE_UNITS = {"lag_deg_at_contact": "deg", "relative_speed_at_contact": "rad/s", "tip_speed_at_contact": "m/s"}
 """Units of the bristle's state when it strikes."""
 
 CONTACT_UNITS = {
@@ -87,12 +83,7 @@ def stopped(run: Trajectory) -> dict[str, Any]:
     return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
 
 
-STRIKE_UNITS = {
-    **STATE_UNITS,
-    "normal_final_impulse": "N s",
-    "normal_compressive_work": "J",
-    "crater_depth": "m",
-}
+STRIKE_UNITS = {**STATE_UNITS, "normal_final_impulse": "N s", "normal_compressive_work": "J", "crater_depth": "m"}
 
 MARGIN = math.radians(5.0)
 """Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad."""

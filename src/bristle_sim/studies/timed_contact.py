@@ -21,7 +21,7 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact, compression_end
 from bristle_sim.studies.impacts import Impacts, radial_chain
 from bristle_sim.studies.strike_point import outcome_of
-from bristle_sim.theory import monofilament
+from bristle_sim.theory.monofilament import normal_compressive_impulse
 
 CLOSE = 1e-6
 """Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser."""
@@ -43,9 +43,8 @@ LARGEST_STEP = 0.5
 
 def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
     """Return p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
-    given = (mass, tip_speed, impact_angle, friction)
-    normal, tangential = monofilament.normal_compressive_impulse, monofilament.tangential_compressive_impulse
-    return math.hypot(float(normal(*given)), float(tangential(*given)))
+    pressed = float(normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
+    return math.hypot(pressed, friction * pressed)
 
 
 def timed_contact(
@@ -61,13 +60,8 @@ def timed_contact(
 ) -> TimedContact:
     """Strike with a contact whose compression takes that long, s.
 
-    Args:
-        hub, bristle, surface: what strikes what.
-        impact_angle: gamma, rad.
-        settings: of the scene.
-        compression_time: s.
-        rate: of the bristle, rad/s; or
-        impulse: the compressive impulse, N s, for which the rate is found.
+    The impact angle is in rad. Given is either the rate of the bristle, rad/s, or the compressive impulse, N s, for which the
+    rate is found.
 
     Raises:
         ValueError: if there is no such contact.

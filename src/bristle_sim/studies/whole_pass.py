@@ -29,11 +29,7 @@ from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import Trajectory
 
-PRINTED = {
-    "release_retraction_deg": 44.5,
-    "relative_speed_at_contact": 845.6,
-    "tip_speed_at_contact": 30.0,
-}
+PRINTED = {"release_retraction_deg": 44.5, "relative_speed_at_contact": 845.6, "tip_speed_at_contact": 30.0}
 """Zhang 2020, eq. 2.2, caption of fig. 2.30, and eq. 4.5."""
 
 LEAST_TOLERANCE = 1e-8

@@ -9,14 +9,11 @@ root at t = 0 and the sum, a rule of right end points, falls short of the limit 
 coefficient of 1/sqrt(t) times sqrt(t_c/n) (Navot 1961): order one half, not one.
 
 The work-energy estimate divides, ply by ply, the kinetic energy given up by the force, d_i = [E(t_{i-1}) - E(t_i)]/R(t_i)
-(4.62), and adds the d_i up. It fails for three reasons:
-
-* the postulated motion brakes hardest at t = 0, where the force of (3.19) begins near zero, so the first quotients are
-  huge: as written the sum is 9.65 mm at 300 plies, and with F(0) = 0, as (3.3) has it, it grows without end, by
-  cos(gamma) |E'(0)|/F'(0) ln 10 = 6.9 mm for each tenfold n;
-* read as a ratio of two sums, as (4.66) is set in print, the divisor grows with n and the depth tends to zero;
-* force and motion belong to two different events: over the printed path the printed force does 4.05 mJ of work, while the
-  kinetic energy falls by 15.6 mJ.
+(4.62), and adds the d_i up. It fails for three reasons: the postulated motion brakes hardest at t = 0, where the force of
+(3.19) begins near zero, so that as written the sum is 9.65 mm at 300 plies, and with F(0) = 0, as (3.3) has it, it grows by
+cos(gamma) |E'(0)|/F'(0) ln 10 = 6.9 mm for each tenfold n; read as a ratio of two sums, as (4.66) is set in print, the divisor
+grows with n and the depth tends to zero; and over the printed path the printed force does 4.05 mJ of work, while the kinetic
+energy falls by 15.6 mJ, since force and motion belong to two different events.
 
 Of these 15.6 mJ only 12.6 mJ are work at the tip. The hub keeps its speed, so the root's bearing brakes the bristle
 too: its work, m r_h w (L/6) times the change of the rate, is the 3.0 mJ of the term in e^(-lambda t).
@@ -66,13 +63,8 @@ def merchant_crater_depth(
 ) -> Number:
     """Return the crater depth as a sum over n plies of equal time (4.50) with the printed R(t) and b(t), m.
 
-    Args:
-        friction: mu while cutting.
-        impact_angle: gamma, rad.
-        shear_yield_stress: tau_s, Pa.
-        plies: n, whole numbers.
-        angles: of the cut; by default exact ones for mu and gamma, PRINTED_ANGLES for the rounded ones of (4.52).
-        compression_time: t_c, s.
+    mu while cutting, gamma in rad, tau_s in Pa, n whole numbers, t_c in s. The angles of the cut are exact ones for mu and
+    gamma by default, PRINTED_ANGLES for the rounded ones of (4.52).
 
     Raises:
         ShearAngleError: where mu < tan(gamma), by default angles.

@@ -59,18 +59,11 @@ class CuttingStroke:
 
 @dataclass(frozen=True, slots=True)
 class ContactCrater:
-    """What a contact's compression did and the craters that follow.
+    """What a contact's compression did, from first touch to deepest penetration, and the craters that follow; SI.
 
-    Attributes:
-        compression_time: from first touch to deepest penetration, s.
-        peak_cutting_force: largest force along the path, N.
-        friction: tangential over normal force at that instant.
-        path_impulse: integral of the force along the path, N s.
-        normal_work, tangential_work: of the force on the tip in compression, J; negative.
-        path: length of the tip's path in compression, m.
-        penetration: deepest, of the contact itself, m.
-        depth_from_force, depth_from_energy: of the crater, m.
-        shear_plane_emerges: whether eta >= gamma with the friction used; where not, ``parallel`` depths are formal.
+    ``friction`` is the tangential over the normal force at the largest force along the path, ``path_impulse`` the integral of
+    that force, ``path`` the length of the tip's; works of the force on the tip are negative. ``shear_plane_emerges`` says
+    whether eta >= gamma with the friction used; where not, ``parallel`` depths are formal.
     """
 
     compression_time: float
@@ -106,10 +99,7 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
 def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
-    Args:
-        energy: W, work that the tip does on the workpart along its path, J.
-        specific_energy: u, J/m^3.
-        impact_angle: gamma, rad; above 0, or the tip never enters.
+    W in J is the work that the tip does on the workpart along its path, u in J/m^3, gamma in rad.
 
     Raises:
         ValueError: if energy is negative, u not positive or gamma not within 0 < gamma < pi/2.
@@ -154,11 +144,8 @@ def cutting_stroke(
 ) -> CuttingStroke:
     """Stop a tip by cutting alone, (effective_mass) dv/dt = -u b d_u.
 
-    Args:
-        speed: of the tip along its path when it touches, m/s.
-        effective_mass: at the tip along the path, kg; m/3 for a bristle on a hub that keeps its speed.
-        specific_energy: u, J/m^3.
-        impact_angle: gamma, rad.
+    v in m/s is the tip's speed along its path when it touches; the effective mass at the tip along the path, kg, is m/3 for
+    a bristle on a hub that keeps its speed; u in J/m^3, gamma in rad.
 
     Raises:
         ValueError: if speed, mass or u is not positive or gamma not within 0 < gamma < pi/2.
@@ -207,16 +194,10 @@ def crater_depth_from_contact(
 ) -> ContactCrater:
     """Return the craters that follow from a contact resolved in time, up to its deepest penetration.
 
-    Args:
-        time: s, increasing, shape (n,); n >= 2.
-        normal_force, tangential_force: on the tip, shape (n,), N.
-        penetration: of the tip, positive inside the workpart, shape (n,), m.
-        normal_velocity, tangential_velocity: of the tip, shape (n,), m/s.
-        impact_angle: gamma, rad.
-        shear_yield_stress: tau_s, Pa.
-        friction: mu while cutting; by default the contact's own at its peak. Chapter 4 of the dissertation cuts with 0.5
-            where chapter 2 strikes with 0.31.
-        surface: where the shear plane ends, ``parallel`` or ``inclined``.
+    Times in s, forces on the tip in N, penetration, positive inside the workpart, in m, velocities of the tip in m/s, all
+    of shape (n,), n >= 2; gamma in rad, tau_s in Pa. mu while cutting is by default the contact's own at its peak: chapter 4
+    of the dissertation cuts with 0.5 where chapter 2 strikes with 0.31. ``surface`` says where the shear plane ends,
+    ``parallel`` or ``inclined``.
 
     Raises:
         ValueError: for arrays of unequal length, values that are not finite, times that do not increase, or a contact

@@ -90,14 +90,10 @@ class CraterKinematics:
 
 @dataclass(frozen=True, slots=True)
 class TipFace:
-    """The cutting face: an ellipse where a plane cuts the wire (Zhang 2020, eqs. 4.9-4.13).
+    """The cutting face: an ellipse where a plane cuts the wire of diameter d, m (Zhang 2020, eqs. 4.9-4.13).
 
-    Attributes:
-        wire_diameter: d, m.
-        tilt: between the face's normal and the wire's axis, rad (39.5 deg, measured; fig. 4.5).
-        face_angle: between face and surface as (4.10) uses it, rad (28 deg).
-
-    The rake angle gamma + 11.5 deg (4.36) puts the face at 55.1 deg to the surface, not 28 deg; both are kept as printed.
+    Its normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5), and (4.10) puts it at 28 deg to the surface.
+    The rake angle gamma + 11.5 deg (4.36) puts it at 55.1 deg instead; both are kept as printed. Angles in rad.
     """
 
     wire_diameter: float = 7.1e-4
@@ -129,10 +125,8 @@ class TipFace:
 class CuttingWidth:
     """b(t) = 2 sqrt(h^2 - (h - s + s e^(-decay t))^2), m, t in s (Zhang 2020, eq. 4.16); defaults as printed.
 
-    Attributes:
-        half_width: h = d/2, m.
-        swing: s, the trace of the final depth on the face times a_2/a_1, m; the other printed constant, 1.39e-4, is h - s.
-        decay: lambda, 1/s.
+    h = d/2 is the half-width, m; the swing s, m, the trace of the final depth on the face times a_2/a_1: the other printed
+    constant, 1.39e-4, is h - s. The decay is lambda, 1/s.
 
     Raises:
         ValueError: unless 0 < swing <= half_width; deeper than its centre line the face no longer widens.
@@ -179,9 +173,8 @@ def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tu
 
     E_k = m v_G^2/2 + (m L^2/12) rate^2/2 (4.58-4.59).
     """
-    wire = Bristle()
+    wire, k = Bristle(), kinematics
     half_mass, half_inertia = 0.5 * wire.mass, 0.5 * wire.inertia_about_centre
-    k = kinematics
     return (
         half_mass * k.centre_speed**2 + half_inertia * k.rate**2,
         2.0 * (half_mass * k.centre_speed * k.final_centre_speed - half_inertia * k.rate * k.final_rate),
@@ -191,9 +184,7 @@ def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tu
 
 @checked_arguments
 def kinetic_energy(
-    time: ArrayLike,
-    coefficients: tuple[float, float, float] = PRINTED_ENERGY,
-    decay: float = PRINTED_KINEMATICS.decay,
+    time: ArrayLike, coefficients: tuple[float, float, float] = PRINTED_ENERGY, decay: float = PRINTED_KINEMATICS.decay
 ) -> Number:
     """Return the kinetic energy of the bristle (4.59), J, at times >= 0 in s; coefficients as printed by default."""
     _check_since_touch(time)

@@ -164,13 +164,9 @@ def _sinc(angle: Number) -> Number:
 class Cue:
     """Where the bar of a tool must stand; rad, m, s, rad/s.
 
-    Attributes:
-        impact_angle: gamma.
-        tip_radius, tip_lag: of the tip as it slips off the bar; the lag is A.
-        cue_time, hub_turn: t_c and theta_1 = omega t_c.
-        highest_relative_speed: of the bristle to the hub.
-        bar_distance, bar_direction: S and A + theta_1 + gamma.
-        bar_horizontal, bar_vertical: S_H and S_V.
+    The impact angle is gamma, the tip's lag A as it slips off the bar, t_c the cue time, in which the hub turns by theta_1 =
+    omega t_c, and the highest speed that of the bristle relative to the hub. The bar is S away in the direction A + theta_1 +
+    gamma from the workpart's normal, S_H along the workpart and S_V from it.
     """
 
     impact_angle: float

@@ -53,31 +53,26 @@ def fit_force_history(
 ) -> ForceFit:
     """Fit (3.3) with one exponential to a measured force history by least squares (3.2).
 
-    Args:
-        time: s on any clock, increasing, shape (n,); of a contact or its beginning, and of what the record shows
-            before and after it.
-        force: N, shape (n,); positive where the tip is pushed.
-        duration: t_f, s; fitted too by default.
-        peak_force: F*, N, which scales the c_i; by default the largest measured force.
-        start: of the contact, s, where it is known, from which on the points are one contact without a baseline; by
-            default it is found and fitted, and the baseline with it if the record holds samples outside the contact.
+    Times in s on any clock, increasing, and forces in N, positive where the tip is pushed, of shape (n,), are those of a
+    contact or its beginning, and of what the record shows before and after it. t_f in s is fitted too by default; F* in N,
+    which scales the c_i, is by default the largest measured force. Where the contact's start, s, is known, the points from
+    there on are one contact without a baseline; by default it is found and fitted, and the baseline with it if the record
+    holds samples outside the contact.
 
     Raises:
         ValueError: for points that are no force history, fewer points than unknowns, and for a record in which no contact is
             found or whose contact began before it.
     """
-    time, force = _checked_points(time, force)
-    _check_settings(time, force, duration, start)
+    time, force = np.asarray(time), np.asarray(force)
+    _check(time, force, duration, start)
     if start is None:
         return _fit_record(time, force, duration, peak_force)
     scale = float(force.max()) if peak_force is None else peak_force
     later = time - start
     # A contact may be recorded to its end or only to its peak; the better of both guesses wins.
-    unit = float(later[-1])
-    peak = float(later[np.argmax(force)])
+    unit, peak = float(later[-1]), float(later[np.argmax(force)])
     guesses = [duration] if duration is not None else [unit, max(2.0 * peak, unit)]
-    problem = FitProblem(later, force, duration, scale, unit)
-    return problem.solve(guesses, origin=start)
+    return FitProblem(later, force, duration, scale, unit).solve(guesses, origin=start)
 
 
 def _fit_record(time: Array, force: Array, duration: float | None, peak_force: float | None) -> ForceFit:
@@ -140,17 +135,12 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
         )
 
 
-def _checked_points(time: ArrayLike, force: ArrayLike) -> tuple[Array, Array]:
-    """Return the points as arrays, once they are one row of increasing times."""
-    time, force = np.asarray(time), np.asarray(force)
+def _check(time: Array, force: Array, duration: float | None, start: float | None) -> None:
+    """Refuse what is not one row of increasing times, more than the unknowns, of one contact where its start is known."""
     if time.ndim != 1 or time.shape != force.shape:
         raise ValueError(f"time, force of shapes {time.shape}, {force.shape}: must be one row of equal lengths")
     if (np.diff(time) <= 0.0).any():
         raise ValueError("time: must be increasing values (in s)")
-    return time, force
-
-
-def _check_settings(time: Array, force: Array, duration: float | None, start: float | None) -> None:
     unknowns = 2 + (duration is None) + (start is None)
     if force.size <= unknowns:
         raise ValueError(f"force: {force.size} points; there must be more than the {unknowns} unknowns")

@@ -136,20 +136,21 @@ class ForceCurve:
         )
 
     def _derivative(self, time: ArrayLike, order: int) -> Number:
-        t = np.asarray(time, dtype=float)[..., np.newaxis]
         decay, exponent = self._exponents()
+        t = np.asarray(time, dtype=float)[..., np.newaxis]
         constant = self.offset * (-decay) ** order * np.exp(-decay * t)
         turning = exponent**order * np.exp(exponent * t + 1j * exponent.imag * self.lead)
-        total = np.sum(np.asarray(self.amplitude) * (constant - self.swing * turning.real), axis=-1)
-        return float(total) if total.ndim == 0 else total
+        return self._sum(constant - self.swing * turning.real)
 
     def _integral(self, time: ArrayLike) -> Number:
-        t = np.asarray(time, dtype=float)[..., np.newaxis]
         decay, exponent = self._exponents()
-        slow = decay == 0.0
+        t, slow = np.asarray(time, dtype=float)[..., np.newaxis], decay == 0.0
         constant = np.where(slow, t, -np.expm1(-decay * t) / np.where(slow, 1.0, decay))
         turning = np.exp(1j * exponent.imag * self.lead) * np.expm1(exponent * t) / exponent
-        total = np.sum(np.asarray(self.amplitude) * (self.offset * constant - self.swing * turning.real), axis=-1)
+        return self._sum(self.offset * constant - self.swing * turning.real)
+
+    def _sum(self, terms: Array) -> Number:
+        total = np.sum(np.asarray(self.amplitude) * terms, axis=-1)
         return float(total) if total.ndim == 0 else total
 
     def _exponents(self) -> tuple[Array, NDArray[np.complex128]]:
@@ -183,14 +184,9 @@ def segment_impulses(
 ) -> Array:
     """Divide an impulse as another impact's curve does, p_i = p_c p'_i/p'_c (Zhang 2020, eq. 3.15 and table 3.1).
 
-    Args:
-        curve: of the impact whose shape is taken over.
-        impulse: p_c of the impact that takes it over, shape (...), N s.
-        segments: number of equal parts of the compression time.
-        compression_time: of the curve, s; its peak time by default (the dissertation rounds it to 2.328 ms).
-
-    Returns:
-        p_i, shape (..., segments), N s; their sum is the impulse.
+    p_c, shape (...), N s, is that of the impact that takes the curve's shape over; the compression time, s, is by default the
+    curve's peak time, which the dissertation rounds to 2.328 ms. Returns p_i, shape (..., segments), N s, for equal parts of
+    the compression time; their sum is the impulse.
 
     Raises:
         ValueError: if segments is not a positive whole number or impulse is not finite.

@@ -31,16 +31,10 @@ STEEPEST = 3.0
 class ForceFit:
     """A fitted force history; p parameters, n points.
 
-    Attributes:
-        curve: the fitted curve; its time 0 is the contact's start.
-        names: of the parameters: ``amplitude 1``, ``decay 1``, and ``duration``, ``start`` and ``baseline`` where
-            they were fitted.
-        values: c, lambda in 1/s, t_f in s, s in s, b in N, shape (p,).
-        covariance: of the values, shape (p, p), for independent errors of one standard deviation in all points.
-        residuals: fitted minus measured, N, at the points that were fitted, shape (n,).
-        noise: standard deviation of one point, from the residuals, N.
-        start: of the contact on the record's clock, s.
-        baseline: what the record shows without a contact, N.
+    The curve's time 0 is the contact's start, s on the record's clock. Names of the parameters are ``amplitude 1``, ``decay 1``,
+    and ``duration``, ``start`` and ``baseline`` where they were fitted; their values c, lambda in 1/s, t_f in s, s in s, b in N
+    have the shape (p,), their covariance, for independent errors of one standard deviation in all points, (p, p). Residuals,
+    fitted minus measured, N, have the shape (n,); the noise, N, is the standard deviation of a point from them.
     """
 
     curve: ForceCurve

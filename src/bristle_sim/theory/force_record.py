@@ -39,13 +39,7 @@ MOST_BINS = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class FoundContact:
-    """A pulse found in a record.
-
-    Attributes:
-        start, duration: on the record's clock, s; to a tenth of the duration.
-        baseline: level on which the pulse stands, N.
-        amplitude: largest force of the pulse above the baseline, N.
-    """
+    """A pulse found in a record: start and duration on its clock, s, to a tenth of the duration, level and height in N."""
 
     start: float
     duration: float
@@ -54,12 +48,7 @@ class FoundContact:
 
 
 def find_contact(time: Array, force: Array) -> FoundContact | None:
-    """Find the pulse that explains most of a record; None where nothing in it rises.
-
-    Args:
-        time: increasing, s.
-        force: N.
-    """
+    """Find the pulse that explains most of a record of forces, N, at increasing times, s; None where nothing in it rises."""
     length = float(time[-1] - time[0])
     if not (length > 0.0 and np.ptp(force) > FLAT * np.abs(force).max()):
         return None

@@ -33,26 +33,8 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.theory.checks import numbers, require
-from bristle_sim.theory.impact_phases import (
-    End,
-    Target,
-    isfinite,
-    magnitude,
-    quotient,
-    select,
-    square_root,
-    walk,
-)
-from bristle_sim.theory.impact_result import (
-    NO_CONTACT,
-    NO_REBOUND,
-    OUTCOMES,
-    PHASES,
-    REBOUND,
-    STICTION,
-    Impact,
-    Number,
-)
+from bristle_sim.theory.impact_phases import End, Target, isfinite, magnitude, quotient, select, square_root, walk
+from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact, Number
 
 __all__ = [
     "LAWS",

@@ -19,15 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.theory.impact_result import (
-    JAM,
-    NO_CONTACT,
-    NO_REBOUND,
-    REBOUND,
-    STICTION,
-    Impact,
-    Number,
-)
+from bristle_sim.theory.impact_result import JAM, NO_CONTACT, NO_REBOUND, REBOUND, STICTION, Impact, Number
 
 INFINITE = math.inf
 

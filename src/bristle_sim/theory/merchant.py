@@ -92,20 +92,13 @@ def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) ->
 
 @checked_arguments
 def oblique_angles(
-    friction: ArrayLike,
-    impact_angle: ArrayLike,
-    *,
-    constant: ArrayLike = LEAST_WORK,
-    check: bool = True,
+    friction: ArrayLike, impact_angle: ArrayLike, *, constant: ArrayLike = LEAST_WORK, check: bool = True
 ) -> CuttingAngles:
     """Return the modified circle's angles, alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45).
 
-    Args:
-        friction: mu, ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives.
-        impact_angle: gamma, rad.
-        constant: C of (4.45).
-        check: refuse eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but
-            the shear plane does not come out of the surface.
+    mu is the ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives. ``check``
+    refuses eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but the shear plane
+    does not come out of the surface. Gamma in rad.
 
     Raises:
         ShearAngleError: where eta < gamma and check is set.
@@ -118,20 +111,15 @@ def oblique_angles(
     # The rounding of arccot must not refuse mu = tan(gamma) itself.
     buried = angles.shear < gamma - 1e-12
     if check and np.any(buried):
-        worst, least = (
-            float(np.broadcast_to(each, buried.shape)[buried][0]) for each in (friction, _least(gamma, constant))
-        )
+        # The least friction with eta >= gamma is cot(C - gamma), tan(gamma) for C = pi/2 (4.42); none for gamma >= C.
+        opening = np.maximum(np.asarray(constant, dtype=float) - gamma, 0.0)
+        least = np.divide(1.0, np.tan(opening), out=np.full(np.shape(opening), np.inf), where=opening > 0.0)
+        worst, needed = (float(np.broadcast_to(each, buried.shape)[buried][0]) for each in (friction, least))
         raise ShearAngleError(
-            f"friction = {worst:g}: must be friction >= cot(C - impact_angle) = {least:g}, or the shear plane does not"
+            f"friction = {worst:g}: must be friction >= cot(C - impact_angle) = {needed:g}, or the shear plane does not"
             " come out of the surface (dimensionless)"
         )
     return angles
-
-
-def _least(impact_angle: Number, constant: ArrayLike) -> Number:
-    """Return the least friction with eta >= gamma, cot(C - gamma), tan(gamma) for C = pi/2 (4.42); inf for gamma >= C."""
-    room = np.maximum(np.asarray(constant, dtype=float) - impact_angle, 0.0)
-    return np.divide(1.0, np.tan(room), out=np.full(np.shape(room), np.inf), where=room > 0.0)
 
 
 @checked_arguments

@@ -82,21 +82,23 @@ def monofilament_impact(
 ) -> MonofilamentImpact:
     """Resolve one strike; kg, m, rad/s, rad.
 
-    The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
+    Beside p_cy: W_y(p_cy) = -v_C sin gamma p_cy/2 (2.40), p_cx = -mu_1 p_cy (2.56) and W_x(p_cx) = v_C cos gamma p_cx/2
+    (2.58). The tip touches only if v_C > 0; otherwise impulses and works are zero and the bristle keeps its rate.
     """
     later = friction if restitution_friction is None else restitution_friction
     speed = tip_speed(length, hub_radius, hub_speed, speed_ratio)
-    strike = (mass, speed, impact_angle, friction)
+    pressed = normal_compressive_impulse(mass, speed, impact_angle, friction)
+    rubbed = 0.0 - np.multiply(friction, pressed)
     leaves = np.less(later, stiction_friction(impact_angle))
     ending = np.where(np.greater(restitution, 0.0), np.where(leaves, REBOUND, STICTION), NO_REBOUND)
     return MonofilamentImpact(
-        normal_compressive_impulse=normal_compressive_impulse(*strike),
-        normal_final_impulse=normal_final_impulse(*strike, restitution, later),
-        tangential_compressive_impulse=tangential_compressive_impulse(*strike),
-        normal_compressive_work=normal_compressive_work(*strike),
-        tangential_compressive_work=tangential_compressive_work(*strike),
+        normal_compressive_impulse=pressed,
+        normal_final_impulse=normal_final_impulse(mass, speed, impact_angle, friction, restitution, later),
+        tangential_compressive_impulse=rubbed,
+        normal_compressive_work=-0.5 * np.multiply(speed, np.sin(impact_angle)) * pressed,
+        tangential_compressive_work=0.5 * np.multiply(speed, np.cos(impact_angle)) * rubbed,
         initial_bristle_rate=np.multiply(speed_ratio, hub_speed),
-        final_bristle_rate=final_rate(speed, length, hub_radius, hub_speed, *strike[2:], restitution, later),
+        final_bristle_rate=final_rate(speed, length, hub_radius, hub_speed, impact_angle, friction, restitution, later),
         outcome=np.where(speed > 0.0, ending, NO_CONTACT)[()],
     )
 
@@ -118,26 +120,6 @@ def stiction_friction(impact_angle: Number) -> Number:
 def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """Return p_cy = m v_C/(3 s_1), N s (2.37)."""
     return mass * np.maximum(tip_speed, 0.0) / (3.0 * _lever(impact_angle, friction))
-
-
-@checked_arguments
-def normal_compressive_work(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
-    """Return W_y(p_cy) = -v_C sin gamma p_cy/2, J (2.40)."""
-    impulse = normal_compressive_impulse(mass, tip_speed, impact_angle, friction)
-    return -0.5 * np.multiply(tip_speed, np.sin(impact_angle)) * impulse
-
-
-@checked_arguments
-def tangential_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
-    """Return p_cx = -m v_C/(3 (cos gamma + sin gamma/mu_1)) = -mu_1 p_cy, N s (2.56); zero for mu_1 = 0."""
-    return 0.0 - np.multiply(friction, normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
-
-
-@checked_arguments
-def tangential_compressive_work(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
-    """Return W_x(p_cx) = v_C cos gamma p_cx/2, J (2.58)."""
-    impulse = tangential_compressive_impulse(mass, tip_speed, impact_angle, friction)
-    return 0.5 * np.multiply(tip_speed, np.cos(impact_angle)) * impulse
 
 
 @checked_arguments

@@ -16,7 +16,6 @@ quantities are in SI units.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from scipy.linalg import eigh
@@ -44,13 +43,7 @@ def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) 
 
 @checked_arguments
 def hinge_damping(
-    mass: float,
-    length: float,
-    diameter: float,
-    modulus: float,
-    root_stiffness: float,
-    damping_ratio: float,
-    links: int,
+    mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, damping_ratio: float, links: int
 ) -> float:
     """Return the torsional damper between two links, 2 zeta k_w/omega_1, in N m s/rad.
 
@@ -69,11 +62,7 @@ def beam_frequencies(
 
     The first one is the swing of the wire on its root's spring (0 without one), the second the first bending mode.
 
-    Args:
-        mass, length, diameter: of the wire, kg, m, m.
-        modulus: Young's modulus E, Pa.
-        root_stiffness: torsion spring at the root, N m/rad.
-        modes: number of frequencies, 1 to 50.
+    Mass in kg, length and diameter in m, Young's modulus in Pa, torsion spring at the root in N m/rad, 1 to 50 modes.
 
     Raises:
         ValueError: for arguments out of range.
@@ -87,18 +76,15 @@ def beam_frequencies(
         sine, cosine = math.sin(wave), math.cos(wave)
         return sine - cosine * math.tanh(wave) - ratio / wave * (inverse + cosine)
 
-    # Each mode lies between that of the hinged beam, near (j - 3/4) pi, and that of the cantilever, near (j - 1/2) pi.
-    waves = [_swing(characteristic, ratio)]
-    waves += [brentq(characteristic, (j - 1) * math.pi, (j - 0.25) * math.pi, xtol=1e-15) for j in range(2, modes + 1)]
-    return np.array(waves[:modes]) ** 2 * math.sqrt(bending / mass / length**3) / math.tau
-
-
-def _swing(characteristic: Callable[[float], float], ratio: float) -> float:
-    """Return the root of the first mode, between 0 and the cantilever's 1.8751; for a small ratio (3 ratio)^(1/4)."""
-    if ratio < RIGID:
-        return math.sqrt(math.sqrt(3.0 * ratio))
+    # Each mode lies between that of the hinged beam, near (j - 3/4) pi, and that of the cantilever, near (j - 1/2) pi. The
+    # first one is (3 ratio)^(1/4) for a small ratio, and at most the cantilever's 1.8751.
     low = min(1.0, 0.5 * (3.0 * ratio) ** 0.25)
-    return float(brentq(characteristic, low, 1.9, xtol=1e-15 * low, rtol=1e-14))
+    rigid = ratio < RIGID
+    first = (
+        math.sqrt(math.sqrt(3.0 * ratio)) if rigid else brentq(characteristic, low, 1.9, xtol=1e-15 * low, rtol=1e-14)
+    )
+    waves = [brentq(characteristic, (j - 1) * math.pi, (j - 0.25) * math.pi, xtol=1e-15) for j in range(2, modes + 1)]
+    return np.array([first, *waves][:modes]) ** 2 * math.sqrt(bending / mass / length**3) / math.tau
 
 
 @checked_arguments
