@@ -47,7 +47,7 @@ class TestWhatIsThere:
     def test_each_effect_brings_its_own_parts_and_no_others(
         self, hub: bool, belt: bool, bar: bool, workpart: bool, gravity: bool
     ) -> None:
-        """A hub or a belt brings the kinematic body, a belt its spring, an obstacle a shape and the link's partner."""
+        """A hub or a belt brings the kinematic body, a belt its spring, an obstacle, once engaged, its shape and the link's."""
         tool = Tool(
             hub=Hub() if hub else Hub(radius=0.0),
             belt=Belt() if belt else Belt(stiffness=0.0),
@@ -58,6 +58,9 @@ class TestWhatIsThere:
         scene, units = build_tool(tool)
         assert len(scene.space.bodies) == 1 + (hub or belt)
         assert kinds(scene.space) == ["DampedRotarySpring"] * belt + ["PivotJoint"]
+        assert len(scene.space.shapes) == 0
+        for obstacle in scene.effects.obstacles:
+            scene.contacts.engage(obstacle, friction=0.0, elasticity=0.0, iterations=1)
         assert len(scene.space.shapes) == 2 * (bar + workpart)
         assert len(scene.space.static_body.shapes) == bar + workpart
         # One multiplication and one division of rounding.
@@ -111,7 +114,9 @@ class TestWhatIsThere:
     def test_bent_bristle_has_a_shape_for_each_piece(self) -> None:
         tool = Tool(workpart=None)
         bent = replace(tool, bristle=replace(tool.bristle, knee_angle_deg=20.0))
-        assert len(link_shapes(build_tool(bent)[0])) == 2
+        scene, _ = build_tool(bent)
+        scene.contacts.engage(scene.effects.obstacles[0], friction=0.0, elasticity=0.0, iterations=1)
+        assert len(link_shapes(scene)) == 2
 
     def test_no_callbacks(self) -> None:
         """Velocity and position functions are the engine's own, and no joint calls back."""

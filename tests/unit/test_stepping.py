@@ -73,15 +73,15 @@ class Tally:
         self.least = least
         self.calls = 0
 
-    def begin(self) -> None:
-        self.calls = 0
+    def begin(self, step: float) -> Callable[[], None]:
+        self.calls, self.step = 0, step
+        return self.apply
 
-    def apply(self, step: float) -> None:
-        del step
+    def apply(self) -> None:
         self.calls += 1
 
-    def totals(self, step: float) -> list[float]:
-        return [step, float(self.calls)]
+    def totals(self) -> list[float]:
+        return [self.step, float(self.calls)]
 
     def fails(self, totals: list[float]) -> bool:
         return totals[0] < self.least

@@ -77,7 +77,7 @@ class Scene:
         self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
         _add_springs(self.space, mechanism, effects, self.hub, self.links)
-        self.contacts = ContactShapes(self.space, mechanism, self.links, effects.obstacles, self._set_iterations)
+        self.contacts = ContactShapes(self.space, mechanism, self.links, self._set_iterations)
         self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
         self._engine.set_iterations(self.contacts.in_flight)
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)

@@ -16,6 +16,9 @@ from bristle_sim.scene.touch_search import Interval
 NOISE = 1e-10
 """Rates, accelerations and forces of a scene's units below this have no sign, however accurate the stepper is."""
 
+LOCATED = 1e-3
+"""Fraction of the accuracy to which a change of sign is located, relative to the values at the interval's ends."""
+
 DIFFERENCE = 1e-13
 """Rounding of the difference of two rates that an acceleration is made of."""
 
@@ -106,7 +109,7 @@ class Changes:
             at = interval.again(span)
             return function.value(at) if function.exact is None else function.exact(at.state)
 
-        tolerance = max(1e-3 * self.accuracy * max(abs(left), abs(right)), 0.01 * NOISE)
+        tolerance = max(LOCATED * min(self.accuracy, 1e-4) * max(abs(left), abs(right)), 0.1 * NOISE)
         self.stepper.begin_afresh()
         near = None
         if function.exact is None:

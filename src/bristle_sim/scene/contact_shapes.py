@@ -41,13 +41,12 @@ class ContactShapes:
         space: pymunk.Space,
         mechanism: Mechanism,
         links: Sequence[pymunk.Body],
-        obstacles: Sequence[Obstacle],
         set_iterations: Callable[[int], None],
     ) -> None:
-        """Add the shapes of what is fixed; those of two wires are added when they touch first."""
+        """Add nothing: a pair's shapes come when it is engaged first."""
         self.space, self.mechanism, self.links = space, mechanism, links
         self.in_flight, self._set_iterations = space.iterations, set_iterations
-        self._shapes = {_key(each): self._add(each) for each in obstacles if not isinstance(each, WirePair)}
+        self._shapes: dict[Key, list[pymunk.Shape]] = {}
         self._engaged: dict[Key, tuple[pymunk.Shape, pymunk.Shape]] = {}
 
     def engage(

@@ -26,8 +26,8 @@ LEAST_LEVER = 1e-6
 MOST_GRIP = 1.99
 """With more, each iteration of the engine's solver overshoots twofold."""
 
-CLOSED = 1e-13
-"""A gap below this fraction of the link is rounding, and so is what closing it changes of the rate."""
+CLOSED = 1e-10
+"""Closing a gap below this fraction of the link changes the rate by as little, less than any accuracy leaves it."""
 
 NEWTON = 3
 """Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""

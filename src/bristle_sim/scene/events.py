@@ -159,6 +159,9 @@ def _share(last: float, before: float, at_last: float, at_other: float, at_befor
 MOST_GUESSES = 4
 """Two or three bring a touch that is found on the cubic of a whole interval to rounding."""
 
+ROUNDED = 10.0
+"""Tolerances within which the last guess must be, where rounding of many repetitions lets none come nearer."""
+
 NEARBY = 1e-3
 """Fraction of an interval over which a slope is taken on its cubic; a secant step makes up for its error."""
 
@@ -175,10 +178,10 @@ def settle(
 
     The next guess is the zero on the cubic through the start and the state last reached, where that is exact.
     """
-    for _ in range(MOST_GUESSES):
+    for trial in range(MOST_GUESSES):
         reached = again(near).state
         found = value(reached)
-        if abs(found) <= tolerance:
+        if abs(found) <= (tolerance if trial < MOST_GUESSES - 1 else ROUNDED * tolerance):
             return near
         slope = (found - value(interpolate(start, reached, 1.0 - NEARBY))) / NEARBY
         if not slope:

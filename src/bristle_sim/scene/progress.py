@@ -20,6 +20,9 @@ from bristle_sim.scene.stepping import Stepper
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 
+GROWTH = 16.0
+"""Largest ratio of an interval after a contact to the one before it: a polynomial through the samples of both is accurate."""
+
 
 class Rebound(NamedTuple):
     """The last rebound: from which obstacle, when, and how fast the contact point left."""
@@ -86,9 +89,14 @@ class Progress:
         return self.recording.stop_reason is not None
 
     @property
+    def instant(self) -> float:
+        """Time in which a single link does not move by more than the accuracy, whatever pushes it: what lasts less is over at once."""
+        return min(1e-2, max(1e-5, math.sqrt(self.plan.accuracy))) * self.plan.time_scale
+
+    @property
     def first_interval(self) -> float:
         """Longest interval right after a contact, and the least that the growth of later ones starts from."""
-        return min(1e-2, max(1e-5, math.sqrt(self.plan.accuracy))) * self.plan.time_scale
+        return min(GROWTH * self.instant, max(self.instant, self.plan.longest_interval / GROWTH))
 
     @property
     def slow(self) -> float:

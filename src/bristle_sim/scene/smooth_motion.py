@@ -20,7 +20,7 @@ from bristle_sim.scene.event_functions import (
 )
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.progress import Progress
+from bristle_sim.scene.progress import GROWTH, Progress
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.sustained_contact import BEYOND, Sustained, at_work, extremes, inner_states, limits
 from bristle_sim.scene.touch_search import SHORTEST, Interval, search_touch
@@ -29,9 +29,6 @@ from bristle_sim.stop_reason import StopReason
 LONGEST = 1.0
 """Longest interval in radians of the fastest motion: within it each event function changes its sign once at most, and the
 cubic through the ends is good to 1/384 of the motion."""
-
-GROWTH = 16.0
-"""Largest ratio of an interval after a contact to the one before it: a polynomial through the samples of both is accurate."""
 
 Resolve = Callable[[], Change | None]
 """Resolves the event at an interval's end; returns what it changes about the contacts."""
@@ -78,9 +75,16 @@ class SmoothMotion:
         result = self.advance(length)
         if self.contacts is not None:
             forces = self.contacts.forces.normal(result.totals)
-            if result.failed or (self.before is None and min(forces) <= 0.0):
+            first = self.before is None
+            gone = result.failed or (first and min(forces) <= 0.0)
+            slip = self.contacts.breaks_away(result.totals) if first and not gone else None
+            if first and length > progress.instant and (gone or slip is not None):
+                # Whether it is so from the beginning shows in an instant.
+                self.limit = progress.instant
+                return None
+            if gone:
                 return self._approach_release(forces, length)
-            if self.before is None and (slip := self.contacts.breaks_away(result.totals)) is not None:
+            if slip is not None:
                 return slip
         if not progress.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
@@ -100,11 +104,11 @@ class SmoothMotion:
         for each in self.sustained:
             if self.before is None and each.stopped:
                 return Slip(each.obstacle, -each.stopped)
-        at_once = self.before is None and len(self.progress.mechanism.links) == 1
-        if at_once or length <= self._shortest:
+        alone = len(self.progress.mechanism.links) == 1
+        if (self.before is None and alone) or length <= self._shortest:
             lost = zip(self.sustained, forces, strict=True)
             return Release(tuple(each.obstacle for each, force in lost if force <= 0.0))
-        self.limit = max(min(0.5 * length if self.before else length / 16.0, self._expected), 0.5 * self._shortest)
+        self.limit = max(min(0.5 * length if self.before else length / GROWTH, self._expected), 0.5 * self._shortest)
         return None
 
     @property

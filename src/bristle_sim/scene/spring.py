@@ -138,7 +138,7 @@ class SpringLoad:
         (n_x, n_y), (t_x, t_y) = plane.normal, plane.tangent
         stiffness, end, ratio = self.spring.line()
         height, tip, push = plane.height - end, self._tip, self._push
-        self._steps = steps = []
+        steps: list[tuple[float, float, float, float]] = []
         note = steps.append
 
         def act() -> None:
@@ -151,7 +151,7 @@ class SpringLoad:
             push((normal * n_x + tangential * t_x, normal * n_y + tangential * t_y), (x, y))
             note((normal, tangential, u * n_x + v * n_y, slip))
 
-        self._step, self._law = step, (stiffness, height, ratio, stop)
+        self._step, self._steps, self._law = step, steps, (stiffness, height, ratio, stop)
         return act
 
     def totals(self) -> list[float]:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.scene.event_functions import Touch
-from bristle_sim.scene.events import first_touch, guess, locate, settle
+from bristle_sim.scene.events import first_touch, guess, interpolate, locate, settle
 from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
@@ -46,6 +46,9 @@ class Interval(NamedTuple):
         return self.end.state.time - self.start.time
 
 
+MUCH_SHORTER = 0.25
+"""Fraction of an interval below which many repetitions give no more accuracy, but their weights more rounding."""
+
 LEAST_HOP = 1e-6
 """Fraction of an interval within which a rebound that is shorter is taken for none."""
 
@@ -82,23 +85,41 @@ def _search_return(progress: Progress, interval: Interval, obstacle: Obstacle) -
     gap, rate = gaps.gap_and_rate(obstacle, result.state)
     if gap >= -GAP_ROUNDING or rate >= 0.0:
         return None
-    entered = gaps.gap(obstacle, interval.start) >= -GAP_ROUNDING
+    progress.stepper.begin_afresh()
+    interval = interval._replace(again=functools.cache(interval.again))
+    if interval.length > progress.instant:
+        result = interval.again(progress.instant)
+        gap = gaps.gap(obstacle, result.state)
     # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
-    if entered and (gap < -progress.plan.accuracy or len(progress.mechanism.links) > 1):
-        result = _rise(interval, gaps, obstacle)
-        if gaps.gap(obstacle, result.state) > GAP_ROUNDING:
-            return result, None
-    # It is back within the shortest interval: too low a rebound to follow.
+    low = len(progress.mechanism.links) == 1 and -progress.plan.accuracy <= gap < 0.0
+    if gaps.gap(obstacle, interval.start) >= -GAP_ROUNDING and not low:
+        return _hop(interval, gaps, obstacle)
     return result, Touch(obstacle, True)
 
 
-def _rise(interval: Interval, gaps: Gaps, obstacle: Obstacle) -> Advance:
-    """Return the part of an interval that ends deep inside an obstacle in which the rebound is still above it."""
-    result, span = interval.end, interval.length
+def _hop(interval: Interval, gaps: Gaps, obstacle: Obstacle) -> tuple[Advance, Touch | None]:
+    """Return an interval that ends deep inside an obstacle up to the end of the hop before, or up to where it is above still.
+
+    Where it is back within the shortest interval it is too low a rebound to follow.
+    """
+    start, end, share = interval.start, interval.end.state, 1.0
+
+    def gap_at(fraction: float) -> float:
+        return gaps.gap(obstacle, interpolate(start, end, fraction))
+
+    while share > LEAST_HOP and (above := gap_at(share)) < -GAP_ROUNDING:
+        share, below = 0.5 * share, above
+    if share < 1.0 and above > 0.0:
+        near = interval.length * locate(gap_at, share, 2.0 * share, above, below, GAP_TOLERANCE)
+        closed = settle(partial(gaps.gap, obstacle), start, interval.again, near, interval.length, GAP_TOLERANCE)
+        # The zero at its beginning is none.
+        if closed is not None and gaps.gap_and_rate(obstacle, interval.again(closed).state)[1] < 0.0:
+            return interval.again(closed), Touch(obstacle)
+    result, span = interval.again(share * interval.length), share * interval.length
     while span > LEAST_HOP * interval.length and gaps.gap(obstacle, result.state) < -GAP_ROUNDING:
         span *= 0.5
         result = interval.again(span)
-    return result
+    return result, None if gaps.gap(obstacle, result.state) > GAP_ROUNDING else Touch(obstacle, True)
 
 
 def find_touch(
@@ -114,10 +135,11 @@ def find_touch(
     )
     if fraction is None:
         return None
-    progress.stepper.begin_afresh()
     again = functools.cache(interval.again)
     gap_of, last = partial(gaps.gap, obstacle), fraction * interval.length
     near = guess(gap_of, start, end.state, fraction)
+    if (near or last) < MUCH_SHORTER * interval.length:
+        progress.stepper.begin_afresh()
     if near is not None and (closed := settle(gap_of, start, again, near, last, GAP_TOLERANCE)) is not None:
         return again(closed), True
     reached, closed = end if fraction == 1.0 else again(last), last

@@ -84,7 +84,7 @@ def _steps(effort: Effort) -> list[Effect]:
         name: functools.partial(scene.step, STEP, STEPS) for name, scene in scenes.items()
     }
     bare = build_tool(BARE)[0]
-    actions["a load's callback"] = functools.partial(bare.step, STEP, STEPS, lambda _: None)
+    actions["a load's callback"] = functools.partial(bare.step, STEP, STEPS, lambda: None)
     built = [_contents(scene) for scene in (*scenes.values(), bare)]
     return _rows("engine step", actions, built, STEPS, [None] * len(actions), effort)
 
