@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.sustained_contact import Sustained
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.wire_velocities import Held
 
 
 class ContactForces:
@@ -16,6 +20,7 @@ class ContactForces:
         scene: of the contacts.
         obstacles: the pairs in contact.
         reached: totals of the last interval.
+        held: the contacts of wires that bend, whose forces are solved for with their joints.
     """
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
@@ -23,6 +28,7 @@ class ContactForces:
         self.scene = scene
         self.obstacles = tuple(obstacles)
         self.reached: Sequence[float] = ()
+        self.held: Sequence[Held] = ()
         self._numbered = tuple(enumerate(self.obstacles))
         self._last = [(0.0, 0.0, 0.0)] * len(self.obstacles)
         self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
@@ -30,19 +36,27 @@ class ContactForces:
         self._step = 0.0
         self._due = False
 
+    def hold(self, pieces: Sequence[int | None], slips: Sequence[int | None]) -> None:
+        """Have the wires' own solver keep the contacts closed, with these straight pieces and senses of slip."""
+        from bristle_sim.scene.wire_velocities import Held
+
+        self.held = tuple(Held(*each) for each in zip(self.obstacles, pieces, slips, strict=True))
+
     def begin(self) -> None:
         """Forget what was added up."""
         count = len(self.obstacles)
         self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
+        if self.scene.wires is not None:
+            self.scene.wires.contacts = self.held
 
     def apply(self, step: float) -> None:
         """Add up what the engine, which acts by itself, did in the step before."""
         if self._due:
             self._add()
-        elif step != self._step:
+        elif step != self._step and not self.held:
             self.scene.warm_up(step)
         self._due, self._step = True, step
-        if self._pushes_back:
+        if self._pushes_back and not self.held:
             for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=True):
                 if obstacle.partner is not None:
                     # The partner's shape is larger than it, which lengthens the lever of friction on it.
@@ -55,6 +69,8 @@ class ContactForces:
         """
         if self._due:
             self._add()
+        if self.scene.wires is not None:
+            self.scene.wires.contacts = ()
         found = [each[0] / step for each in self._last] + self._sums
         return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
 
@@ -81,9 +97,10 @@ class ContactForces:
             each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
 
     def _add(self) -> None:
-        sums, last, totals = self._sums, self._last, self.scene.contacts.totals
+        sums, last, wires = self._sums, self._last, self.scene.wires
         for index, obstacle in self._numbered:
-            push, rub, slip = last[index] = totals(obstacle)
+            found = self.scene.contacts.totals(obstacle) if wires is None else wires.impulses[index]
+            push, rub, slip = last[index] = found
             sums[3 * index] += push
             if obstacle.friction:
                 sums[3 * index + 1] += rub

@@ -68,7 +68,7 @@ def search_touch(
         return None
     error = progress.stepper.interpolation_error(interval.start, end.state)
     if progress.mechanism.wire_links > 1:
-        if behind_joint(progress, obstacle, [*separating, *sustained]):
+        if behind_joint(progress, obstacle, [*separating, *sustained], end.state):
             return None
         error += progress.cubic_error(interval.length)
     found = find_touch(interval, progress.gaps, obstacle, error)
