@@ -1,5 +1,6 @@
 """The linear solve that keeps joints and contacts of a wire: against the plastic impact of the joints, K of the contact, and order."""
 
+import itertools
 import math
 
 import numpy as np
@@ -67,7 +68,7 @@ def test_symmetric_steps_have_even_powers_of_the_step_alone(damping: float) -> N
         assert scene.step_symmetrically is not None
         ends.append(np.array(scene.step_symmetrically(step, count)[:6]))
     errors = np.abs(np.diff(ends, axis=0)).max(axis=1)
-    finer = [(4.0 * b - a) / 3.0 for a, b in zip(ends, ends[1:], strict=False)]
+    finer = [(4.0 * b - a) / 3.0 for a, b in itertools.pairwise(ends)]
     left = np.abs(np.diff(finer, axis=0)).max(axis=1)
     # The next even power of a step a hundredth of the fastest mode's radian is below 1 % of the first.
     assert errors[:-1] / errors[1:] == pytest.approx([4.0, 4.0], rel=0.02)
