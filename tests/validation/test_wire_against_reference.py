@@ -70,8 +70,9 @@ def test_operating_point(links: int, damping: float) -> None:
     compare_up_to_the_strike(wire(links, damping=damping))
 
 
-def test_four_links() -> None:
-    compare_up_to_the_strike(wire(4, modulus=2e10))
+@pytest.mark.parametrize("links", [4, 8])
+def test_many_links_within_the_default_budget(links: int) -> None:
+    compare_up_to_the_strike(wire(links, modulus=2e10), Settings())
 
 
 def test_finer_accuracy_comes_nearer() -> None:

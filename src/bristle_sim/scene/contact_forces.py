@@ -34,7 +34,7 @@ class ContactForces:
         self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
         self._sums: list[float] = []
         self._step = 0.0
-        self._due = False
+        self._due = self._pulls = False
 
     def hold(self, pieces: Sequence[int | None], slips: Sequence[int | None]) -> None:
         """Have the wires' own solver keep the contacts closed, with these straight pieces and senses of slip."""
@@ -46,6 +46,7 @@ class ContactForces:
         """Forget what was added up."""
         count = len(self.obstacles)
         self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
+        self._pulls = False
         if self.scene.wires is not None:
             self.scene.wires.contacts = self.held
 
@@ -75,8 +76,8 @@ class ContactForces:
         return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
 
     def fails(self, totals: list[float]) -> bool:
-        """Return whether a contact would have to pull."""
-        return min(self.normal(totals)) <= 0.0
+        """Return whether a contact would have to pull, at the end or before."""
+        return self._pulls or min(self.normal(totals)) <= 0.0
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
@@ -101,6 +102,7 @@ class ContactForces:
         for index, obstacle in self._numbered:
             found = self.scene.contacts.totals(obstacle) if wires is None else wires.impulses[index]
             push, rub, slip = last[index] = found
+            self._pulls |= push < 0.0
             sums[3 * index] += push
             if obstacle.friction:
                 sums[3 * index + 1] += rub
