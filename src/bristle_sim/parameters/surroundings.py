@@ -148,7 +148,7 @@ class Contact:
         at_least=1e-18,
         at_most=1.0,
         source="compliant law: time in touch; by default short enough for the rigid-body limit",
-        meaning="time that a contact resolved in time lasts; none: short enough for the rigid-body limit",
+        meaning="time that a contact resolved in time lasts, of a rigid bristle; none: short enough for the rigid-body limit",
         needs="contact = compliant",
     )
 
