@@ -20,7 +20,7 @@ KEYS: dict[str, tuple[str, str]] = {
     "contact": ("word", "law of impact: by energy, resolved in time on a spring, or the engine's own"),
     "contact_duration": (
         "s",
-        "time that a contact resolved in time lasts; none: short enough for the rigid-body limit",
+        "time that a contact resolved in time lasts, of a rigid bristle; none: short enough for the rigid-body limit",
     ),
     "speed_ratio": ("1", "bristle's rate over the hub's speed when it strikes, R"),
     "impact_angle_deg": ("deg", "angle between the radial bristle and the workpart's normal, gamma"),

@@ -91,7 +91,7 @@ def test_a_rigid_bristle_that_sticks_is_named() -> None:
 @pytest.mark.parametrize(
     ("links", "strike", "message"),
     [
-        (17, Strike(), "wire_links = 17: must be at most 16"),
+        (33, Strike(), "wire_links = 33: must be at most 32"),
         (2, Strike(impact_angle_deg=60.0), "impact_angle_deg = 60: must be less than 59"),
         (2, Strike(impact_angle_deg=1e-12), "it barely touches"),
     ],

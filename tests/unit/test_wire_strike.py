@@ -178,7 +178,6 @@ def test_frequencies_are_those_of_the_chain(links: int) -> None:
         (2, [-RATE] * 2, Workpart(), "must let the wire's end approach"),
         (2, [RATE], Workpart(), "must be one for each of the 2 links"),
         (2, [RATE] * 2, None, "must be a Workpart"),
-        (64, [RATE] * 64, Workpart(), "wire_links = 64: must be fewer"),
     ],
 )
 def test_refusals(links: int, rates: list[float], workpart: Workpart | None, message: str) -> None:

@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, ContactStiffness, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.resume import resume
 from bristle_sim.scene.tool import simulate
@@ -72,8 +72,9 @@ def test_operating_point(links: int, damping: float) -> None:
     compare_up_to_the_strike(wire(links, damping=damping))
 
 
-def test_four_links() -> None:
-    compare_up_to_the_strike(wire(4, modulus=2e10))
+@pytest.mark.parametrize("links", [4, 8])
+def test_many_links_within_the_default_budget(links: int) -> None:
+    compare_up_to_the_strike(wire(links, modulus=2e10), Settings())
 
 
 def test_finer_accuracy_comes_nearer() -> None:
@@ -158,6 +159,31 @@ def test_whole_pass_of_two_links() -> None:
     assert touches[0][:8] == pytest.approx(touches[1][:8], rel=10.0 * ACCURACY)
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=100.0 * ACCURACY)
     assert scene.total_energy[-1] == pytest.approx(reference.total_energy[-1], rel=1e3 * ACCURACY)
+
+
+def test_touches_of_a_compliant_workpart() -> None:
+    """Strikes, the later ones in the dent of the first, at the stiffness of the rigid bristle's first strike.
+
+    A contact returns e*^2 of the work it took, whatever the bodies do.
+    """
+    duration = 7.1e-5
+    tool = replace(wire(3, modulus=5e10, damping=0.1), contact=Contact("compliant", duration))
+    scene = simulate(tool, replace(MANY, hub_turn=1.72))
+    first = scene.first_contact("workpart")
+    assert first is not None
+    assert tool.workpart is not None
+    tip = scene.tip[int(np.abs(scene.time - first.time).argmin())]
+    lever = tip[0] - tool.hub.radius * math.sin(tool.hub.speed * first.time - 0.5 * math.pi)
+    inverse_mass = lever**2 / tool.bristle.inertia_about_root
+    stiffness = ContactStiffness(duration).stiffness(inverse_mass, tool.workpart.restitution)
+    reference = simulate_reference(tool, hub_turn=1.72, accuracy=1e-8, contact_stiffness=stiffness)
+    found, expected = ([c for c in run.contacts if c.obstacle == "workpart"][:3] for run in (scene, reference))
+    assert [each.time for each in found] == pytest.approx([each.time for each in expected], rel=10.0 * ACCURACY)
+    assert [each.impulse[0] for each in found] == pytest.approx([each.impulse[0] for each in expected], rel=1e-6)
+    for each in (*found, *expected):
+        assert each.compressive_work is not None
+        assert each.restitutive_work is not None
+        assert each.restitutive_work[0] == pytest.approx(-(0.42**2) * each.compressive_work[0], rel=1e-5)
 
 
 def test_a_run_of_several_links_is_not_resumed() -> None:

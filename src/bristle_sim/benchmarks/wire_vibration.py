@@ -33,8 +33,8 @@ TOOL = Tool(hub=Hub(speed=0.0), bar=None, workpart=Workpart())
 WIRE = TOOL.bristle
 BEAM = (WIRE.mass, WIRE.length, WIRE.wire_diameter, WIRE.modulus, TOOL.belt.stiffness)
 FREQUENCY = float(beam_frequencies(*BEAM, 2)[1])
-SCENE = 8
-"""Links in the scene; twice as many take a hundred times as long: some 16 n^2 iterations of the solver in n^2 steps."""
+SCENE = 32
+"""Links in the scene; twice as many take some five times as long, as they need n^2 steps."""
 
 AMPLITUDE = 1e-3 * WIRE.length
 """Small: what is not linear is of the order of its square."""

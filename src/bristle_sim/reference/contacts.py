@@ -53,11 +53,13 @@ class Spring:
     """A compliant contact with energetic restitution: stiff on the way out, so that it returns e*^2 of the work it took.
 
     N = k delta while the penetration delta is larger than ever before, and k/e*^2 (delta - delta_r) with
-    delta_r = (1 - e*^2) delta_max otherwise, down to 0 at delta_r.
+    delta_r = (1 - e*^2) delta_max otherwise, down to 0 at delta_r. It is measured from where the contact began, ``surface``:
+    in the dent that another one has left, below the workpart's.
     """
 
     stiffness: float
     restitution: float
+    surface: float = 0.0
     deepest: float = 0.0
     loading: bool = True
 
@@ -65,6 +67,10 @@ class Spring:
     def left(self) -> float:
         """Penetration at which the force is back at zero, m."""
         return (1.0 - self.restitution**2) * self.deepest
+
+    def penetration(self, gap: float) -> float:
+        """Return delta at a gap to the workpart, m."""
+        return self.surface - gap
 
     def force(self, penetration: float) -> float:
         """Return the normal force, N."""

@@ -113,13 +113,14 @@ def jam(log: Log, state: State) -> NoReturn:
 
 def _compliant(system: System, stiffness: float, state: State, point: Point) -> Sustained:
     """Return a compliant contact that begins."""
-    spring = Spring(stiffness, system.obstacles[point.obstacle].surface.restitution)
-    return Sustained(point, 0, state, system.at(state).touch(point).velocity, spring)
+    touch = system.at(state).touch(point)
+    spring = Spring(stiffness, system.obstacles[point.obstacle].surface.restitution, touch.gap)
+    return Sustained(point, 0, state, touch.velocity, spring)
 
 
 def turn(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
     """Compression ends."""
-    spring.deepest, spring.loading = -system.at(state).touch(each.point).gap, False
+    spring.deepest, spring.loading = spring.penetration(system.at(state).touch(each.point).gap), False
     each.compression = each.sums
     return decide(system, log, state) if spring.restitution else part(system, log, each, state)
 

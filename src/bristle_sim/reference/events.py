@@ -160,7 +160,7 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
         return instant.touch(each.point).velocity[0]
 
     def above(level: float, instant: Instant) -> float:
-        return -instant.touch(each.point).gap - level
+        return spring.penetration(instant.touch(each.point).gap) - level
 
     def reload(state: State) -> State:
         spring.loading = True
@@ -168,7 +168,8 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
 
     if spring.loading:
         return [Event(opening, 1, speed, partial(turn, system, log, each, spring))]
-    deeper = partial(above, spring.deepest * (1.0 + 1e-13))
+    # Beyond the rounding of a gap, or the contact would turn and load again at one instant.
+    deeper = partial(above, spring.deepest + ROUNDING * system.size)
     return [
         Event(partial(above, spring.left), -1, depth, partial(part, system, log, each)),
         Event(deeper, 1, depth, reload),

@@ -11,8 +11,9 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pymunk
@@ -24,6 +25,9 @@ from bristle_sim.scene.joints import Connected, joined
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.wire_velocities import WireVelocities
 
 HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
@@ -78,7 +82,7 @@ class Scene:
         self.links, self.joints = _add_links(self.space, mechanism, self.hub)
         _add_springs(self.space, mechanism, effects, self.hub, self.links)
         self.contacts = ContactShapes(self.space, mechanism, self.links, self._set_iterations)
-        self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
+        self._engine = _engine_steps(self.space, mechanism, effects, self.hub, self.links, self.joints)
         self._engine.set_iterations(self.contacts.in_flight)
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
         self.place, self.step, self.warm_up = self._placement.place, self._engine.take, self._engine.warm_up
@@ -114,6 +118,16 @@ class Scene:
         """Whether the engine's iterations suffice to solve the joints in flight."""
         return self.contacts.in_flight < MOST_ITERATIONS
 
+    @property
+    def wires(self) -> WireVelocities | None:
+        """The solver of joints and contacts of wires that bend."""
+        return self._engine.wires
+
+    @property
+    def step_symmetrically(self) -> Callable[[float, int], list[float]] | None:
+        """Takes steps symmetric in time, from half a step behind, of wires that bend where the engine's contacts do not act."""
+        return self._engine.take_symmetric
+
     def _set_iterations(self, count: int) -> None:
         """Have the engine's solver take so many iterations."""
         self._engine.set_iterations(count)
@@ -125,9 +139,31 @@ class Scene:
             body.angle += body.angular_velocity * duration
 
     def correct_joints(self, *, completely: bool) -> None:
-        """Have the engine close the joints at every step, or leave them alone."""
+        """Have the joints closed at every step, or leave them alone."""
+        if self._engine.wires is not None:
+            self._engine.wires.correct = completely
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
+
+
+def _engine_steps(
+    space: pymunk.Space,
+    mechanism: Mechanism,
+    effects: Effects,
+    hub: pymunk.Body | None,
+    links: Sequence[pymunk.Body],
+    joints: Sequence[pymunk.Constraint],
+) -> EngineSteps:
+    """Return what takes the engine's steps: wires that bend have their joints solved for, and their damping."""
+    if not effects.hinges:
+        return EngineSteps(space, hub, links, joints)
+    from bristle_sim.scene.wire_steps import WireSteps
+    from bristle_sim.scene.wire_velocities import WireVelocities
+
+    belt = effects.damping if effects.stiffness is not None else 0.0
+    damping = [belt, *(each for _, each in effects.hinges[: mechanism.wire_links - 1])]
+    springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
+    return WireSteps(space, hub, links, joints, WireVelocities(mechanism, damping, springs, hub, links))
 
 
 class Placement:
@@ -172,7 +208,7 @@ class Placement:
 
 def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:
     space = pymunk.Space()
-    space.iterations = _flight_iterations(mechanism.links[: mechanism.wire_links])
+    space.iterations = 1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
     space.collision_slop = 10.0 * MARGIN
     space.collision_bias = 1.0
     if effects.gravity:

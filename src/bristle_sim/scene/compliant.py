@@ -23,6 +23,7 @@ from bristle_sim.scene.repetitions import CLOSE, WIDE
 from bristle_sim.scene.spring import SpringLoad, time_at_unit_stiffness
 from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.time_scales import damped_interval
+from bristle_sim.scene.wire_links import rigid_stiffness
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
@@ -52,7 +53,8 @@ class CompliantLaw:
     """Contact resolved in time by the engine.
 
     Args:
-        duration: time in touch, engine units; None is short enough for the rigid-body limit to ``accuracy``.
+        duration: time in touch, engine units; of a wire that bends: in its first touch, were it rigid and without friction. None
+            is short enough for the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
         maximum_steps: engine steps after which a contact is given up, each counted as the scene's ``work`` counts it.
@@ -105,6 +107,11 @@ class CompliantLaw:
         duration = self.duration or self._shortest(scene, fastest, way_out)
         if -space.velocity[0] * duration * way_out < LEAST_DEPTH:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
+        if self.stiffness is None and scene.wires is not None:
+            # It is the workpart's: later touches meet the same.
+            self.stiffness = rigid_stiffness(
+                scene.mechanism, state, touch, obstacle.link, duration, coefficients.restitution
+            )
         stiffness = self.stiffness
         if stiffness is None:
             stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2

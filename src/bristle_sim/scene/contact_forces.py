@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 from bristle_sim.scene.arbiters import pushes
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.sustained_contact import Sustained
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.wire_velocities import Held
 
 
 class ContactForces:
@@ -17,6 +21,7 @@ class ContactForces:
         scene: of the contacts.
         obstacles: the pairs in contact.
         reached: totals of the last interval.
+        held: the contacts of wires that bend, whose forces are solved for with their joints.
     """
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
@@ -24,20 +29,27 @@ class ContactForces:
         self.scene = scene
         self.obstacles = tuple(obstacles)
         self.reached: Sequence[float] = ()
+        self.held: Sequence[Held] = ()
         self._numbered = tuple(enumerate(self.obstacles))
         self._last = [(0.0, 0.0, 0.0)] * len(self.obstacles)
         self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
         self._sums: list[float] = []
         self._step = 0.0
-        self._due = False
+        self._due = self._pulls = False
         # A push alone, of one contact, is read once an interval.
-        alone = len(obstacles) == 1 and not obstacles[0].friction
+        alone = scene.wires is None and len(obstacles) == 1 and not obstacles[0].friction
         self._record = scene.contacts.record(obstacles[0]) if alone else None
         self._stale = 0
 
+    def hold(self, pieces: Sequence[int | None], slips: Sequence[int | None]) -> None:
+        """Have the wires' own solver keep the contacts closed, with these straight pieces and senses of slip."""
+        from bristle_sim.scene.wire_velocities import Held
+
+        self.held = tuple(Held(*each) for each in zip(self.obstacles, pieces, slips, strict=True))
+
     def begin(self, step: float) -> Callable[[], None]:
         """Forget what was added up; return what adds up, before each step, what the engine did in the step before."""
-        if step != self._step:
+        if step != self._step and not self.held:
             self.scene.warm_up(step)
         self._step = step
         if self._record is not None:
@@ -48,6 +60,9 @@ class ContactForces:
             return self._record.note
         count = len(self.obstacles)
         self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
+        self._pulls = False
+        if self.scene.wires is not None:
+            self.scene.wires.contacts = self.held
         return self._apply
 
     def _apply(self) -> None:
@@ -55,7 +70,7 @@ class ContactForces:
         if self._due:
             self._add()
         self._due = True
-        if self._pushes_back:
+        if self._pushes_back and not self.held:
             for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=True):
                 if obstacle.partner is not None:
                     # The partner's shape is larger than it, which lengthens the lever of friction on it.
@@ -72,12 +87,14 @@ class ContactForces:
             force = found[-1] / self._step if found else 0.0
             return [force, sum(found)] + [0.0] * (2 if len(self.scene.links) == 1 else 3)
         self._add()
+        if self.scene.wires is not None:
+            self.scene.wires.contacts = ()
         found = [each[0] / self._step for each in self._last] + self._sums
         return found if len(self.scene.links) == 1 else found + [each[1] / self._step for each in self._last]
 
     def fails(self, totals: list[float]) -> bool:
-        """Return whether a contact would have to pull."""
-        return min(self.normal(totals)) <= 0.0
+        """Return whether a contact would have to pull, at the end or before."""
+        return self._pulls or min(self.normal(totals)) <= 0.0
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
@@ -98,9 +115,11 @@ class ContactForces:
             each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
 
     def _add(self) -> None:
-        sums, last, totals = self._sums, self._last, self.scene.contacts.totals
+        sums, last, wires = self._sums, self._last, self.scene.wires
         for index, obstacle in self._numbered:
-            push, rub, slip = last[index] = totals(obstacle)
+            found = self.scene.contacts.totals(obstacle) if wires is None else wires.impulses[index]
+            push, rub, slip = last[index] = found
+            self._pulls |= push < 0.0
             sums[3 * index] += push
             if obstacle.friction:
                 sums[3 * index + 1] += rub

@@ -8,12 +8,13 @@ where a version does not have them, the documented ones do the same.
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 from array import array
 from collections.abc import Callable, Sequence
 from functools import partial
 from operator import attrgetter, sub
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import pymunk
 
@@ -24,6 +25,9 @@ except ImportError:  # pragma: no cover - a pymunk built otherwise
     ffi = lib = None
 
 from bristle_sim.scene.mechanism import Vector
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.wire_velocities import WireVelocities
 
 ITERATIONS_OF_A_STEP = 100
 """Solver iterations that take as long as the rest of an engine step: measured, 35 ns each and 3 to 5 us a step with what
@@ -37,7 +41,13 @@ step in turn would make it grow without bound."""
 
 
 class Placer(Protocol):
-    """Sets centre (x, y), angle, velocity (u, v) and rate of every body, one body after the other."""
+    """Sets centre (x, y), angle, velocity (u, v) and rate of every body, one body after the other.
+
+    Attributes:
+        values: these numbers, as they were last set or kept.
+    """
+
+    values: array[float]
 
     def __call__(self, values: Sequence[float] | None) -> None:
         """Set these numbers; None sets the last ones again."""
@@ -99,7 +109,12 @@ class EngineSteps:
         steps: engine steps taken so far.
         work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
         place: puts the bodies somewhere.
+        wires: solver of joints and contacts of wires that bend; None where the engine's own acts.
+        take_symmetric: takes steps symmetric in time, where there are such.
     """
+
+    wires: WireVelocities | None = None
+    take_symmetric: Callable[[float, int], list[float]] | None = None
 
     def __init__(
         self,
@@ -207,20 +222,18 @@ class _Placer:
 
     def __init__(self, bodies: Sequence[pymunk.Body]) -> None:
         self._bodies = bodies
-        self._values: Sequence[float] = ()
+        self.values = array("d", bytes(6 * 8 * len(bodies)))
 
     def __call__(self, values: Sequence[float] | None) -> None:
-        self._values = self._values if values is None else values
-        numbers = iter(self._values)
+        if values is not None:
+            self.values[:] = array("d", values)
+        numbers = iter(self.values)
         for body, x, y, angle, u, v, rate in zip(self._bodies, *[numbers] * 6, strict=False):
             body.angle, body.position, body.velocity, body.angular_velocity = angle, (x, y), (u, v), rate
 
     def keep(self) -> None:
-        self._values = [
-            number
-            for body in self._bodies
-            for number in (*body.position, body.angle, *body.velocity, body.angular_velocity)
-        ]
+        moving = [(*each.position, each.angle, *each.velocity, each.angular_velocity) for each in self._bodies]
+        self.values[:] = array("d", itertools.chain.from_iterable(moving))
 
 
 class _BarePlacer:
@@ -229,14 +242,14 @@ class _BarePlacer:
     def __init__(self, bodies: Sequence[Any]) -> None:
         self._bodies = bodies
         # Room for another body, or the engine would move the numbers to a place of its own.
-        self._values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
-        self._numbers = ffi.new("pmFloatArray *", (0, len(self._values), ffi.from_buffer("double[]", self._values)))
+        self.values = array("d", bytes(6 * 8 * (len(bodies) + 1)))
+        self._numbers = ffi.new("pmFloatArray *", (0, len(self.values), ffi.from_buffer("double[]", self.values)))
         fields = lib.POSITION | lib.ANGLE | lib.VELOCITY | lib.ANGULAR_VELOCITY
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, fields))
 
     def __call__(self, values: Sequence[float] | None) -> None:
         if values is not None:
-            self._values[: len(values)] = array("d", values)
+            self.values[: len(values)] = array("d", values)
         self._numbers.num = 0
         put, data = lib.pmSpaceBodySetIteratorFuncBatched, self._data
         for body in self._bodies:

@@ -86,6 +86,9 @@ class EngineContacts:
         """
         grips = [self.grip(gaps, state, index) for index in range(len(self.obstacles))]
         self.pieces = [self._next_piece(each, state) for each in self.obstacles]
+        if self.scene.wires is not None:
+            self.forces.hold(self.pieces, self.slips)
+            return min(grips)
         if len(self.scene.links) == 1:
             left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)
             rounds = max(self.scene.contacts.in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))

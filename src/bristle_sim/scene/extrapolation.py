@@ -15,7 +15,7 @@ from operator import mul
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.repetitions import CLOSE, LEAST_ROWS, Repetitions
+from bristle_sim.scene.repetitions import CLOSE, EVEN, LEAST_ROWS, Repetitions
 from bristle_sim.scene.stepping import Advance, Load, take_steps, unpack
 
 CUT_SHORT = 0.25
@@ -36,13 +36,18 @@ class Extrapolation:
         self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
     ) -> None:
         """Start with an interval of about a radian of the scene's motion."""
-        self.repetitions = repetitions
+        self._given = repetitions
         self.longest = longest
         self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
+        self._use(repetitions)
+        self.length = 1.5
+
+    def _use(self, repetitions: Repetitions) -> None:
+        """Repeat intervals with these numbers of steps from now on."""
+        self.repetitions = repetitions
         # More repetitions amplify rounding beyond the tolerance.
         self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.limit)
         self.rows = LEAST_ROWS
-        self.length = 1.5
 
     @property
     def noise(self) -> float:
@@ -55,13 +60,17 @@ class Extrapolation:
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
+        symmetric = scene.step_symmetrically if load is None else None
+        if (table := EVEN if symmetric else self._given) is not self.repetitions:
+            self._use(table)
         known: dict[int, float] = {}
-        size, table, rows = len(scene.links), self.repetitions, self.rows
+        size, rows = len(scene.links), self.rows
         columns: list[list[float]] = []
         error = math.inf
         for row, count in enumerate(table.counts[: self.most_rows]):
-            scene.place(state)
-            values = take_steps(scene, duration / count, count, load)
+            step = duration / count
+            scene.place(state, -0.5 * step if symmetric else 0.0)
+            values = symmetric(step, count) if symmetric else take_steps(scene, step, count, load)
             if load is not None and load.fails(values[3 * size :]):
                 return unpack(scene, state, duration, values, math.inf, failed=True, errors=known)
             if row == 0:
@@ -75,8 +84,9 @@ class Extrapolation:
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
                 if row + 1 >= rows and error <= self.limit:
                     break
-        weights = table.weights[len(columns[0]) - 1]
-        best = [sum(map(mul, weights, column)) for column in columns]
+        weights, others = table.weights[len(columns[0]) - 1], table.first_order[len(columns[0]) - 1]
+        best = [sum(map(mul, weights, column)) for column in motion]
+        best += [sum(map(mul, others, column)) for column in columns[2 * size :]]
         return unpack(scene, state, duration, best, error, errors=known)
 
     def accepts(self, result: Advance, duration: float) -> bool:
@@ -94,10 +104,10 @@ class Extrapolation:
     def learnt(self, result: Advance, duration: float) -> tuple[float, int]:
         """Return the length and the repetitions of the next interval that cost least per time, by the estimates so far."""
         costs, limit, longest = self.repetitions.costs, self.limit, self.longest
-        lengths, prices = {}, {}
+        power, lengths, prices = self.repetitions.power, {}, {}
         least = 1e-3 * limit
         for row, error in result.errors.items():
-            change = 0.9 * (0.5 * limit / (error if error > least else least)) ** (1.0 / (row + 1))
+            change = 0.9 * (0.5 * limit / (error if error > least else least)) ** (1.0 / (power * row + 1))
             length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
             lengths[row] = length = length if length < longest else longest
             prices[row] = costs[row] / length

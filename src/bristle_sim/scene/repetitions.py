@@ -18,26 +18,32 @@ class Repetitions:
         counts: steps in each repetition.
         costs: of the repetitions up to each one, in engine steps.
         weights: that extrapolate the results up to each one to zero step.
+        first_order: such weights for results whose error has all powers of the step.
         differences: the last extrapolate less the one without the first result, an estimate of the latter's error.
+        power: of the step in which the error is a polynomial.
         noise: rounding that the weights make of that of an angle.
     """
 
-    def __init__(self, *counts: int) -> None:
+    def __init__(self, *counts: int, power: int = 1) -> None:
         """Compute all from ascending numbers of steps."""
         rows = range(len(counts))
-        self.counts = counts
+        self.counts, self.power = counts, power
         self.costs = [RUN_OVERHEAD * (row + 1) + sum(counts[: row + 1]) for row in rows]
-        self.weights = [lagrange_weights(counts[: row + 1]) for row in rows]
+        self.first_order = [lagrange_weights(counts[: row + 1]) for row in rows]
+        self.weights = self.first_order if power == 1 else [lagrange_weights(counts[: row + 1], power) for row in rows]
         self.differences = [
-            tuple(a - b for a, b in zip(self.weights[row], (0.0, *lagrange_weights(counts[1 : row + 1])), strict=True))
+            tuple(
+                a - b
+                for a, b in zip(self.weights[row], (0.0, *lagrange_weights(counts[1 : row + 1], power)), strict=True)
+            )
             for row in rows
         ]
         self.noise = [ROUNDING * sum(map(abs, weights)) for weights in self.weights]
 
 
-def lagrange_weights(counts: tuple[int, ...]) -> tuple[float, ...]:
-    """Return the weights that extrapolate ``counts`` steps to zero step: Lagrange's polynomial in h = 1/n at h = 0."""
-    return tuple(math.prod(n / (n - other) for other in counts if other != n) for n in counts)
+def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
+    """Return the weights that extrapolate ``counts`` steps to zero step: Lagrange's polynomial in h^power, h = 1/n, at 0."""
+    return tuple(math.prod(n**power / (n**power - other**power) for other in counts if other != n) for n in counts)
 
 
 CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)
@@ -45,6 +51,9 @@ CLOSE = Repetitions(4, 5, 6, 7, 8, 10, 12, 14, 16, 18, 20, 24)
 
 WIDE = Repetitions(4, 6, 8, 12, 16, 24, 32, 48)
 """Small weights, for stiff contacts whose forces carry the rounding of a small penetration."""
+
+EVEN = Repetitions(2, 4, 6, 8, 10, 12, 16, 20, 24, power=2)
+"""Steps symmetric in time; an odd number of them has an error of its own."""
 
 LEAST_ROWS = 4
 """Repetitions to begin with."""

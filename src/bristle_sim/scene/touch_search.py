@@ -71,8 +71,7 @@ def search_touch(
         return None
     error = progress.stepper.interpolation_error(interval.start, end.state)
     if progress.mechanism.wire_links > 1:
-        states = (interval.start, end.state)
-        if all(behind_joint(progress, each, obstacle, [*separating, *sustained]) for each in states):
+        if behind_joint(progress, obstacle, [*separating, *sustained], end.state):
             return None
         error += progress.cubic_error(interval.length)
     found = find_touch(progress, interval, obstacle, error)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle
 
@@ -24,13 +25,19 @@ def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> Obstacle | N
     return next((each for each in progress.obstacles if (each.name, each.link) == (obstacle.name, link)), None)
 
 
-def behind_joint(progress: Progress, state: State, obstacle: Obstacle, active: Sequence[Obstacle]) -> bool:
-    """Whether a link is nearest to what its neighbour is in contact with at the joint that both have."""
-    if not active:
-        return False
-    start, end = obstacle.foot(progress.gaps.poses(state)[obstacle.link])
-    lower, upper = (neighbour(progress, obstacle, step) for step in (-1, 1))
-    return (lower in active and start <= AT_JOINT) or (upper in active and end >= -AT_JOINT)
+def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle], end: State) -> bool:
+    """Whether a link is nearest to what its neighbour is in contact with at the joint that both have, up to a state.
+
+    One that is clear of it and ends elsewhere may touch it by itself.
+    """
+    gaps, now = progress.gaps, progress.state
+    sides = [(1.0, 0, neighbour(progress, obstacle, -1)), (-1.0, 1, neighbour(progress, obstacle, 1))]
+    for sign, index, other in sides:
+        if other in active:
+            feet = [sign * obstacle.foot(gaps.poses(state)[obstacle.link])[index] for state in (now, end)]
+            if feet[0] <= AT_JOINT and (feet[1] <= AT_JOINT or gaps.gap(obstacle, now) <= GAP_ROUNDING):
+                return True
+    return False
 
 
 def at_joint(progress: Progress, obstacle: Obstacle) -> Obstacle:

@@ -6,6 +6,9 @@ strike resolved in time. The further ahead a knee puts the tip, the sooner the s
 knee bent far enough forward turns it while the contact still compresses, the other two only on the way out, and the
 forward knee leaves backwards fastest. How far each slides before that depends on the knee: with 30 degrees 1.13, 1.25 and
 1.13 mm (reverse, straight, forward), with 60 degrees 0.98, 1.25 and 0.40 mm. No rigid bristle retracts at once.
+
+A wire of links strikes a workpart of the same stiffness as the rigid bristle: that which would keep the rigid one in touch for
+the contact's duration.
 """
 
 from __future__ import annotations

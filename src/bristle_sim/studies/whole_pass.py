@@ -43,8 +43,8 @@ ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contac
 """Differences of two angles of some radians."""
 
 
-MOST_LINKS = 8
-"""Links of a wire in a whole pass; the engine's solver takes half a minute for the way to the strike of so many."""
+MOST_LINKS = 16
+"""Links of a wire in a whole pass, which takes 1,500 n^2 engine steps to the strike and 7,000 n^2 in all, to 1e-6."""
 
 UNITS = {
     "release_time": "s",
