@@ -58,14 +58,11 @@ class Scene:
 
     Attributes:
         mechanism, effects: what was built.
-        space: the pymunk space.
         hub: the kinematic body that carries the root, or None.
         links: the dynamic bodies, in order from the root.
         joints: the pivots they hang on.
         place: puts every body exactly where a state says, joints closed, velocities consistent.
         step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
-        warm_up: takes an engine step and puts the bodies back.
-        angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
         contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
     """
 
@@ -73,16 +70,32 @@ class Scene:
         """Build the space; the links hang at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
-        self.space = _space(mechanism, effects)
-        self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
-        self.links, self.joints = _add_links(self.space, mechanism, self.hub)
-        _add_springs(self.space, mechanism, effects, self.hub, self.links)
-        self.contacts = ContactShapes(self.space, mechanism, self.links, self._set_iterations)
-        self._engine = EngineSteps(self.space, self.hub, self.links, self.joints)
+        space = _space(mechanism, effects)
+        self.hub = _add_hub(space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
+        self.links, self.joints = _add_links(space, mechanism, self.hub)
+        _add_springs(space, mechanism, effects, self.hub, self.links)
+        self._engine = EngineSteps(space, self.hub, self.links, self.joints)
+        self.contacts = ContactShapes(space, mechanism, self.links, self._engine.set_iterations)
         self._engine.set_iterations(self.contacts.in_flight)
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
-        self.place, self.step, self.warm_up = self._placement.place, self._engine.take, self._engine.warm_up
-        self.angles, self.rates = self._engine.angles, self._engine.rates
+        self.place, self.step = self._placement.place, self._engine.take
+
+    @property
+    def space(self) -> pymunk.Space:
+        """The pymunk space."""
+        return self._engine.space
+
+    def angles(self) -> list[float]:
+        """Return those of the links as they are in the engine, rad, less ``turned``."""
+        return self._engine.angles()
+
+    def rates(self) -> list[float]:
+        """Return those of the links as they are in the engine."""
+        return self._engine.rates()
+
+    def warm_up(self, length: float) -> None:
+        """Take an engine step and put the bodies back."""
+        self._engine.warm_up(length)
 
     @property
     def steps(self) -> int:
@@ -114,16 +127,6 @@ class Scene:
         """Whether the engine's iterations suffice to solve the joints in flight."""
         return self.contacts.in_flight < MOST_ITERATIONS
 
-    def _set_iterations(self, count: int) -> None:
-        """Have the engine's solver take so many iterations."""
-        self._engine.set_iterations(count)
-
-    def drift(self, duration: float) -> None:
-        """Move all bodies on (or back) at their velocities, without forces."""
-        for body in self._engine.bodies:
-            body.position += body.velocity * duration
-            body.angle += body.angular_velocity * duration
-
     def correct_joints(self, *, completely: bool) -> None:
         """Have the engine close the joints at every step, or leave them alone."""
         for joint in self.joints:
@@ -145,28 +148,27 @@ class Placement:
         self.placements = 0
         self._put = put
         # Runs over one interval all start from one state.
-        self._last: tuple[State | None, float] = (None, 0.0)
+        self._last: State | None = None
 
-    def place(self, state: State, drift: float = 0.0) -> None:
-        """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
+    def place(self, state: State) -> None:
+        """Put every body where a state says, with its velocity."""
         self.placements += 1
-        if self._last[0] is state and self._last[1] == drift:
+        if self._last is state:
             self._put(None)
             return
-        self._last = (state, drift)
-        self._put(self._values(state, drift))
+        self._last = state
+        self._put(self._values(state))
 
-    def _values(self, state: State, drift: float) -> list[float]:
+    def _values(self, state: State) -> list[float]:
         """Return what the engine is told of every body."""
         values: list[float] = []
         if self.has_hub:
-            hub_angle = self.mechanism.hub_angle(state.time + drift)
+            hub_angle = self.mechanism.hub_angle(state.time)
             # Rounding of an angle grows with its size, and extrapolation magnifies it.
             self.turned = math.tau * round(hub_angle / math.tau)
             values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
         for pose, angle, rate in zip(self.mechanism.poses(state), state.angles, state.rates, strict=True):
-            (x, y), (u, v) = pose.centre, pose.centre_velocity
-            values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
+            values += (*pose.centre, angle - self.turned, *pose.centre_velocity, rate)
         return values
 
 

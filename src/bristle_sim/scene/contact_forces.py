@@ -24,7 +24,6 @@ class ContactForces:
         self.scene = scene
         self.obstacles = tuple(obstacles)
         self.reached: Sequence[float] = ()
-        self._numbered = tuple(enumerate(self.obstacles))
         self._last = [(0.0, 0.0, 0.0)] * len(self.obstacles)
         self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
         self._sums: list[float] = []
@@ -99,7 +98,7 @@ class ContactForces:
 
     def _add(self) -> None:
         sums, last, totals = self._sums, self._last, self.scene.contacts.totals
-        for index, obstacle in self._numbered:
+        for index, obstacle in enumerate(self.obstacles):
             push, rub, slip = last[index] = totals(obstacle)
             sums[3 * index] += push
             if obstacle.friction:

@@ -61,7 +61,8 @@ class Extrapolation:
         error = math.inf
         for row, count in enumerate(table.counts[: self.most_rows]):
             scene.place(state)
-            values = take_steps(scene, duration / count, count, load)
+            step = duration / count
+            values = scene.step(step, count) if load is None else take_steps(scene, step, count, load)
             if load is not None and load.fails(values[3 * size :]):
                 return unpack(scene, state, duration, values, math.inf, failed=True, errors=known)
             if row == 0:
