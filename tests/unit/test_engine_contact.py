@@ -129,6 +129,25 @@ class TestSetBack:
         assert set_back(gaps, [WorkpartObstacle(0.9, 0.0, 0.0, 0.5)], state) == state
 
 
+def test_when_a_force_that_is_a_parabola_in_time_vanishes() -> None:
+    """6 (1 - t/4)(1 - t/9) from 0 to 1: an impulse of 6 (1 - 13/72 + 1/108) and 6 (3/4)(8/9) = 4 at its end; zero at 4."""
+    contact = Sustained(WorkpartObstacle(0.9, 0.4, 0.4, 0.5))
+    contact.begin(State(0.0, (0.7,), (0.5,)))
+    # A first interval in which the force rises by 1 from an unknown value, as a straight line.
+    contact.add(6.0, (5.5, 0.0, 0.0), 1.0)
+    assert contact.vanishes_in == math.inf
+    contact.add(4.0, (6.0 * (1.0 - 13.0 / 72.0 + 1.0 / 108.0), 0.0, 0.0), 1.0)
+    assert contact.vanishes_in == pytest.approx(3.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(("rate", "sense"), [(0.5, 1), (-0.5, -1), (0.0, None)])
+def test_friction_on_a_single_link_acts_against_a_given_slip(rate: float, sense: int | None) -> None:
+    """The tip of a rod at 0.7 slips by its rate times cos 0.7; at rest it has no sense."""
+    contact = Sustained(WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5))
+    contact.look_up_slip(Gaps(ROD), State(0.0, (0.7,), (rate,)))
+    assert contact.slip == sense
+
+
 def test_record_of_a_sustained_contact() -> None:
     """Slip of a tip at 0.7 is the rate times cos 0.7; the normal velocity is 0 by definition."""
     obstacle = WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5)

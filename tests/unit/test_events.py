@@ -6,8 +6,9 @@ from collections.abc import Callable
 import pytest
 
 from bristle_sim.scene import events
-from bristle_sim.scene.events import first_touch, guess, interpolate, locate
+from bristle_sim.scene.events import first_touch, guess, interpolate, locate, settle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.stepping import Advance
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 
@@ -167,6 +168,33 @@ class TestGuess:
         assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END, 0.4) is None
         assert guess(lambda _: math.nan, self.START, self.END) is None
         assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END._replace(time=1.0)) is None
+
+
+class TestSettle:
+    """A harmonic motion of amplitude 1, which the cubic of an interval of 0.5 misses by 0.5^4/384 = 2e-4 at most."""
+
+    START = State(0.0, (1.0,), (0.0,))
+
+    def settled(self, level: float, near: float, last: float) -> tuple[float | None, int]:
+        """Return when the motion passes a level, and how many intervals that took."""
+        runs = []
+
+        def again(time: float) -> Advance:
+            runs.append(time)
+            return Advance(State(time, (math.cos(time),), (-math.sin(time),)), (-math.cos(time),), (), 0.0)
+
+        return settle(lambda state: state.angles[0] - level, self.START, again, near, last, 1e-13), len(runs)
+
+    @pytest.mark.parametrize("off", [0.0, 1e-4, -1e-4, 1e-2])
+    def test_three_intervals_from_a_guess_on_the_cubic(self, off: float) -> None:
+        """Each leaves 1e-2 of the square of the error before: 2e-4, 4e-10 and rounding."""
+        found, runs = self.settled(math.cos(0.4), 0.4 + off, 0.5)
+        assert found == pytest.approx(0.4, abs=1e-12)  # the tolerance over the slope there
+        assert runs <= 3
+
+    def test_none_where_it_leads_out_of_the_interval(self) -> None:
+        assert self.settled(math.cos(0.4), 0.25, 0.3)[0] is None
+        assert self.settled(2.0, 0.25, 0.3)[0] is None
 
 
 def test_a_cubic_has_the_states_and_rates_of_its_ends() -> None:

@@ -67,9 +67,9 @@ class TestInertia:
             hub, link, mechanism, step = scene.hub, scene.links[0], scene.mechanism, scene.step
 
             def without(length: float, count: int, act=None) -> list[float]:
-                def push(step: float) -> None:
+                def push() -> None:
                     if act is not None:
-                        act(step)
+                        act()
                     relative = link.angle - hub.angle
                     link.torque += 0.5 * mechanism.hub_radius * mechanism.hub_speed**2 * math.sin(relative)
 

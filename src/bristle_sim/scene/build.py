@@ -62,14 +62,11 @@ class Scene:
 
     Attributes:
         mechanism, effects: what was built.
-        space: the pymunk space.
         hub: the kinematic body that carries the root, or None.
         links: the dynamic bodies, in order from the root.
         joints: the pivots they hang on.
         place: puts every body exactly where a state says, joints closed, velocities consistent.
         step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
-        warm_up: takes an engine step and puts the bodies back.
-        angles, rates: read those of the links as they are in the engine, rad; angles less ``turned``.
         contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
     """
 
@@ -77,16 +74,32 @@ class Scene:
         """Build the space; the links hang at angle 0 until placed."""
         self.mechanism = mechanism
         self.effects = effects
-        self.space = _space(mechanism, effects)
-        self.hub = _add_hub(self.space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
-        self.links, self.joints = _add_links(self.space, mechanism, self.hub)
-        _add_springs(self.space, mechanism, effects, self.hub, self.links)
-        self.contacts = ContactShapes(self.space, mechanism, self.links, self._set_iterations)
-        self._engine = _engine_steps(self.space, mechanism, effects, self.hub, self.links, self.joints)
+        space = _space(mechanism, effects)
+        self.hub = _add_hub(space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
+        self.links, self.joints = _add_links(space, mechanism, self.hub)
+        _add_springs(space, mechanism, effects, self.hub, self.links)
+        self._engine = _engine_steps(space, mechanism, effects, self.hub, self.links, self.joints)
+        self.contacts = ContactShapes(space, mechanism, self.links, self._engine.set_iterations)
         self._engine.set_iterations(self.contacts.in_flight)
         self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
-        self.place, self.step, self.warm_up = self._placement.place, self._engine.take, self._engine.warm_up
-        self.angles, self.rates = self._engine.angles, self._engine.rates
+        self.place, self.step = self._placement.place, self._engine.take
+
+    @property
+    def space(self) -> pymunk.Space:
+        """The pymunk space."""
+        return self._engine.space
+
+    def angles(self) -> list[float]:
+        """Return those of the links as they are in the engine, rad, less ``turned``."""
+        return self._engine.angles()
+
+    def rates(self) -> list[float]:
+        """Return those of the links as they are in the engine."""
+        return self._engine.rates()
+
+    def warm_up(self, length: float) -> None:
+        """Take an engine step and put the bodies back."""
+        self._engine.warm_up(length)
 
     @property
     def steps(self) -> int:
@@ -127,16 +140,6 @@ class Scene:
     def step_symmetrically(self) -> Callable[[float, int], list[float]] | None:
         """Takes steps symmetric in time, from half a step behind, of wires that bend where the engine's contacts do not act."""
         return self._engine.take_symmetric
-
-    def _set_iterations(self, count: int) -> None:
-        """Have the engine's solver take so many iterations."""
-        self._engine.set_iterations(count)
-
-    def drift(self, duration: float) -> None:
-        """Move all bodies on (or back) at their velocities, without forces."""
-        for body in self._engine.bodies:
-            body.position += body.velocity * duration
-            body.angle += body.angular_velocity * duration
 
     def correct_joints(self, *, completely: bool) -> None:
         """Have the joints closed at every step, or leave them alone."""

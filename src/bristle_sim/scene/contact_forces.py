@@ -30,7 +30,6 @@ class ContactForces:
         self.obstacles = tuple(obstacles)
         self.reached: Sequence[float] = ()
         self.held: Sequence[Held] = ()
-        self._numbered = tuple(enumerate(self.obstacles))
         self._last = [(0.0, 0.0, 0.0)] * len(self.obstacles)
         self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
         self._sums: list[float] = []
@@ -116,7 +115,7 @@ class ContactForces:
 
     def _add(self) -> None:
         sums, last, wires = self._sums, self._last, self.scene.wires
-        for index, obstacle in self._numbered:
+        for index, obstacle in enumerate(self.obstacles):
             found = self.scene.contacts.totals(obstacle) if wires is None else wires.impulses[index]
             push, rub, slip = last[index] = found
             self._pulls |= push < 0.0

@@ -104,7 +104,6 @@ class EngineSteps:
 
     Attributes:
         space: the space, with all its bodies, joints and shapes.
-        bodies: those that move, the hub first.
         joints: pivots between them.
         steps: engine steps taken so far.
         work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
@@ -125,10 +124,10 @@ class EngineSteps:
     ) -> None:
         """Nothing is to be remembered yet."""
         self.space, self.joints = space, joints
-        self.bodies = list(links) if hub is None else [hub, *links]
+        bodies = list(links) if hub is None else [hub, *links]
         self.steps = self.work = 0
-        self.place, self._kept = placer(self.bodies), placer(self.bodies)
-        self._angle, self._rate, self._links = readers(links)
+        self.place, self._kept = placer(bodies), placer(bodies)
+        self._readers = readers(links)
         self._last_length = math.inf
         self._step = stepper(space)
         self._price = 1
@@ -140,11 +139,13 @@ class EngineSteps:
 
     def angles(self) -> list[float]:
         """Return the angles of the links."""
-        return list(map(self._angle, self._links))
+        angle, _, links = self._readers
+        return list(map(angle, links))
 
     def rates(self) -> list[float]:
         """Return the rates of the links."""
-        return list(map(self._rate, self._links))
+        _, rate, links = self._readers
+        return list(map(rate, links))
 
     def take(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
         """Take ``count`` engine steps of one length, and return the links' angles, rates, and accelerations in the last step.
@@ -169,7 +170,7 @@ class EngineSteps:
 
     def _last_step(self, length: float) -> list[float]:
         """Take one step, and return what :meth:`take` does."""
-        angle, rate, links = self._angle, self._rate, self._links
+        angle, rate, links = self._readers
         if len(links) == 1:
             (link,) = links
             first = rate(link)

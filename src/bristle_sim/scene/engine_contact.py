@@ -108,6 +108,8 @@ class EngineContacts:
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
         """Return the piece that touches from now on: at a corner two do, a moment later one."""
+        if obstacle.partner is None and not self.scene.mechanism.links[obstacle.link].knees:
+            return 0
         angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
         later = State(state.time + MOMENT, angles, state.rates)
         return obstacle.touch_between(self.scene.mechanism.poses(later), later.rates).piece

@@ -61,6 +61,7 @@ class Extrapolation:
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
         symmetric = scene.step_symmetrically if load is None else None
+        take = symmetric or scene.step
         if (table := EVEN if symmetric else self._given) is not self.repetitions:
             self._use(table)
         known: dict[int, float] = {}
@@ -70,7 +71,7 @@ class Extrapolation:
         for row, count in enumerate(table.counts[: self.most_rows]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
-            values = symmetric(step, count) if symmetric else take_steps(scene, step, count, load)
+            values = take(step, count) if load is None else take_steps(scene, step, count, load)
             if load is not None and load.fails(values[3 * size :]):
                 return unpack(scene, state, duration, values, math.inf, failed=True, errors=known)
             if row == 0:

@@ -94,6 +94,11 @@ class Progress:
         return min(1e-2, max(1e-5, math.sqrt(self.plan.accuracy))) * self.plan.time_scale
 
     @property
+    def shortest(self) -> float:
+        """Length of an interval within which a force that vanishes has vanished at once."""
+        return max(1e-9, 0.1 * self.plan.accuracy) * self.plan.time_scale
+
+    @property
     def first_interval(self) -> float:
         """Longest interval right after a contact, and the least that the growth of later ones starts from."""
         return min(GROWTH * self.instant, max(self.instant, self.plan.longest_interval / GROWTH))
@@ -125,10 +130,6 @@ class Progress:
     def leave_dent(self, number: int) -> None:
         """Have the pair of that number touch the surface again."""
         self.obstacles[number] = self.scene.effects.obstacles[number]
-
-    def cubic_error(self, length: float) -> float:
-        """Return how far the cubic through the ends of an interval may be off a motion of the shortest time scale."""
-        return VIBRATION * length * (length / self.plan.time_scale) ** 3
 
     def sample(self, force: float | tuple[float, ...]) -> None:
         """Record the state that was reached, with the normal force, of each wire if there are several."""
@@ -185,10 +186,6 @@ class Progress:
 CAPTURE = 1e-8
 """An impact slower than this fraction of the fastest point's speed takes the rest of the approach away: repeated taps of
 a restitution below 1 add up in finite time."""
-
-VIBRATION = 0.01
-"""Error of the cubic in the scene's unit, per fourth power of the interval and third power of the fastest rate: of a rate of
-1 at that frequency, h^4 w^3/384 times some safety."""
 
 FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
 """Events after which a run cannot be resumed, requested or not."""

@@ -29,7 +29,7 @@ def trajectory_in_si(
         states = [State(state.time, state.angles[own], state.rates[own]) for state in states]
     time, angles, rates = (np.array(column) for column in zip(*states, strict=True))
     hub = np.asarray(mechanism.hub_start + mechanism.hub_speed * time)
-    kinetic, potential = _energies(mechanism, scene.effects, states, (hub, angles, rates))
+    kinetic, potential = _energies(mechanism, scene.effects, (hub, angles, rates))
     centre_line, centre_line_velocity = mechanism.centre_line(time, angles, rates)
     forces = [each[wire] if isinstance(each, tuple) else each for each in recording.forces]
     return Trajectory(
@@ -86,21 +86,22 @@ def _contacts(recording: Recording, mechanism: Mechanism, wire: int) -> Iterator
             )
 
 
-def _energies(
-    mechanism: Mechanism, effects: Effects, states: list[State], motion: tuple[Array, Array, Array]
-) -> tuple[Array, Array]:
+def _energies(mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array, Array]) -> tuple[Array, Array]:
     """Return kinetic energy, and potential energy of belt, hinges and gravity, in engine units, each of shape (n,).
 
     ``motion`` is the states' hub angle, angles and rates as arrays.
     """
     hub, angles, rates = motion
-    poses = [mechanism.poses(state) for state in states]
-    kinetic, potential = np.zeros(len(states)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
+    kinetic, potential = np.zeros(len(hub)), 0.5 * (effects.stiffness or 0.0) * (angles[:, 0] - hub) ** 2
+    place = -1j * mechanism.hub_radius * np.exp(1j * hub)
+    velocity = 1j * mechanism.hub_speed * place
     for number, link in enumerate(mechanism.links):
-        velocity = np.array([each[number].centre_velocity for each in poses])
-        height = np.array([each[number].centre[1] for each in poses])
-        kinetic += 0.5 * link.mass * (velocity**2).sum(axis=1) + 0.5 * link.inertia * rates[:, number] ** 2
-        potential += effects.gravity * link.mass * height
+        turn, rate = np.exp(1j * angles[:, number]), rates[:, number]
+        arm = complex(*link.centre) * turn
+        kinetic += 0.5 * link.mass * np.abs(velocity + 1j * rate * arm) ** 2 + 0.5 * link.inertia * rate**2
+        potential += effects.gravity * link.mass * (place + arm).imag
+        tip = complex(*link.tip) * turn
+        place, velocity = place + tip, velocity + 1j * rate * tip
     for number, (stiffness, _) in enumerate(effects.hinges[: len(mechanism.links) - 1]):
         potential += 0.5 * stiffness * (angles[:, number + 1] - angles[:, number]) ** 2
     return kinetic, potential

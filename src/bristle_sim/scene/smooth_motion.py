@@ -11,19 +11,13 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from bristle_sim.scene.engine_contact import EngineContacts
-from bristle_sim.scene.event_functions import (
-    Change,
-    EventFunction,
-    Release,
-    Slip,
-    Touch,
-)
+from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import GROWTH, Progress
 from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import BEYOND, Sustained, at_work, extremes, inner_states, limits
-from bristle_sim.scene.touch_search import SHORTEST, Interval, search_touch
+from bristle_sim.scene.sustained_contact import Sustained, at_work, extremes, inner_states, limits, until_release
+from bristle_sim.scene.touch_search import SHORTEST, Interval, first_touch_of_all
 from bristle_sim.stop_reason import StopReason
 
 LONGEST = 1.0
@@ -105,21 +99,14 @@ class SmoothMotion:
             if self.before is None and each.stopped:
                 return Slip(each.obstacle, -each.stopped)
         alone = len(self.progress.mechanism.links) == 1
-        if (self.before is None and alone) or length <= self._shortest:
+        if (self.before is None and alone) or length <= self.progress.shortest:
             lost = zip(self.sustained, forces, strict=True)
             return Release(tuple(each.obstacle for each, force in lost if force <= 0.0))
-        self.limit = max(min(0.5 * length if self.before else length / GROWTH, self._expected), 0.5 * self._shortest)
+        self.limit = max(
+            min(0.5 * length if self.before else length / GROWTH, until_release(self.sustained)),
+            0.5 * self.progress.shortest,
+        )
         return None
-
-    @property
-    def _expected(self) -> float:
-        """Length of an interval in which the next force vanishes, by the last interval's."""
-        return max(BEYOND * min((each.vanishes_in for each in self.sustained), default=math.inf), self._shortest)
-
-    @property
-    def _shortest(self) -> float:
-        """Length of an interval within which a force that vanishes has vanished at once."""
-        return max(1e-9, 0.1 * self.progress.plan.accuracy) * self.progress.plan.time_scale
 
     def commit(self, result: Advance) -> None:
         """Take over an interval's end; links in sustained contact are set back onto what they touch."""
@@ -140,7 +127,8 @@ class SmoothMotion:
         progress.recording.error += result.error
         progress.sample(force)
         if self.limit is not None:
-            self.limit = min(self._expected, max(GROWTH * length, progress.first_interval))
+            grown = max(GROWTH * length, progress.first_interval)
+            self.limit = min(grown, max(until_release(self.sustained), self.progress.shortest))
         if self.separating:
             gaps, state = progress.gaps, progress.state
             self.separating = tuple(each for each in self.separating if gaps.gap(each, state) <= GAP_ROUNDING)
@@ -158,7 +146,7 @@ class SmoothMotion:
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
-        progress, functions = self.progress, self.event_functions()
+        progress, functions = self.progress, [*self._extremes, *limits(self.progress)]
         changes = progress.changes
         if self.before is None and self.limit is None and self.contacts is None:
             changes.look_back(self.interval_to(result), functions)
@@ -168,13 +156,10 @@ class SmoothMotion:
             changed = changes.find(function, self.interval_to(result), self.before)
             if changed is not None:
                 result, happens, resolve = changed, function, partial(self.note, function)
-        active, whole = [each.obstacle for each in self.sustained], result
-        for obstacle in progress.obstacles:
-            if obstacle not in active and result.state.time > progress.state.time:
-                found = search_touch(progress, self.interval_to(result), obstacle, active, self.separating)
-                if found is not None:
-                    result, touch = found
-                    resolve = None if touch is None else partial(Touch, *touch)
+        whole, active = result, [each.obstacle for each in self.sustained]
+        result, touch = first_touch_of_all(progress, self.interval_to(result), active, self.separating)
+        if result is not whole:
+            resolve = None if touch is None else partial(Touch, *touch)
         if result is not whole or happens is not None:
             # What changes its sign later has not done so yet.
             changes.return_to(known, functions, result, happens if result is whole else None)
@@ -183,10 +168,6 @@ class SmoothMotion:
     def interval_to(self, end: Advance) -> Interval:
         """Return the interval from the state that was reached to its end."""
         return Interval(self.progress.state, end, self.advance)
-
-    def event_functions(self) -> list[EventFunction]:
-        """Return functions whose change of sign is an event of this motion, besides touches."""
-        return [*self._extremes, *limits(self.progress)]
 
     def note(self, function: EventFunction) -> Change | None:
         """Record what an event function found, and return what it changes about the contacts."""

@@ -129,6 +129,11 @@ class Sustained:
         )
 
 
+def until_release(sustained: Sequence[Sustained]) -> float:
+    """Return the length of an interval in which the first force vanishes, as far as the last interval tells."""
+    return BEYOND * min((each.vanishes_in for each in sustained), default=math.inf)
+
+
 def in_touch(gaps: Gaps, contact: Sustained, state: State) -> list[EventFunction]:
     """Return functions of the state that have kinks of a sustained contact for zeros: it passes a corner, its slip turns."""
     obstacle = contact.obstacle
@@ -182,8 +187,9 @@ def at_work(progress: Progress, contacts: EngineContacts) -> list[EventFunction]
     """Return what ends or changes sustained contacts besides their forces."""
     found = []
     for index, obstacle in enumerate(contacts.obstacles):
-        found += [locking(contacts, progress.gaps, index), elbow(contacts, progress.gaps, index)]
-        found.append(_parting(contacts.forces, index))
+        found += [locking(contacts, progress.gaps, index), _parting(contacts.forces, index)]
+        if progress.mechanism.links[obstacle.link].knees:
+            found.append(elbow(contacts, progress.gaps, index))
         if len(progress.mechanism.links) > 1:
             found += _hand_overs(progress, obstacle)
             found += [_sticking(contacts.forces, index)] if contacts.slips[index] == 0 else []

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 
 GAP_TOLERANCE = 1e-13
-"""To which a touch is located: rounding of an extrapolated interval is of this size, and a closer search would not end."""
+"""Least gap to which a touch is located: rounding of an extrapolated interval is of this size, and a closer search would not end."""
+
+LOCATED = 1e-6
+"""Gap to which a touch is located, as a fraction of the accuracy: a slow approach makes more of it in time."""
 
 SHORTEST = 1e-13
 """An interval shorter than this fraction of the scene's time unit means that no interval is short enough. A motion of that
@@ -53,17 +56,36 @@ LEAST_HOP = 1e-6
 """Fraction of an interval within which a rebound that is shorter is taken for none."""
 
 
-def search_touch(
+VIBRATION = 0.01
+"""Error of the cubic in the scene's unit, per fourth power of the interval and third power of the fastest rate: of a rate of
+1 at that frequency, h^4 w^3/384 times some safety."""
+
+
+def first_touch_of_all(
+    progress: Progress, interval: Interval, sustained: Sequence[Obstacle], separating: Sequence[Obstacle]
+) -> tuple[Advance, Touch | None]:
+    """Return the interval up to its first touch, and the touch; or up to where a link comes nearest to what it does not touch.
+
+    ``sustained`` and ``separating`` are the pairs that are in contact and those that leave each other.
+    """
+    first: Touch | None = None
+    for obstacle in progress.obstacles:
+        if obstacle not in sustained and interval.length > 0.0:
+            found = _search_touch(progress, interval, obstacle, sustained, separating)
+            if found is not None:
+                end, first = found
+                interval = interval._replace(end=end)
+    return interval.end, first
+
+
+def _search_touch(
     progress: Progress,
     interval: Interval,
     obstacle: Obstacle,
     sustained: Sequence[Obstacle],
     separating: Sequence[Obstacle],
 ) -> tuple[Advance, Touch | None] | None:
-    """Return the interval cut short where it comes nearest to an obstacle, and the touch if it does touch; None if it is clear.
-
-    ``sustained`` and ``separating`` are the pairs that are in contact and those that leave each other.
-    """
+    """Return the interval cut short where it comes nearest to an obstacle, and the touch if it does touch; None if it is clear."""
     end = interval.end
     if obstacle in separating:
         return _search_return(progress, interval, obstacle)
@@ -73,7 +95,7 @@ def search_touch(
     if progress.mechanism.wire_links > 1:
         if behind_joint(progress, obstacle, [*separating, *sustained], end.state):
             return None
-        error += progress.cubic_error(interval.length)
+        error += VIBRATION * interval.length * (interval.length / progress.plan.time_scale) ** 3
     found = find_touch(progress, interval, obstacle, error)
     return None if found is None else (found[0], Touch(obstacle) if found[1] else None)
 
@@ -139,7 +161,8 @@ def find_touch(
     near = guess(gap_of, start, end.state, fraction)
     if (near or last) < MUCH_SHORTER * interval.length:
         progress.stepper.begin_afresh()
-    if near is not None and (closed := settle(gap_of, start, again, near, last, GAP_TOLERANCE)) is not None:
+    tolerance = min(max(LOCATED * progress.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
+    if near is not None and (closed := settle(gap_of, start, again, near, last, tolerance)) is not None:
         return again(closed), True
     reached, closed = end if fraction == 1.0 else again(last), last
     at_end, rate = gaps.gap_and_rate(obstacle, reached.state)
