@@ -62,7 +62,9 @@ def read_force_csv(
     if len(rows) < FEWEST_POINTS:
         raise ValueError(f"{path}: {len(rows)} points; there must be at least {FEWEST_POINTS}")
     values = _numbers(path, layout, rows, (time.place, force.place))
-    seconds = _increasing(path, rows, values[0] * _time_unit(path, time))
+    if time.unit and time.unit not in TIME:
+        raise ValueError(f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}")
+    seconds = _increasing(path, rows, values[0] * TIME.get(time.unit, 1.0))
     return seconds, values[1] * _force_unit(path, force, force_per_volt)
 
 
@@ -143,12 +145,6 @@ def _increasing(path: str | Path, rows: list[tuple[int, str]], time: Array) -> A
     raise ValueError(
         f"{path}, line {rows[wrong][0]}: time = {here:g}: must be more than the time before, {before:g} (in s)"
     )
-
-
-def _time_unit(path: str | Path, column: Column) -> float:
-    if column.unit and column.unit not in TIME:
-        raise ValueError(f"{path}: column {column} in {column.unit!r}: a time must be in {', '.join(TIME)}")
-    return TIME.get(column.unit, 1.0)
 
 
 def _force_unit(path: str | Path, column: Column, force_per_volt: float | None) -> float:

@@ -134,19 +134,20 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 
 
 def _figures(report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool) -> list[Markup]:
+    """Draw the figures as elements of the page: an SVG without its XML head, another picture by its bytes."""
+    found = []
     with TemporaryDirectory() as folder:
         target = Path(folder)
         plot(report, target if plot_is_folder else target / "figure.svg")
-        return [_inline(path) for path in sorted(target.iterdir())]
-
-
-def _inline(path: Path) -> Markup:
-    """Return a figure as an element of the page: an SVG without its XML head, another picture by its bytes."""
-    if path.suffix != ".svg":
-        return Markup('<img src="{}" alt="{}">').format(_embedded(path), path.stem.replace("_", " "))
-    drawing = path.read_text(encoding="utf-8")
-    drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
-    return Markup(drawing)
+        for path in sorted(target.iterdir()):
+            if path.suffix == ".svg":
+                drawing = path.read_text(encoding="utf-8")
+                drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
+                found.append(Markup(drawing))
+            else:
+                name = path.stem.replace("_", " ")
+                found.append(Markup('<img src="{}" alt="{}">').format(_embedded(path), name))
+    return found
 
 
 def _embedded(path: Path) -> str:
