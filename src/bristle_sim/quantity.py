@@ -193,33 +193,22 @@ def quantity(
     meaning: str = "",
     usual: tuple[float, float] | None = None,
     needs: str = "",
+    whole: bool = False,
 ) -> Any:
     """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` (0) includes it.
 
-    A default of None makes the parameter optional. ``meaning``, ``usual`` and ``needs`` are those of :class:`Range`; unit
-    and meaning are the glossary's unless given.
+    A default of None makes the parameter optional. ``meaning``, ``usual``, ``needs`` and ``whole`` are those of
+    :class:`Range`; unit and meaning are the glossary's unless given.
     """
     if above is not None and at_least is not None:
         raise ValueError(f"{key}: declare one of above and at_least")
     lowest, known = (at_least or 0.0 if above is None else above), KEYS.get(key, ("", ""))
-    words = (source, default is None, meaning or known[1], usual, needs)
+    words = (source, default is None, meaning or known[1], usual, needs, whole)
     return _declared(default, Range(key, unit or known[0], lowest, at_most, above is None, *words))
 
 
-def count(
-    default: int,
-    key: str,
-    *,
-    at_least: int,
-    at_most: int,
-    source: str,
-    meaning: str = "",
-    usual: tuple[float, float] | None = ANY,
-    needs: str = "",
-) -> Any:
-    """Declare a dataclass field that holds a whole number between two bounds, which it may have."""
-    words = (source, False, meaning or KEYS.get(key, ("", ""))[1], usual, needs)
-    return _declared(default, Range(key, "1", at_least, at_most, True, *words, whole=True))
+count = functools.partial(quantity, unit="1", usual=ANY, whole=True)
+"""Declare a dataclass field that holds a whole number between two bounds, which it may have."""
 
 
 def choice(default: str, key: str, options: tuple[str, ...], *, source: str, meaning: str = "") -> Any:

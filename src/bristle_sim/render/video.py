@@ -133,10 +133,7 @@ def write_video(
 
 
 def _counted(frames: Iterable[memoryview], size: tuple[int, int], total: int | None, name: str) -> Iterator[memoryview]:
-    """Yield the frames, counted on standard error where that is a terminal and tqdm is installed.
-
-    A frame that has not the announced size is refused; a raw stream would shear without a word.
-    """
+    """Yield the frames, counted on a terminal where tqdm is installed; a raw stream would shear at one of another size."""
     with suppress(ImportError):
         from tqdm import tqdm
 

@@ -109,12 +109,10 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, i
 
 
 def _smooth_pieces(run: Trajectory) -> list[tuple[int, int]]:
-    """First and last sample of each piece in which no contact begins or ends.
-
-    Before and after an impact are samples of their own; where a sustained contact begins or ends one sample belongs to both
-    pieces. The first sample of a sustained contact still has the normal velocity that the impact left, which the second
-    has not, so that the interval between them is a piece of its own.
-    """
+    """First and last sample of each piece in which no contact begins or ends."""
+    # Before and after an impact are samples of their own; where a sustained contact begins or ends one sample belongs to
+    # both pieces. The first sample of a sustained contact still has the normal velocity that the impact left, which the
+    # second has not, so that the interval between them is a piece of its own.
     time = run.time
     jumps = np.flatnonzero(np.diff(time) <= 0.0)
     edges = [0, *np.sort(np.concatenate([jumps, jumps + 1])).tolist(), time.size - 1]
