@@ -109,7 +109,7 @@ class FilmScene(ABC):
             self.caption = self.stage.figure.text(BORDER, 1.0 - 0.33 * HEADER, "", **look)
         columns = [(16, BLACK), (15, BLACK), *columns]
         self.readouts = [Readout(0, 0, letters, color=color) for _, color in columns]
-        widths = [each.width(characters) for each, (characters, _) in zip(self.readouts, columns, strict=True)]
+        widths = [characters * each.advance for each, (characters, _) in zip(self.readouts, columns, strict=True)]
         gap = ((1.0 - 2.0 * BORDER) * width - sum(widths)) / (len(widths) - 1)
         for number, readout in enumerate(self.readouts):
             readout.left = round(BORDER * width + sum(widths[:number]) + number * gap)

@@ -38,13 +38,9 @@ PANELS = (
 def impact_video(impacts: Impacts, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
     """Film an impact as the compliant law resolves it in time, to an mp4 or gif file; needs no display.
 
-    Args:
-        impacts: the impact under every law; the compliant one is filmed, see
-            :func:`bristle_sim.studies.timed_contact.with_visible_contact`.
-        path: of the file, mp4 or gif.
-        fps: frames per second of film.
-        options: those of :class:`ImpactScene`: width and height of the picture in px, duration of the film in s, and how
-            much slower the end of slip is shown than the rest.
+    Options are those of :class:`ImpactScene`: width and height (px), duration of the film (s), and how much ``slower`` the
+    end of slip is shown than the rest. :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact
+    visible.
 
     Raises:
         ValueError: for a tip that does not approach, a file that cannot be written or settings out of range.

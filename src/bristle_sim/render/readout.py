@@ -33,15 +33,10 @@ class Readout:
         self.advance, self.height = round(ADVANCE * letter_size), round(LINE * letter_size)
         self._letters = _alphabet(letter_size, self.advance, self.height, color)
 
-    def width(self, characters: int) -> int:
-        """Return the width of a number of characters, px."""
-        return characters * self.advance
-
     def paint(self, picture: Pixels) -> None:
         """Write the text onto an RGBA picture, clipped at its edges."""
-        known = [self._letters.get(each, self._letters[" "]) for each in self.text]
-        if known:
-            line = np.concatenate(known, axis=1)
+        if self.text:
+            line = np.concatenate([self._letters.get(each, self._letters[" "]) for each in self.text], axis=1)
             place = picture[self.top : self.top + self.height, self.left : self.left + line.shape[1]]
             np.minimum(place, line[: place.shape[0], : place.shape[1]], out=place)
 
