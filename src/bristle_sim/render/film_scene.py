@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK
-from bristle_sim.render.readout import Readout
 from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
-from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
+from bristle_sim.render.video import Readout, Stage, check_film, checked_video_target, write_video
 
 LONGEST = 3600.0
 """Longest film, s."""
