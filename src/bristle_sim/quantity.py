@@ -16,7 +16,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any
 
-from bristle_sim.glossary import KEYS
+from bristle_sim.glossary import KEYS, Key
 
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
@@ -188,43 +188,34 @@ def quantity(
     *,
     above: float | None = None,
     at_least: float | None = None,
-    at_most: float,
+    at_most: float | None = None,
     source: str,
     meaning: str = "",
     usual: tuple[float, float] | None = None,
     needs: str = "",
+    whole: bool = False,
 ) -> Any:
-    """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` (0) includes it.
+    """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` includes it.
 
-    A default of None makes the parameter optional. ``meaning``, ``usual`` and ``needs`` are those of :class:`Range`; unit
-    and meaning are the glossary's unless given.
+    A default of None makes the parameter optional. ``meaning``, ``usual``, ``needs`` and ``whole`` are those of
+    :class:`Range`; unit, meaning and range are the glossary's unless given.
     """
     if above is not None and at_least is not None:
         raise ValueError(f"{key}: declare one of above and at_least")
-    lowest, known = (at_least or 0.0 if above is None else above), KEYS.get(key, ("", ""))
-    words = (source, default is None, meaning or known[1], usual, needs)
-    return _declared(default, Range(key, unit or known[0], lowest, at_most, above is None, *words))
+    known = KEYS.get(key, Key())
+    lowest = next(each for each in (above, at_least, known.lowest) if each is not None)
+    highest = known.highest if at_most is None else at_most
+    words = (source, default is None, meaning or known.meaning, usual, needs, whole)
+    return _declared(default, Range(key, unit or known.unit, lowest, highest, above is None, *words))
 
 
-def count(
-    default: int,
-    key: str,
-    *,
-    at_least: int,
-    at_most: int,
-    source: str,
-    meaning: str = "",
-    usual: tuple[float, float] | None = ANY,
-    needs: str = "",
-) -> Any:
-    """Declare a dataclass field that holds a whole number between two bounds, which it may have."""
-    words = (source, False, meaning or KEYS.get(key, ("", ""))[1], usual, needs)
-    return _declared(default, Range(key, "1", at_least, at_most, True, *words, whole=True))
+count = functools.partial(quantity, unit="1", usual=ANY, whole=True)
+"""Declare a dataclass field that holds a whole number between two bounds, which it may have."""
 
 
 def choice(default: str, key: str, options: tuple[str, ...], *, source: str, meaning: str = "") -> Any:
     """Declare a dataclass field that holds one word out of a few."""
-    return _declared(default, Choice(key, options, source, meaning=meaning or KEYS.get(key, ("", ""))[1]))
+    return _declared(default, Choice(key, options, source, meaning=meaning or KEYS.get(key, Key()).meaning))
 
 
 def _declared(default: Any, declared: Range | Choice) -> Any:

@@ -27,20 +27,11 @@ class Settings:
     """
 
     accuracy: float = quantity(
-        1e-6,
-        "accuracy",
-        at_least=1e-11,
-        at_most=0.1,
-        source="chosen; less than 1e-11 is more than double precision gives",
-        usual=ANY,
+        1e-6, "accuracy", source="chosen; less than 1e-11 is more than double precision gives", usual=ANY
     )
-    step: float | None = quantity(
-        None, "step", at_least=1e-12, at_most=1.0, source="off: the step follows from accuracy", usual=ANY
-    )
+    step: float | None = quantity(None, "step", source="off: the step follows from accuracy", usual=ANY)
     maximum_steps: int = MAXIMUM_STEPS
-    hub_turn: float = quantity(
-        4.71238898038469, "hub_turn", at_least=1e-12, at_most=1e6, source="three quarters of a turn", usual=ANY
-    )
+    hub_turn: float = quantity(4.71238898038469, "hub_turn", source="three quarters of a turn", usual=ANY)
     samples_per_period: int = 24
 
     def __post_init__(self) -> None:

@@ -13,6 +13,7 @@ import os
 import signal
 import subprocess
 import sys
+import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +26,7 @@ from bristle_sim import __version__
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.parameters.crater import Measurement
 from bristle_sim.quantity import choice, quantity, validate
-from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli import Scenario, build, ending, main
 
 
 @dataclass(frozen=True)
@@ -369,21 +370,21 @@ def test_bad_targets_are_refused_before_anything_runs(
     option: str, suffixes: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
 ):
     idle = dataclasses.replace(SCENARIO, run=lambda _: pytest.fail("ran"))
-    ending = suffixes.split(", ", maxsplit=1)[0]
+    suffix = suffixes.split(", ", maxsplit=1)[0]
     (tmp_path / "file").write_text("a file")
-    (tmp_path / f"folder{ending}").mkdir()
-    for name in ("", "out", "out.txt", f"out{ending}.bak", ending):
+    (tmp_path / f"folder{suffix}").mkdir()
+    for name in ("", "out", "out.txt", f"out{suffix}.bak", suffix):
         line = refusal(capsys, option, str(tmp_path / name) if name else "", scenario=idle)
         assert line.startswith(f"{option} = ")
         assert line.endswith(f": must be a file name that ends in {suffixes}")
-    folder = refusal(capsys, option, str(tmp_path / f"folder{ending}"), scenario=idle)
-    assert folder == f"{option} = {str(tmp_path / f'folder{ending}')!r}: must be a file, not a folder"
+    folder = refusal(capsys, option, str(tmp_path / f"folder{suffix}"), scenario=idle)
+    assert folder == f"{option} = {str(tmp_path / f'folder{suffix}')!r}: must be a file, not a folder"
     for parent in ("nowhere", "file"):
-        target = tmp_path / parent / f"out{ending}"
+        target = tmp_path / parent / f"out{suffix}"
         line = refusal(capsys, option, str(target), scenario=idle)
         assert line == f"{option} = {str(target)!r}: must be in an existing, writable folder"
-    assert "File name too long" in refusal(capsys, option, str(tmp_path / ("x" * 5000 + ending)), scenario=idle)
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["file", f"folder{ending}"]
+    assert "File name too long" in refusal(capsys, option, str(tmp_path / ("x" * 5000 + suffix)), scenario=idle)
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["file", f"folder{suffix}"]
 
 
 def test_a_folder_that_cannot_be_written_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch):
@@ -631,6 +632,28 @@ def lose(values):
 
 sys.exit(main(dataclasses.replace(fake.SCENARIO, run=globals()[sys.argv[1]]), []))
 """
+
+
+def test_ctrl_c_inside_the_hook_of_lost_exceptions_is_tried_again(monkeypatch: pytest.MonkeyPatch):
+    """On a busy machine the repeated signal may come before the hook has ended, which would lose it once more."""
+    tried = []
+
+    def again(number: int) -> None:
+        tried.append(number)
+        if len(tried) == 1:
+            signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(ending, "_try_again", again)
+    monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with ending.ending_in_order():
+            sys.unraisablehook(types.SimpleNamespace(exc_type=KeyboardInterrupt))
+    except KeyboardInterrupt:
+        pytest.fail("the hook ends by an exception, which the interpreter forgets")
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert tried == [signal.SIGINT, signal.SIGINT]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of another kind")

@@ -14,8 +14,7 @@ import pytest
 from bristle_sim.parameters import Tool
 from bristle_sim.render import video
 from bristle_sim.render.pass_video import pass_video
-from bristle_sim.render.readout import Readout
-from bristle_sim.render.video import Stage, write_video
+from bristle_sim.render.video import Readout, Stage, write_video
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import make_trajectory
 

@@ -68,11 +68,13 @@ def read_force_csv(
     if len(rows) < FEWEST_POINTS:
         raise ValueError(f"{path}: {len(rows)} points; there must be at least {FEWEST_POINTS}")
     values = _numbers(path, layout, rows, (time.place, force.place))
+    if time.unit and time.unit not in TIME:
+        raise ValueError(f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}")
     if not time.unit and np.array_equal(np.diff(values[0]), np.ones(len(rows) - 1)):
         raise ValueError(
             f"{path}: column {time} counts samples: there must be a column of times, or a unit in its heading"
         )
-    seconds = _increasing(path, rows, values[0] * _time_unit(path, time))
+    seconds = _increasing(path, rows, values[0] * TIME.get(time.unit, 1.0))
     assumed = "s", "N" if force_per_volt is None else "V"
     units = [each.unit or f"no unit: taken as {unit}" for each, unit in zip((time, force), assumed, strict=True)]
     reading = f"time from column {time}, {units[0]}; force from column {force}, {units[1]}"
@@ -156,12 +158,6 @@ def _increasing(path: str | Path, rows: list[tuple[int, str]], time: Array) -> A
     raise ValueError(
         f"{path}, line {rows[wrong][0]}: time = {here:g}: must be more than the time before, {before:g} (in s)"
     )
-
-
-def _time_unit(path: str | Path, column: Column) -> float:
-    if column.unit and column.unit not in TIME:
-        raise ValueError(f"{path}: column {column} in {column.unit!r}: a time must be in {', '.join(TIME)}")
-    return TIME.get(column.unit, 1.0)
 
 
 def _force_unit(path: str | Path, column: Column, force_per_volt: float | None) -> float:

@@ -14,38 +14,19 @@ STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 def speed_ratio_at_strike() -> Any:
     """Declare the bristle's rate over the hub's speed."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
-    return quantity(3.23, "speed_ratio", at_most=1e6, source=source)
+    return quantity(3.23, "speed_ratio", source=source)
 
 
 def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = "") -> Any:
     """Declare the angle gamma of a strike, in degrees."""
-    return quantity(23.4, "impact_angle_deg", at_least=1e-30, at_most=at_most, source=source, meaning=meaning)
-
-
-def _mass(default: float, source: str, meaning: str = "") -> Any:
-    return quantity(default, "rod_mass", at_least=1e-30, at_most=1e6, source=source, meaning=meaning)
-
-
-def _length(default: float, source: str, meaning: str = "") -> Any:
-    return quantity(default, "rod_length", at_least=1e-9, at_most=1e3, source=source, meaning=meaning)
-
-
-def _rate(default: float, key: str, source: str) -> Any:
-    return quantity(default, key, at_least=-1e9, at_most=1e9, source=f"{source}; negative approaches")
-
-
-def _angle(default: float, number: int) -> Any:
-    source = f"Zhang 2020, fig. 2.28: theta_{number}, to the normal"
-    return quantity(default, f"angle_{number}_deg", at_least=-90.0, at_most=90.0, source=source)
+    return quantity(23.4, "impact_angle_deg", at_most=at_most, source=source, meaning=meaning)
 
 
 @dataclass(frozen=True, slots=True)
 class Release(Declared):
     """Release of the bristle from rest relative to the hub."""
 
-    retraction_deg: float = quantity(
-        44.5, "retraction_deg", at_least=1e-6, at_most=89.9, source="Zhang 2020, eq. 2.2: theta_p"
-    )
+    retraction_deg: float = quantity(44.5, "retraction_deg", source="Zhang 2020, eq. 2.2: theta_p")
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,34 +59,36 @@ class ContactStiffness(Declared):
 class SinglePendulum(Declared):
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
-    mass: float = _mass(8.387e-5, "the bristle's: Zhang 2020, 2.4.1")
-    length: float = _length(0.027, "the bristle's: Zhang 2020, 2.4.1")
+    mass: float = quantity(8.387e-5, "rod_mass", source="the bristle's: Zhang 2020, 2.4.1")
+    length: float = quantity(0.027, "rod_length", source="the bristle's: Zhang 2020, 2.4.1")
     impact_angle_deg: float = impact_angle_at_strike(
         "Zhang 2020, fig. 2.25: rod to the normal", meaning="angle between the rod and the surface's normal, gamma"
     )
-    rate: float = _rate(-845.6, "rate", "Zhang 2020, fig. 2.30")
+    rate: float = quantity(-845.6, "rate", source="Zhang 2020, fig. 2.30; negative approaches")
 
 
 @dataclass(frozen=True, slots=True)
 class DoublePendulum(Declared):
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
-    mass: float = _mass(5.0, "Zhang 2020, fig. 2.28: m_2", "mass of the second rod, whose end strikes, m_2")
-    mass_ratio: float = quantity(
-        1.0, "mass_ratio", at_least=1e-9, at_most=1e12, source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2", usual=ANY
+    mass: float = quantity(
+        5.0, "rod_mass", source="Zhang 2020, fig. 2.28: m_2", meaning="mass of the second rod, whose end strikes, m_2"
     )
-    length: float = _length(1.0, "Zhang 2020, sec. 2.4.2: both rods", "length of each rod")
-    angle_1_deg: float = _angle(20.0, 1)
-    angle_2_deg: float = _angle(30.0, 2)
-    rate_1: float = _rate(-0.1, "rate_1", "Zhang 2020, fig. 2.28")
-    rate_2: float = _rate(-0.2, "rate_2", "Zhang 2020, fig. 2.28")
+    mass_ratio: float = quantity(1.0, "mass_ratio", source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2", usual=ANY)
+    length: float = quantity(
+        1.0, "rod_length", source="Zhang 2020, sec. 2.4.2: both rods", meaning="length of each rod"
+    )
+    angle_1_deg: float = quantity(20.0, "angle_1_deg", source="Zhang 2020, fig. 2.28: theta_1, to the normal")
+    angle_2_deg: float = quantity(30.0, "angle_2_deg", source="Zhang 2020, fig. 2.28: theta_2, to the normal")
+    rate_1: float = quantity(-0.1, "rate_1", source="Zhang 2020, fig. 2.28; negative approaches")
+    rate_2: float = quantity(-0.2, "rate_2", source="Zhang 2020, fig. 2.28; negative approaches")
 
 
 @dataclass(frozen=True, slots=True)
 class Neighbours(Declared):
     """Bristles that follow each other in one plane, and how two wires that touch rub and rebound."""
 
-    bristles: int = count(2, "bristles", at_least=2, at_most=12, source="chosen: one bristle and its follower")
+    bristles: int = count(2, "bristles", source="chosen: one bristle and its follower")
     pitch_deg: float = quantity(
         15.0,
         "pitch_deg",
@@ -113,8 +96,8 @@ class Neighbours(Declared):
         at_most=180.0,
         source="chosen: the wires touch at the bar, and again before the last one strikes",
     )
-    friction: float = quantity(0.31, "neighbour_friction", at_most=1e6, source=STEEL_ON_STEEL)
-    restitution: float = quantity(0.42, "neighbour_restitution", at_most=1.0, source=STEEL_ON_STEEL)
+    friction: float = quantity(0.31, "neighbour_friction", source=STEEL_ON_STEEL)
+    restitution: float = quantity(0.42, "neighbour_restitution", source=STEEL_ON_STEEL)
     search: str = choice("yes", "search", ("yes", "no"), source="chosen: it takes some twenty rows of two bristles")
 
 

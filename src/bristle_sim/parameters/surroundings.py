@@ -29,12 +29,10 @@ class Bar(Declared):
         at_most=1e3,
         source="from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg",
     )
-    horizontal: float = quantity(0.05037, "bar_horizontal", at_most=1e3, source="Zhang 2020, eq. 2.3: S_H")
-    vertical: float = quantity(0.0225, "bar_vertical", at_least=-1e3, at_most=1e3, source="Zhang 2020, eq. 2.3: S_V")
-    friction: float = quantity(0.0, "bar_friction", at_most=1e6, source="frictionless as in Zhang 2020, sec. 2.2")
-    restitution: float = quantity(
-        0.0, "bar_restitution", at_most=1.0, source="assumed: the bar does not throw the wire back"
-    )
+    horizontal: float = quantity(0.05037, "bar_horizontal", source="Zhang 2020, eq. 2.3: S_H")
+    vertical: float = quantity(0.0225, "bar_vertical", source="Zhang 2020, eq. 2.3: S_V")
+    friction: float = quantity(0.0, "bar_friction", source="frictionless as in Zhang 2020, sec. 2.2")
+    restitution: float = quantity(0.0, "bar_restitution", source="assumed: the bar does not throw the wire back")
 
     @property
     def centre(self) -> tuple[float, float]:
@@ -46,12 +44,12 @@ class Bar(Declared):
 class Surface(Declared):
     """How a tip rubs and rebounds on a flat, rigid surface."""
 
-    friction: float = quantity(0.31, "friction", at_most=1e9, source="Zhang 2020, caption of fig. 2.8: mu_1")
+    friction: float = quantity(0.31, "friction", source="Zhang 2020, caption of fig. 2.8: mu_1")
     restitution_friction: float | None = quantity(
-        None, "restitution_friction", at_most=1e9, source="Zhang 2020, case II: equal to friction"
+        None, "restitution_friction", source="Zhang 2020, case II: equal to friction"
     )
     restitution: float = quantity(
-        0.42, "restitution", at_most=1.0, source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*"
+        0.42, "restitution", source="Zhang 2020, caption of fig. 2.13: energetic coefficient e*"
     )
 
     @property
@@ -67,8 +65,6 @@ class Workpart(Surface):
     penetration: float = quantity(
         0.0045,
         "penetration",
-        at_least=-1e3,
-        at_most=1e3,
         source="Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
     )
 
@@ -83,8 +79,6 @@ class Contact:
     duration: float | None = quantity(
         None,
         "contact_duration",
-        at_least=1e-18,
-        at_most=1.0,
         source="compliant law: time in touch; by default short enough for the rigid-body limit",
         needs="contact = compliant",
     )

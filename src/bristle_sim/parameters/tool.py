@@ -20,8 +20,8 @@ USUAL_HUB_SPEEDS = (1.0, 1500.0)
 class Hub(Declared):
     """Rotating hub that keeps its speed."""
 
-    speed: float = quantity(261.8, "hub_speed", at_most=1e6, source="Zhang 2020, eq. 2.2", usual=USUAL_HUB_SPEEDS)
-    radius: float = quantity(0.0275, "hub_radius", at_most=1e3, source="Zhang 2020, eq. 2.2: root circle")
+    speed: float = quantity(261.8, "hub_speed", source="Zhang 2020, eq. 2.2", usual=USUAL_HUB_SPEEDS)
+    radius: float = quantity(0.0275, "hub_radius", source="Zhang 2020, eq. 2.2: root circle")
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,10 +31,9 @@ class Belt(Declared):
     stiffness: float = quantity(
         math.degrees(PRINTED_BELT_STIFFNESS),
         "belt_stiffness",
-        at_most=1e9,
         source="Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
     )
-    damping_ratio: float = quantity(0.0, "belt_damping_ratio", at_most=1e3, source="undamped as in Zhang 2020")
+    damping_ratio: float = quantity(0.0, "belt_damping_ratio", source="undamped as in Zhang 2020")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +50,7 @@ class Tool:
     bar: Bar | None = field(default_factory=Bar)
     workpart: Workpart | None = field(default_factory=Workpart)
     contact: Contact = field(default_factory=Contact)
-    gravity: float = quantity(0.0, "gravity", at_most=1e6, source="off: 1e-4 of the centrifugal acceleration")
+    gravity: float = quantity(0.0, "gravity", source="off: 1e-4 of the centrifugal acceleration")
 
     def __post_init__(self) -> None:
         validate(self)

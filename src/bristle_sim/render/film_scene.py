@@ -15,9 +15,8 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK
-from bristle_sim.render.readout import Readout
 from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
-from bristle_sim.render.video import Stage, check_film, checked_video_target, write_video
+from bristle_sim.render.video import Readout, Stage, check_film, checked_video_target, write_video
 
 LONGEST = 3600.0
 """Longest film, s."""
@@ -109,7 +108,7 @@ class FilmScene(ABC):
             self.caption = self.stage.figure.text(BORDER, 1.0 - 0.33 * HEADER, "", **look)
         columns = [(16, BLACK), (15, BLACK), *columns]
         self.readouts = [Readout(0, 0, letters, color=color) for _, color in columns]
-        widths = [each.width(characters) for each, (characters, _) in zip(self.readouts, columns, strict=True)]
+        widths = [characters * each.advance for each, (characters, _) in zip(self.readouts, columns, strict=True)]
         gap = ((1.0 - 2.0 * BORDER) * width - sum(widths)) / (len(widths) - 1)
         for number, readout in enumerate(self.readouts):
             readout.left = round(BORDER * width + sum(widths[:number]) + number * gap)

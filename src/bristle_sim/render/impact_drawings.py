@@ -74,7 +74,10 @@ class CloseUp:
         way, depth = float(np.ptp(motion.along)), float(motion.depth.max() - min(0.0, motion.depth.min()))
         self.scale = min(WAY_ALONG / max(way, 1e-300), WAY_DOWN / max(depth, 1e-300))
         self.stretch = max(1.0, LEAST_DOWN / max(self.scale * depth, 1e-300))
-        _frame(axes)
+        axes.set(xlim=(0.0, 1.0), ylim=(-BELOW, ABOVE), xticks=[], yticks=[])
+        axes.set_aspect("equal", adjustable="box", anchor="C")
+        axes.spines[:].set_visible(True)
+        axes.axhline(0.0, color=GREY, linewidth=0.8, dashes=(4, 3))  # the undisturbed surface
         self.block = Polygon(np.zeros((3, 2)), facecolor=LIGHT, edgecolor=GREY, linewidth=1.0)
         self._outline = _rod_outline(last_rod)
         self.rod = Polygon(self._outline, facecolor="#bcd9ec", edgecolor=BLUE, linewidth=1.2, alpha=0.95)
@@ -120,14 +123,6 @@ class CloseUp:
         across = np.linspace(-0.1, 1.1, 121)
         top = np.stack([across, y * np.exp(-(((across - x) / width) ** 2))], axis=-1)
         return np.concatenate([[[-0.1, -2.0]], top, [[1.1, -2.0]]])
-
-
-def _frame(axes: Axes) -> None:
-    """One unit wide, with the undisturbed surface as a dashed line."""
-    axes.set(xlim=(0.0, 1.0), ylim=(-BELOW, ABOVE), xticks=[], yticks=[])
-    axes.set_aspect("equal", adjustable="box", anchor="C")
-    axes.spines[:].set_visible(True)
-    axes.axhline(0.0, color=GREY, linewidth=0.8, dashes=(4, 3))
 
 
 def _rod_outline(last_rod: Array) -> Array:

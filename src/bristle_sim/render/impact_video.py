@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import ConnectionPatch, Rectangle
 
@@ -39,13 +38,9 @@ PANELS = (
 def impact_video(impacts: Impacts, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
     """Film an impact as the compliant law resolves it in time, to an mp4 or gif file; needs no display.
 
-    Args:
-        impacts: the impact under every law; the compliant one is filmed, see
-            :func:`bristle_sim.studies.timed_contact.with_visible_contact`.
-        path: of the file, mp4 or gif.
-        fps: frames per second of film.
-        options: those of :class:`ImpactScene`: width and height of the picture in px, duration of the film in s, and how
-            much slower the end of slip is shown than the rest.
+    Options are those of :class:`ImpactScene`: width and height (px), duration of the film (s), and how much ``slower`` the
+    end of slip is shown than the rest. :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact
+    visible.
 
     Raises:
         ValueError: for a tip that does not approach, a file that cannot be written or settings out of range.
@@ -100,7 +95,10 @@ class ImpactScene(FilmScene):
         line = impacts.strikes["compliant"].centre_line
         self.arrow = draw_chain(self.chain, line, impacts.chain.hub_radius)
         self.close_up = close_up = CloseUp(near, self.motion, line[-1] - line[-2], 0.62 * self.letters)
-        _connect(self.chain, near)
+        half = 0.025 * float(np.ptp(self.chain.get_ylim()))  # the tip is framed, and a line leads to its close-up
+        self.chain.add_patch(Rectangle((-half, -half), 2.0 * half, 2.0 * half, fill=False, edgecolor=GREY, zorder=6))
+        ends: dict[str, Any] = {"coordsA": self.chain.transData, "coordsB": near.transAxes}
+        figure.add_artist(ConnectionPatch((half, 0.0), (0.0, 0.2), **ends, color=GREY, linewidth=0.8))
         forces = (close_up.normal, close_up.friction)
         self.stage.add(close_up.block, close_up.rod, close_up.trail, *forces, *close_up.names, self.arrow)
         rods = self.chain.get_window_extent().height / float(np.ptp(self.chain.get_ylim()))
@@ -160,11 +158,3 @@ def _captions(motion: ContactMotion, warp: TimeWarp) -> tuple[Phase, ...]:
     before = [phase for phase in motion.phases if phase.start < stop]
     after = [Phase(max(phase.start, end), phase.caption) for phase in motion.phases[len(before) :]]
     return (*before, Phase(max(start, before[-1].start), "slip stops"), *after)
-
-
-def _connect(whole: Axes, near: Axes) -> None:
-    """Frame the tip, and lead a line from it to the close-up."""
-    half = 0.025 * float(np.ptp(whole.get_ylim()))
-    whole.add_patch(Rectangle((-half, -half), 2.0 * half, 2.0 * half, fill=False, edgecolor=GREY, zorder=6))
-    line = ConnectionPatch((half, 0.0), (0.0, 0.2), whole.transData, near.transAxes, color=GREY, linewidth=0.8)
-    whole.figure.add_artist(line)

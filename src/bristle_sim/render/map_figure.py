@@ -13,19 +13,13 @@ from matplotlib.lines import Line2D
 from bristle_sim.parameters import Bar
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.panels import add_panel
-from bristle_sim.render.style import MILLIMETRES, axes_at, blank_figure, styled
+from bristle_sim.render.style import MILLIMETRES, QUANTITIES, axes_at, blank_figure, styled
 from bristle_sim.studies.cue_map import CueMap
 
 if TYPE_CHECKING:
     import xarray as xr
 
-MAPS: tuple[tuple[str, str, str, float, str], ...] = (
-    ("lag_deg_at_contact", "lag at the strike", "°", 1.0, "RdBu"),
-    ("tip_speed_at_contact", "tip speed at the strike", "m/s", 1.0, "viridis"),
-    ("normal_compressive_work", "normal work of compression", "mJ", -1e3, "viridis"),
-    ("crater_depth", "crater depth", "µm", 1e6, "viridis"),
-)
-"""Result, title, unit shown, factor to it, colours."""
+MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
 
 HIGHEST = 97.0
 """Percentile of the values at which the colours end: the few points next to a jam, where work has no bound, lie beyond."""
@@ -38,11 +32,12 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
     ``maps`` is what :func:`bristle_sim.studies.cue_map.position_map` computes.
     """
     figure, tool, places = blank_figure(16.0, 19.4), found.tool, _places(found)
-    for number, (name, title, unit, factor, colors) in enumerate(MAPS):
+    for number, name in enumerate(MAPS):
+        title, unit, factor = QUANTITIES[name]
         place = (1.5 + 7.9 * (number % 2), 13.1 - 6.6 * (number // 2), 5.2, 4.9)
         axes = add_panel(figure, place, title, "white: the bar cues no strike")
         values = factor * maps[name].values if name in maps else None
-        _draw_map(figure, axes, maps, values, unit, colors)
+        _draw_map(figure, axes, maps, values, unit, "viridis" if number else "RdBu")
         _mark_places(axes, found, places)
         axes.set_ylabel("" if number % 2 else "S_V, normal to the workpart (mm)")
         axes.set_xlabel("S_H, along the workpart (mm)" if number >= 2 else "")

@@ -15,7 +15,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, SERIES, VERMILION
 from bristle_sim.render.drawing import View, WireDrawing, draw_film_tool
 from bristle_sim.render.panels import add_panel, note, say
-from bristle_sim.render.style import MILLIMETRES, blank_figure, styled
+from bristle_sim.render.style import MILLIMETRES, QUANTITIES, blank_figure, styled
 from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
 from bristle_sim.trajectory.sampled_motion import SampledMotion
 
@@ -25,12 +25,7 @@ BELOW = 4e-3
 BESIDE = 0.02
 """How far beside a least pitch the strike is computed, deg."""
 
-STRIKES = {
-    "relative_speed_at_contact": ("speed at its strike", "relative rate (rad/s)", 1.0),
-    "lag_deg_at_contact": ("lag at its strike", "short of radial (deg)", 1.0),
-    "normal_final_impulse": ("impulse of its strike", "normal impulse (mN s)", 1e3),
-}
-"""Titles, labels and scales of what is drawn over the pitch."""
+STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
 LEAST = {
     "least_pitch_to_strike_deg": ("no touch until the one in front strikes", (1, 1)),
@@ -59,8 +54,9 @@ def neighbours_figure(row: Row, pitches: Sequence[float], strikes: Mapping[str, 
         _draw_row(add_panel(figure, (left, 6.4, 7.6, 5.8), title, words), row, time)
     alone = strike_values(row.tool, row.lone)
     look: dict[str, Any] = {"color": VERMILION, "markersize": 2.6, "zorder": 3}
-    for left, (name, (title, label, factor)) in zip((1.5, 6.8, 12.0), STRIKES.items(), strict=True):
-        axes = add_panel(figure, (left, 1.9, 3.7, 3.2), title)
+    for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
+        title, unit, factor = QUANTITIES[name]
+        axes = add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of bristle {len(row.bristles)}")
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
         axes.plot(pitches, factor * strikes[name], "o", label=f"bristle {len(row.bristles)} of the row", **look)
@@ -68,7 +64,7 @@ def neighbours_figure(row: Row, pitches: Sequence[float], strikes: Mapping[str, 
             words, dashes = LEAST[each.name]
             if (least := each.by_theory) is not None:
                 axes.axvline(least, color=BLACK, linewidth=0.8, dashes=dashes, zorder=1, label=f"{least:.2f}°: {words}")
-        axes.set(xlabel="pitch (deg)", ylabel=label, xlim=(0.0, None))
+        axes.set(xlabel="pitch (°)", ylabel=unit, xlim=(0.0, None))
         if np.isnan(strikes[name]).all():
             say(axes, "no strike at any pitch")
     handles, names = axes.get_legend_handles_labels()

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 
 from bristle_sim.render.colours import BLACK, GREY, ORANGE, SERIES
 from bristle_sim.render.style import axes_at
-from bristle_sim.studies.curves import SOURCES, Level, Mark, Panel
+from bristle_sim.studies.curves import SOURCES, Level, Panel
 
 NOTHING = 1e-12
 """Less than this, in the unit shown, is rounding of zero."""
@@ -75,7 +75,13 @@ def draw_panel(axes: Axes, panel: Panel, own: str = "operating point") -> None:
         draw, factor = (axes.axvline, x) if level.upright else (axes.axhline, y)
         draw(factor * level.value, color=GREY, linewidth=0.9, dashes=dashes, zorder=1, gid=level.label)
     for mark in panel.marks:
-        _draw_mark(axes, (x * mark.x, y * mark.y), mark, own)
+        place = (x * mark.x, y * mark.y)
+        if mark.label:
+            axes.plot(*place, "o", color=BLACK, markersize=4.5, zorder=5)
+            right, up, side = _SIDES[mark.side]
+            note(axes, mark.label, place, (right, up), ha=side, color=BLACK, zorder=5)
+        else:
+            axes.plot(*place, linestyle="none", zorder=5, gid=own, markeredgewidth=0.65, **MARKS[own])
     axes.set(xlabel=panel.x.label, ylabel=panel.y.label)
     axes.set_xscale("log" if panel.x.log else "linear")
     axes.set_yscale("log" if panel.y.log else "linear")
@@ -100,15 +106,6 @@ def _level_looks(panel: Panel) -> list[tuple[Level, tuple[float, float]]]:
     flat = [level for level in panel.levels if not level.upright]
     upright = [(level, (3.0, 2.0)) for level in panel.levels if level.upright]
     return [*zip(flat, _DASHES, strict=False), *upright]
-
-
-def _draw_mark(axes: Axes, place: tuple[float, float], mark: Mark, own: str) -> None:
-    if mark.label:
-        axes.plot(*place, "o", color=BLACK, markersize=4.5, zorder=5)
-        right, up, side = _SIDES[mark.side]
-        note(axes, mark.label, place, (right, up), ha=side, color=BLACK, zorder=5)
-    else:
-        axes.plot(*place, linestyle="none", zorder=5, gid=own, markeredgewidth=0.65, **MARKS[own])
 
 
 def name_curves(axes: Axes, panel: Panel) -> None:

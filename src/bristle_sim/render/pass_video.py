@@ -22,14 +22,10 @@ CAPTION_SHOWN = 0.5
 
 
 def pass_video(trajectory: Trajectory, tool: Tool, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film a pass to an mp4 or gif file; needs no display.
+    """Film a pass to an mp4 or gif file at ``fps`` frames per second of film; needs no display.
 
-    Args:
-        trajectory, tool: the run and what was simulated.
-        path: of the file, mp4 or gif.
-        fps: frames per second of film.
-        options: those of :class:`PassScene`: width and height of the picture in px, duration of the film in s, how much
-            slower the strike is shown than the rest, and the last instant shown, ``until``, s.
+    Options are those of :class:`PassScene`: width and height (px), duration of the film (s), how much ``slower`` the strike
+    is shown than the rest, and the last instant shown, ``until`` (s).
 
     Raises:
         ValueError: for a file that cannot be written or settings out of range.

@@ -46,42 +46,36 @@ def write_report(
     plot_is_folder: bool = False,
     video: Path | None = None,
 ) -> None:
-    """Write a report as a page without any reference to other files.
+    """Write a report as a page without any reference to other files, which appears only when complete.
 
-    Args:
-        path: of the page, which appears only when complete.
-        report: what was found. An interactive view shows its motion if its subject has a ``tool`` and a ``trajectory``.
-        name, question, command: of the scenario; the command makes the page again.
-        parameters: all that the scenario has.
-        plot: draws the report's figure to a path, or all its figures to a folder.
-        plot_is_folder: which of the two.
-        video: a film that has been made of the run.
+    Name, question and parameters are the scenario's; the command makes the page again. ``plot`` draws the figure to a path,
+    or all figures to a folder; ``video`` is a film that has been made. An interactive view shows the motion if the report's
+    subject has a ``tool`` and a ``trajectory``.
 
     Raises:
         OSError: naming the file, if it cannot be written.
     """
     run, tool = getattr(report.subject, "trajectory", None), getattr(report.subject, "tool", None)
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("bristle_sim.render", "."), autoescape=True, undefined=jinja2.StrictUndefined
-    )
-    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    page = environment.get_template("report.html.jinja").render(
-        name=name,
-        question=question,
-        answer=answer(report),
-        command=command,
-        table=cells(report.quantities),
-        phases=report.phases,
-        remarks=[each for each in report.remarks if each],
-        parameters=[(declared, _shown(value), value == default) for declared, value, default in parameters],
-        figures=[] if plot is None else _figures(report, plot, plot_is_folder),
-        video=None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
-        motion=motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
-        versions={"bristle_sim": bristle_sim.__version__, "Python": platform.python_version()}
+    content = {
+        "name": name,
+        "question": question,
+        "command": command,
+        "answer": answer(report),
+        "table": cells(report.quantities),
+        "phases": report.phases,
+        "remarks": [each for each in report.remarks if each],
+        "parameters": [(declared, _shown(value), value == default) for declared, value, default in parameters],
+        "figures": [] if plot is None else _figures(report, plot, plot_is_folder),
+        "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
+        "motion": motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
+        "versions": {"bristle_sim": bristle_sim.__version__, "Python": platform.python_version()}
         | {library: metadata.version(library) for library in LIBRARIES},
-    )
+    }
+    loader, strict = jinja2.PackageLoader("bristle_sim.render", "."), jinja2.StrictUndefined
+    environment = jinja2.Environment(loader=loader, autoescape=True, undefined=strict)
+    environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     with complete_or_absent(path) as partial:
-        partial.write_text(page, encoding="utf-8")
+        partial.write_text(environment.get_template("report.html.jinja").render(content), encoding="utf-8")
 
 
 def answer(report: Report) -> str:
@@ -134,19 +128,20 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
 
 
 def _figures(report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool) -> list[Markup]:
+    """Draw the figures as elements of the page: an SVG without its XML head, another picture by its bytes."""
+    found = []
     with TemporaryDirectory() as folder:
         target = Path(folder)
         plot(report, target if plot_is_folder else target / "figure.svg")
-        return [_inline(path) for path in sorted(target.iterdir())]
-
-
-def _inline(path: Path) -> Markup:
-    """Return a figure as an element of the page: an SVG without its XML head, another picture by its bytes."""
-    if path.suffix != ".svg":
-        return Markup('<img src="{}" alt="{}">').format(_embedded(path), path.stem.replace("_", " "))
-    drawing = path.read_text(encoding="utf-8")
-    drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
-    return Markup(drawing)
+        for path in sorted(target.iterdir()):
+            if path.suffix == ".svg":
+                drawing = path.read_text(encoding="utf-8")
+                drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
+                found.append(Markup(drawing))
+            else:
+                name = path.stem.replace("_", " ")
+                found.append(Markup('<img src="{}" alt="{}">').format(_embedded(path), name))
+    return found
 
 
 def _embedded(path: Path) -> str:

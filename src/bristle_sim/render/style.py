@@ -17,12 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from cycler import cycler
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.files import checked_target, complete_or_absent
-from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES
 
 MILLIMETRES, MILLISECONDS, MICROSECONDS = 1e3, 1e3, 1e6
 """Of what is drawn in one metre or one second; everything else is in SI units."""
@@ -30,33 +28,24 @@ MILLIMETRES, MILLISECONDS, MICROSECONDS = 1e3, 1e3, 1e6
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54
 
-_SETTINGS: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",  # carried by matplotlib: the same letters on every machine
-    **dict.fromkeys(("font.size", "axes.labelsize"), 8.0),
-    **dict.fromkeys(("xtick.labelsize", "ytick.labelsize", "legend.fontsize"), 7.0),
-    "axes.titlesize": 9.0,
-    **dict.fromkeys(("axes.linewidth", "xtick.major.width", "ytick.major.width"), 0.6),
-    **dict.fromkeys(("axes.edgecolor", "xtick.color", "ytick.color"), GREY),
-    **dict.fromkeys(("axes.labelcolor", "xtick.labelcolor", "ytick.labelcolor"), BLACK),
-    **dict.fromkeys(("axes.spines.top", "axes.spines.right", "legend.frameon"), False),
-    **dict.fromkeys(("axes.grid", "axes.axisbelow"), True),
-    "axes.prop_cycle": cycler(color=SERIES),
-    "grid.color": LIGHT,
-    **dict.fromkeys(("grid.linewidth", "hatch.linewidth"), 0.5),
-    "lines.linewidth": 1.2,
-    "lines.solid_capstyle": "round",
-    "legend.handlelength": 1.6,
-    "savefig.facecolor": "white",
-    "svg.hashsalt": "bristle_sim",  # same picture, same bytes
-    "svg.fonttype": "none",
-    "pdf.fonttype": 42,
+_LOOK = mpl.rc_params_from_file(Path(__file__).with_name("look.mplstyle"), use_default_template=False)
+
+
+QUANTITIES: dict[str, tuple[str, str, float]] = {
+    "lag_deg_at_contact": ("lag at the strike", "°", 1.0),
+    "relative_speed_at_contact": ("relative rate at the strike", "rad/s", 1.0),
+    "tip_speed_at_contact": ("tip speed at the strike", "m/s", 1.0),
+    "normal_final_impulse": ("normal impulse", "mN·s", 1e3),
+    "normal_compressive_work": ("normal work of compression", "mJ", -1e3),
+    "crater_depth": ("crater depth", "µm", 1e6),
 }
+"""Title of what a strike is judged by, unit shown, and factor to it."""
 
 
 @contextmanager
 def styled() -> Iterator[None]:
     """Apply the look: a context in which to build or save figures, or a decorator of functions that do."""
-    with mpl.rc_context(_SETTINGS):
+    with mpl.rc_context(_LOOK):
         yield
 
 

@@ -10,17 +10,8 @@ from matplotlib.patches import Patch
 
 from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
 from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import axes_at, blank_figure, styled
+from bristle_sim.render.style import QUANTITIES, axes_at, blank_figure, styled
 from bristle_sim.studies.sobol import Study
-
-SHOWN: dict[str, tuple[str, str, float]] = {
-    "lag_deg_at_contact": ("lag at the strike", "°", 1.0),
-    "relative_speed_at_contact": ("relative rate at the strike", "rad/s", 1.0),
-    "tip_speed_at_contact": ("tip speed at the strike", "m/s", 1.0),
-    "normal_final_impulse": ("normal impulse", "mN·s", 1e3),
-    "crater_depth": ("crater depth", "µm", 1e6),
-}
-"""Title, unit shown and factor to it."""
 
 MOST = 6
 """Inputs shown for each output."""
@@ -36,7 +27,7 @@ def tolerance_figure(study: Study) -> Figure:
     figure = blank_figure(16.0, height)
     for number, output in enumerate(study.outputs):
         bottom = height - ROW * (number + 1) + 0.9
-        title, unit, factor = SHOWN.get(output, (output.replace("_", " "), "", 1.0))
+        title, unit, factor = QUANTITIES.get(output, (output.replace("_", " "), "", 1.0))
         axes, values = add_panel(figure, (1.3, bottom, 5.4, 2.1), title), factor * study.values[number]
         axes.hist(values, bins="auto", color=SKY, gid="histogram")
         axes.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)

@@ -58,7 +58,10 @@ class WireScene(FilmScene):
         self._draw_wire(figure.add_axes((0.0, 0.0, 0.5, top)), struck.strike, small)
         force = figure.add_axes((0.565, 0.55, 0.35, top - 0.6))
         wave = figure.add_axes((0.565, 0.115, 0.35, 0.3))
-        self._draw_forces(force)
+        for (touch, pushed), color in ((self.rigid.force, ORANGE), (self.wire.force, BLUE)):
+            force.fill_between(touch * MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0)
+            force.plot(touch * MICROSECONDS, pushed, color=color, linewidth=1.8)
+        force.set_ylim(bottom=0.0)
         self.arrival = _draw_wave(wave, figure.add_axes((0.925, 0.115, 0.012, 0.3)), struck)
         for axes, title in ((force, "normal force (N)"), (wave, "bending moment along the wire (mN m)")):
             axes.set_title(title, loc="left", fontsize=small)
@@ -109,23 +112,17 @@ class WireScene(FilmScene):
         )
         axes.text(0.03, 0.03, words, transform=axes.transAxes, fontsize=letters, color=GREY)
 
-    def _draw_forces(self, axes: Axes) -> None:
-        """Draw both forces over time."""
-        for motion, color in ((self.rigid, ORANGE), (self.wire, BLUE)):
-            time, force = motion.force
-            axes.fill_between(time * MICROSECONDS, force, color=color, alpha=0.15, linewidth=0.0)
-            axes.plot(time * MICROSECONDS, force, color=color, linewidth=1.8)
-        axes.set_ylim(bottom=0.0)
-
 
 def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
     """Draw the bending moments over time and place, root on top; return when the wave is at the hinge next to the root, s."""
-    time, moments = _moments(struck)
+    bristle, time = struck.strike.tool.bristle, np.linspace(0.0, struck.wire.time[-1], GRID)
+    bends = np.diff(_angles(struck.wire.time, struck.wire.angles, struck.wire.rates)(time), axis=1).T
+    moments = hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links) * bends
     scale.set_visible(bool(moments.size))
     if not moments.size:
         say(axes, "a rigid bristle does not bend")
         return 0.0
-    length, most = struck.strike.tool.bristle.length * MILLIMETRES, float(np.abs(moments).max())
+    length, most = bristle.length * MILLIMETRES, float(np.abs(moments).max())
     half = 0.5 * length / (len(moments) + 1)
     sides = (0.0, float(time[-1]) * MICROSECONDS, length - half, half)
     look: dict[str, Any] = {"cmap": "RdBu", "vmin": -1e3 * most, "vmax": 1e3 * most, "aspect": "auto"}
@@ -135,14 +132,6 @@ def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
     axes.figure.colorbar(picture, cax=scale)
     scale.tick_params(labelsize="x-small")
     return float(time[np.argmax(np.abs(moments[0]) > ARRIVED * most)])
-
-
-def _moments(struck: FlexibleWire) -> tuple[Array, Array]:
-    """Return instants, and the bending moment in each hinge at them, shape (links - 1, instants), N m."""
-    bristle = struck.strike.tool.bristle
-    time = np.linspace(0.0, struck.wire.time[-1], GRID)
-    bends = np.diff(_angles(struck.wire.time, struck.wire.angles, struck.wire.rates)(time), axis=1).T
-    return time, hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links) * bends
 
 
 def _angles(time: Array, angles: Array, rates: Array) -> CubicHermiteSpline:

@@ -36,9 +36,9 @@ def ending_in_order() -> Iterator[None]:
 
 
 def _end(number: int, frame: FrameType | None) -> None:
-    """Raise what ends the work, but later if the engine is calling back, which would print and forget it."""
+    """Raise what ends the work, but later if the engine or the hook is calling, which would print and forget it."""
     while frame is not None:
-        if _called_by_engine(frame):
+        if _called_by_engine(frame) or frame.f_code is _end_again.__code__:
             _try_again(number)
             return
         frame = frame.f_back

@@ -70,31 +70,31 @@ Tried = Sequence[tuple[HardCase, Finding]]
 
 
 def _report(themes: Sequence[str], tried: Tried, begin: float) -> Report:
+    """Compare the number of kept promises of each theme with the number of its cases."""
+    verdicts = {theme: [finding.ok for case, finding in tried if case.theme == theme] for theme in themes}
+    kept = [
+        Quantity(f"{theme}_promises_kept", "1", float(sum(each)), float(len(each)), tolerance=0.0)
+        for theme, each in verdicts.items()
+    ]
+    rows = [
+        {
+            "theme": case.theme,
+            "case": f"{case.theme.replace('_', ' ')}: {case.name}",
+            "promise": case.promise,
+            "reached": finding.reached,
+            "ok": finding.ok,
+        }
+        for case, finding in tried
+    ]
     return Report(
         outcome=None,
-        quantities=tuple(_kept(theme, tried) for theme in themes),
+        quantities=tuple(kept),
         wall_s=clock.perf_counter() - begin,
         steps=sum(finding.steps for _, finding in tried),
         remarks=("", *_table(tried)),
-        extra={"rows": [_row(case, finding) for case, finding in tried]},
+        extra={"rows": rows},
         subject=tried,
     )
-
-
-def _kept(theme: str, tried: Tried) -> Quantity:
-    """Compare the number of kept promises of a theme with the number of its cases."""
-    verdicts = [finding.ok for case, finding in tried if case.theme == theme]
-    return Quantity(f"{theme}_promises_kept", "1", float(sum(verdicts)), float(len(verdicts)), tolerance=0.0)
-
-
-def _row(case: HardCase, finding: Finding) -> dict[str, object]:
-    return {
-        "theme": case.theme,
-        "case": f"{case.theme.replace('_', ' ')}: {case.name}",
-        "promise": case.promise,
-        "reached": finding.reached,
-        "ok": finding.ok,
-    }
 
 
 WIDTHS = (30, 30, 31, 3)
