@@ -86,7 +86,10 @@ def heavy_rod_panel() -> Panel:
         pendulum_curve(f"$n$ = {n:g}", IMPULSE, _over_friction(n), frictions, simulated)
         for n in (*LIGHT_RATIOS, HEAVY_RATIO)
     ]
-    curves.append(curve_of("bristle on its hub", _monofilament, frictions))
+    hub, bristle, coefficient = Hub(), Bristle(), HEAVY_ROD_SURFACE.restitution
+    speed = tip_speed(bristle.length, hub.radius, hub.speed, HEAVY_ROD.rates[1] / hub.speed)
+    given = (bristle.mass, speed, -HEAVY_ROD.angles[1])
+    curves.append(curve_of("bristle on its hub", lambda mu: normal_final_impulse(*given, mu, coefficient), frictions))
     at = HEAVY_ROD_SURFACE.friction
     return Panel(
         AXES["friction"],
@@ -138,11 +141,3 @@ def weighted(chain: Chain, mass_ratio: float) -> Chain:
 
 def _over_friction(ratio: float) -> Impact:
     return lambda friction: (weighted(HEAVY_ROD, ratio), dataclasses.replace(HEAVY_ROD_SURFACE, friction=friction))
-
-
-def _monofilament(friction: Array) -> Array:
-    """Return (2.64) of the bristle at the rate of fig. 2.30."""
-    hub, bristle = Hub(), Bristle()
-    speed = tip_speed(bristle.length, hub.radius, hub.speed, HEAVY_ROD.rates[1] / hub.speed)
-    angle, restitution = -HEAVY_ROD.angles[1], HEAVY_ROD_SURFACE.restitution
-    return np.asarray(normal_final_impulse(bristle.mass, speed, angle, friction, restitution))
