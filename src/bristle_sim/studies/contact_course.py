@@ -113,7 +113,7 @@ class TimedContact:
         return PiecewiseCubic(self.time, leaning * self.history.normal_force, leaning * self._normal_slope)
 
     def smooth_resultant(self, points: int = 24) -> tuple[Array, Array]:
-        """Return the resultant between its samples too, on the cubics that are integrated: time in s, force in N."""
+        """Return the resultant, N, on the cubics that are integrated, between its samples too, over time, s."""
         return self.resultant.fine(points)
 
     @property
@@ -170,11 +170,8 @@ class TimedContact:
 
     @property
     def work(self) -> float:
-        """Work of the force on the tip over its path, first touch to last, J; negative.
-
-        From the recorded samples, while the contact record's works are added up in the engine step by step. Force and speed
-        are cubics each: of the force the slopes are known, which few samples of their product would not give.
-        """
+        """Work of the force on the tip over its path, first touch to last, J; negative, from the recorded samples."""
+        # Force and speed are cubics each: of the force the slopes are known, which few samples of their product lack.
         h = self.history
         speed = PiecewiseCubic(self.time, h.normal_velocity + self._ratio * h.tangential_velocity)
         return PiecewiseCubic(self.time, h.normal_force, self._normal_slope).integral_with(speed)
@@ -183,8 +180,8 @@ class TimedContact:
     def energy_given_up(self) -> float:
         """Energy that bristle and hub give up during the contact, J.
 
-        The hub keeps its speed omega, so its drive does work omega M with the moment M that its rim exerts. The bristle's
-        angular momentum about the hub's centre changes by the sum of M and the contact's moment C x F.
+        The hub's drive does work omega M with the moment M of its rim; the bristle's angular momentum about the hub's centre
+        changes by the sum of M and the contact's moment C x F.
         """
         return self.energy_given_up_in_hub_frame - self.chain.hub_speed * self._contact_moment()
 
@@ -240,7 +237,5 @@ class TimedContact:
 
     def _centre_velocity(self) -> tuple[Array, Array]:
         rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * self.rate
-        return (
-            rim * np.cos(self.hub_angle) + half * np.cos(self.angle),
-            rim * np.sin(self.hub_angle) + half * np.sin(self.angle),
-        )
+        along, above = (rim * turn(self.hub_angle) + half * turn(self.angle) for turn in (np.cos, np.sin))
+        return along, above

@@ -92,7 +92,6 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         value = referred.get(name)
         if value is None:
             return None
-        # A small difference of two angles or rates magnifies the relative error of either.
         size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
         own = max(LEAST_TOLERANCE, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
         return own * max(1.0, size / abs(value) if value else size)
