@@ -43,9 +43,6 @@ ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contac
 """Differences of two angles of some radians."""
 
 
-MOST_LINKS = 8
-"""Links of a wire in a whole pass; the engine's solver takes half a minute for the way to the strike of so many."""
-
 UNITS = {
     "release_time": "s",
     "release_retraction_deg": "deg",
@@ -63,6 +60,10 @@ class WholePass:
     tool: Tool
     trajectory: Trajectory
     reference: Trajectory | None
+
+
+MOST_LINKS = 8
+"""Links of a wire in a whole pass; the engine's solver takes half a minute for the way to the strike of so many."""
 
 
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
