@@ -49,7 +49,7 @@ IMPACTS: dict[str, Any] = (
     | {"rate": -800.0, "rate_1": -0.1, "rate_2": -0.2}
 )
 CRATERS: dict[str, Any] = (
-    {"resultant_angle": 0.6, "constant": 1.5, "slope": 0.1, "rake": 0.5, "width": 5e-4, "force": 30.0}
+    {"slope": 0.1, "rake": 0.5, "width": 5e-4, "force": 30.0}
     | {"shear_yield_stress": 1.2e8, "depth": 1e-4, "path": 1e-4, "energy": 1e-3, "specific_energy": 1e9}
     | {"cutting_force": 30.0, "speed": 30.0, "effective_mass": 3e-5, "plies": 20, "compression_time": 5e-5}
     | {"time": 1e-5, "decay": 92400.0, "segments": 10}

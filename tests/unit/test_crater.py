@@ -32,10 +32,8 @@ from bristle_sim.theory.crater_kinematics import (
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 from bristle_sim.theory.merchant import (
     PRINTED_ANGLES,
-    CuttingAngles,
     ShearAngleError,
     oblique_angles,
-    shear_angle,
 )
 
 GAMMA = math.radians(23.4)
@@ -120,29 +118,17 @@ def test_angles_of_the_operating_point():
 
 
 @settings(max_examples=30, deadline=None)
-@given(st.floats(0.0, 1.5), st.floats(-0.3, 0.7))
-def test_shear_angle_is_that_of_least_work(friction, rake):
-    angles = CuttingAngles(rake, math.atan(friction), shear_angle(math.atan(friction) - rake))
+@given(st.floats(0.05, 20.0), st.floats(0.0, 1.0))
+def test_shear_angle_is_that_of_least_work(friction, gamma):
+    angles, x = oblique_angles(friction, gamma, check=False), math.atan(1.0 / friction) - gamma
 
     def force(eta):
-        return 1.0 / (math.sin(eta) * math.cos(eta + angles.friction - rake))
+        return 1.0 / (math.sin(eta) * math.cos(eta + x))
 
-    least = minimize_scalar(force, bounds=(0.01, 0.5 * math.pi - angles.friction + rake - 0.01), method="bounded")
+    least = minimize_scalar(force, bounds=(0.01, 0.5 * math.pi - x - 0.01), method="bounded")
     # At a minimum the place is known to the square root of the value's accuracy; the value itself much better.
     assert angles.shear == pytest.approx(least.x, abs=1e-4)
     assert 1.0 / angles.resultant_ratio <= least.fun * (1 + 1e-14)
-
-
-@pytest.mark.parametrize("slope", [0.0, 0.2, 0.6])
-def test_shear_constant_is_that_of_least_work_with_bridgmans_relation(slope):
-    x = math.radians(40.0)
-
-    def force(eta):
-        return 1.0 / (math.sin(eta) * (math.cos(eta + x) - slope * math.sin(eta + x)))
-
-    least = minimize_scalar(force, bounds=(0.01, 0.5 * math.pi - x - math.atan(slope) - 0.01), method="bounded")
-    # As above.
-    assert shear_angle(x, 0.5 * math.pi - math.atan(slope)) == pytest.approx(least.x, abs=1e-4)
 
 
 def test_forces_close_the_force_triangle():
@@ -191,7 +177,6 @@ def test_friction_of_tan_gamma_itself_is_allowed_and_the_operating_friction_of_c
         (lambda: oblique_angles(math.nan, 0.0), "friction = nan"),
         (lambda: oblique_angles(0.5, -0.1), "impact_angle = -0.1"),
         (lambda: oblique_angles(0.5, [0.1, 1.6]), "impact_angle = 1.6"),
-        (lambda: shear_angle(0.1, 2.0), "constant = 2"),
         (lambda: merchant_crater_depth(plies=0), "plies = 0"),
         (lambda: merchant_crater_depth(plies=2.5), "plies = 2.5"),
         (lambda: merchant_crater_depth(shear_yield_stress=0.0), "shear_yield_stress = 0"),

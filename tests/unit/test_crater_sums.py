@@ -32,7 +32,8 @@ def test_the_circle_with_that_constant_cuts_that_depth(friction, part):
     """Merchant's circle is built with C, by its angles, and its depth gives C back."""
     x = math.atan(1.0 / friction) - 0.2
     constant = x + part * (0.5 * math.pi - x)
-    depth = merchant_crater_depth(friction, 0.2, angles=oblique_angles(friction, 0.2, constant=constant, check=False))
+    angles = dataclasses.replace(oblique_angles(friction, 0.2, check=False), shear=0.5 * (constant - x))
+    depth = merchant_crater_depth(friction, 0.2, angles=angles)
     # arcsin near 1 takes the root of rounding.
     assert constant_for_crater_depth(depth, friction, 0.2) == pytest.approx(constant, rel=3e-8)
 
@@ -69,8 +70,9 @@ def test_no_constant_makes_a_crater_deeper_than_least_work():
 
 def test_the_chip_ends_where_the_shear_plane_stays_below():
     """eta = gamma at C = arccot(mu) + gamma: K sin(gamma) cos(arccot mu) is the shallowest crater with a chip."""
-    angles = oblique_angles(0.5, GAMMA, constant=math.radians(least_constant_deg(Crater())))
-    assert float(angles.shear) == pytest.approx(GAMMA, rel=1e-12)
+    shear = 0.5 * (math.radians(least_constant_deg(Crater())) - math.atan(1.0 / 0.5) + GAMMA)
+    assert shear == pytest.approx(GAMMA, rel=1e-12)
+    angles = dataclasses.replace(oblique_angles(0.5, GAMMA), shear=shear)
     shallowest = float(merchant_crater_depth(0.5, GAMMA, angles=angles))
     assert shallowest > MEASURED
     assert "stays below the surface" in constant_in_words(Crater(), MEASURED)

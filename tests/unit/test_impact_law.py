@@ -19,7 +19,6 @@ from bristle_sim.theory.impact import (
     energetic_impact,
     newton_impact,
     poisson_impact,
-    stick_threshold,
 )
 
 LAWS = list(BY_NAME.values())
@@ -395,7 +394,7 @@ def test_any_contact_ends_without_energy_gain(normal, tangential, correlation, a
 def test_continuous_across_the_stick_threshold(law):
     """At mu = mu_bar reverse slip is without acceleration: both sides meet, with finite slopes."""
     matrix, velocity = np.array([[1.0, 0.7], [0.7, 1.5]]), np.array([-1.0, -0.6])
-    bar = stick_threshold(matrix)
+    bar = abs(matrix[0][1]) / matrix[1][1]  # mu_bar (Zhang 2020, eq. 2.90)
     gap = 10.0 ** -np.arange(2.0, 9.0)
     below, above = law(matrix, velocity, bar - gap, 0.6), law(matrix, velocity, bar + gap, 0.6)
     assert np.all(below.phase_slip[:, 1] == 1.0)
@@ -520,12 +519,6 @@ def test_outcomes_in_words():
     assert energetic_impact(matrix, [-1.0, 0.5], 0.3, 0.0).outcome_name == "no rebound"
     assert energetic_impact(matrix, [-1.0, 0.5], 0.3, 0.0).velocity_normal == 0.0
     assert energetic_impact(matrix, [0.1, 0.5], 0.3, 0.5).outcome_name == "no contact"
-
-
-def test_stick_threshold():
-    """mu_bar = |K_nt|/K_tt (Zhang 2020, eq. 2.90), single and in arrays."""
-    assert stick_threshold([[1.0, -0.5], [-0.5, 2.0]]) == 0.25
-    np.testing.assert_array_equal(stick_threshold(inverse_mass([1.0, 4.0], [0.5, 0.5], [1.0, 4.0])), [0.5, 0.5])
 
 
 @every_law

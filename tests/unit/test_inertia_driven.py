@@ -11,9 +11,7 @@ from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.theory.inertia_drive import (
-    hub_speed_for_tip_speed,
     largest_retraction,
-    radial_tip_speed,
     time_to_radial,
 )
 
@@ -49,11 +47,9 @@ def integrated(damping=0.0):
 
 
 def test_what_is_expected_at_the_operating_point():
-    """model: 13.380 deg, 2.8025 ms, 21.34 m/s, and 465.6 rad/s for 37.95 m/s."""
+    """13.380 deg and 2.8025 ms, worked out apart from the program."""
     assert math.degrees(largest_retraction(*DRIVE)) == pytest.approx(13.380, abs=5e-4)
     assert time_to_radial(*DRIVE) == pytest.approx(2.8025e-3, abs=5e-8)
-    assert radial_tip_speed(SPEED, 0.0275, 0.027) == pytest.approx(21.34, abs=5e-3)
-    assert hub_speed_for_tip_speed(37.95, 0.0275, 0.027) == pytest.approx(465.6, abs=0.05)
 
 
 def test_energy_and_quadrature_against_integration():

@@ -10,31 +10,25 @@ import pytest
 from bristle_sim.theory.merchant import (
     ShearAngleError,
     oblique_angles,
-    shear_angle,
     specific_cutting_energy,
 )
 
 
 class TestShearAngle:
-    def test_the_constant_of_the_shear_angle_reaches_the_circle(self) -> None:
-        """eta = (C - (beta - alpha))/2 (4.45) with C = 0.9: beta - alpha is arccot mu - gamma."""
-        assert shear_angle(0.1, 0.9) == pytest.approx(0.4, rel=1e-15)
-        oblique = oblique_angles(2.0, 0.2, constant=0.9)
-        assert oblique.shear == pytest.approx(0.5 * (0.9 - math.atan(0.5) + 0.2), rel=1e-14)
+    def test_the_shear_angle_of_least_work(self) -> None:
+        """eta = (pi/2 - (beta - alpha))/2 (4.25): beta - alpha is arccot mu - gamma."""
+        assert oblique_angles(2.0, 0.2).shear == pytest.approx(0.5 * (0.5 * math.pi - math.atan(0.5) + 0.2), rel=1e-14)
 
-    @pytest.mark.parametrize(("gamma", "least"), [(0.5, 1.0 / math.tan(0.4)), (0.9, math.inf), (1.0, math.inf)])
+    @pytest.mark.parametrize("gamma", [0.5, 1.0])
     @pytest.mark.parametrize("lengthen", [float, lambda value: np.array([[0.01, value]])])
-    def test_least_friction_of_an_oblique_cut(self, gamma: float, least: float, lengthen: Callable) -> None:
-        """eta >= gamma with C = 0.9 is arccot mu <= C - gamma: mu >= cot(C - gamma), never for gamma >= C."""
-        with pytest.raises(
-            ShearAngleError, match=re.escape(f"friction = 2: must be friction >= cot(C - impact_angle) = {least:g}, ")
-        ):
-            oblique_angles(2.0, lengthen(gamma), constant=0.9)
+    def test_least_friction_of_an_oblique_cut(self, gamma: float, lengthen: Callable) -> None:
+        """eta >= gamma is mu >= tan(gamma) (4.42)."""
+        said = f"friction = 0.2: must be friction >= tan(impact_angle) = {math.tan(gamma):g}, "
+        with pytest.raises(ShearAngleError, match=re.escape(said)):
+            oblique_angles(0.2, lengthen(gamma))
 
 
 REFUSALS = {
-    "constant = 0": (lambda: shear_angle(-0.1, 0.0), "0 < constant <= 1.5708", "(in rad)"),
-    "resultant_angle = 0.5": (lambda: shear_angle(0.5, 0.5), "beta - alpha < C", "(in rad)"),
     "friction = 0": (lambda: oblique_angles(0.0, 0.1), "above 0", "(dimensionless)"),
     "impact_angle = 1.5708": (
         lambda: oblique_angles(0.5, 0.5 * math.pi),

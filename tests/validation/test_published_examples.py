@@ -11,7 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact, stick_threshold
+from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
 LAWS = [energetic_impact, poisson_impact, newton_impact]
@@ -230,19 +230,6 @@ def rod_contact(angle: float) -> np.ndarray:
     """
     sine, cosine = math.sin(angle), math.cos(angle)
     return np.array([[1 + 3 * cosine**2, -3 * sine * cosine], [-3 * sine * cosine, 1 + 3 * sine**2]])
-
-
-@pytest.mark.parametrize("angle_deg", [10.0, 30.0, 45.0, 60.0, 85.0])
-def test_stick_threshold_of_a_free_rod(angle_deg):
-    """mu_bar = 3 sin theta cos theta/(1 + 3 sin^2 theta), derived.
-
-    At brilliant.org/discussions/thread/mechanics-doubt a contributor gives the same for a rod let fall, with the angle
-    from the vertical.
-    """
-    angle = math.radians(angle_deg)
-    upright = math.pi / 2 - angle
-    other = 3 * math.sin(upright) * math.cos(upright) / (1 + 3 * math.cos(upright) ** 2)
-    assert stick_threshold(rod_contact(angle)) == pytest.approx(other, rel=1e-14)
 
 
 def test_painleve_rod():

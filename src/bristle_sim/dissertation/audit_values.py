@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -38,7 +38,6 @@ from bristle_sim.theory.force_history import (
 from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.theory.merchant import PRINTED_ANGLES, oblique_angles, specific_cutting_energy
 from bristle_sim.theory.pendulums import stick_friction
-from bristle_sim.trajectory import Trajectory
 
 SPEED_RATIO, PRINTED_RATE = 3.23, 845.6
 """R (Zhang 2020, eq. 2.33) and the bristle's rate at the strike, rad/s (fig. 4.2)."""
@@ -74,39 +73,31 @@ def bar_deviation(placed: cueing.Cue) -> float:
     return max(abs(1e3 * computed / printed - 1.0) for computed, printed in pairs)
 
 
+class SimulatedPass(NamedTuple):
+    """A pass by the reference: lag at the strike and retractions, largest and at release, deg, relative rate, rad/s, and the
+    time from the strike to the next impact on the workpart, ms; 0 where there is none.
+    """
+
+    lag: float
+    largest_retraction: float
+    release_retraction: float
+    rate: float
+    second_contact: float
+
+
 @cache
-def simulated_pass() -> Trajectory:
-    """Simulate the pass at the operating point with the reference, sampled so that angles are read off to 1e-4 deg."""
-    return simulate_reference(tool, accuracy=1e-9, sample_interval=1e-6)
-
-
-def simulated_strike() -> tuple[float, float]:
-    """Return how far short of radial the bristle is when it strikes, deg, and its speed relative to the hub, rad/s."""
-    run = simulated_pass()
-    strike = run.first_contact("workpart")
-    assert strike is not None
-    lag = float(np.interp(strike.time, run.time, run.hub_angle)) - strike.angles[0]
-    return math.degrees(lag), strike.rates_before[0] - run.hub_speed
-
-
-def simulated_retraction() -> float:
-    """Return the largest retraction before the strike, deg."""
-    run = simulated_pass()
-    return -math.degrees(float(np.min(run.relative_angle[run.time <= (run.event_time("strike") or 0.0)])))
-
-
-def release_retraction() -> float:
-    """Return the retraction at which the bristle leaves the bar, deg."""
-    run = simulated_pass()
-    released = run.event_time("bar release", last=True, before=run.event_time("strike") or math.inf)
-    assert released is not None
-    return -math.degrees(float(np.interp(released, run.time, run.relative_angle)))
-
-
-def simulated_second_contact() -> float:
-    """Return the time from the strike to the next impact on the workpart, ms; 0 where there is none."""
-    times = [each.time for each in simulated_pass().contacts if each.obstacle == "workpart"]
-    return 1e3 * (times[1] - times[0]) if len(times) > 1 else 0.0
+def simulated_pass() -> SimulatedPass:
+    """Simulate the pass at the operating point, sampled so that angles are read off to 1e-4 deg."""
+    run = simulate_reference(tool, accuracy=1e-9, sample_interval=1e-6)
+    hits = [each for each in run.contacts if each.obstacle == "workpart"]
+    struck = run.event_time("strike") or 0.0
+    released = run.event_time("bar release", last=True, before=struck) or 0.0
+    lag = float(np.interp(hits[0].time, run.time, run.hub_angle)) - hits[0].angles[0]
+    largest = float(np.min(run.relative_angle[run.time <= struck]))
+    release = float(np.interp(released, run.time, run.relative_angle))
+    second = 1e3 * (hits[1].time - hits[0].time) if len(hits) > 1 else 0.0
+    rate = hits[0].rates_before[0] - run.hub_speed
+    return SimulatedPass(math.degrees(lag), -math.degrees(largest), -math.degrees(release), rate, second)
 
 
 # Impacts, sections 2.3 and 2.4.
@@ -134,15 +125,6 @@ def resultant_impulse(friction: float) -> float:
     """Return p_c = sqrt(p_cx^2 + p_cy^2) at gamma = 23.4 deg, N s (3.1)."""
     hit = strike(friction)
     return float(np.hypot(hit.normal_compressive_impulse, hit.tangential_compressive_impulse))
-
-
-def friction_for_impulse(impulse: float) -> float:
-    """Return the friction with which p_c at gamma = 23.4 deg is the impulse, N s.
-
-    The resultant makes arccot(mu) - gamma with the tip's path, along which the impulse is m v_C/3 whatever mu.
-    """
-    along = resultant_impulse(0.0) * math.sin(IMPACT_ANGLE)
-    return 1.0 / math.tan(IMPACT_ANGLE + math.acos(along / impulse))
 
 
 def bend(values: Any) -> float:
@@ -185,10 +167,10 @@ def heavy_rod(mass_ratio: float) -> pendulums.DoublePendulumImpact:
     return pendulums.double_pendulum_impact(5.0, mass_ratio, 1.0, math.pi / 9.0, math.pi / 6.0, -0.1, -0.2, 0.5, 0.5)
 
 
-def hub_as_rod(mass_ratio: float) -> float:
-    """Return p_fy of the double pendulum of figure 2.30 at mu = 0.31, N s."""
-    angles, rates = (IMPACT_ANGLE, IMPACT_ANGLE), (-tool.hub.speed, -PRINTED_RATE)
-    return pendulums.double_pendulum_impact(mass, mass_ratio, length, *angles, *rates, 0.31, 0.42).normal_final_impulse
+hub_as_rod = pendulums.double_pendulum_impact(
+    mass, 700.0, length, IMPACT_ANGLE, IMPACT_ANGLE, -tool.hub.speed, -PRINTED_RATE, 0.31, 0.42
+).normal_final_impulse
+"""p_fy of the double pendulum of figure 2.30 at mu = 0.31, N s."""
 
 
 def law_difference() -> float:
@@ -238,7 +220,4 @@ stroke = cutting_stroke(
 )
 
 
-def convergence_order(plies: int) -> float:
-    """Return the order at which the ply sum approaches its limit between n and 10 n plies."""
-    gaps = crater.merchant_crater_depth_limit() - crater.merchant_crater_depth(plies=[plies, 10 * plies])
-    return float(np.log10(gaps[0] / gaps[1]))
+ply_gaps = crater.merchant_crater_depth_limit() - crater.merchant_crater_depth(plies=[10_000, 100_000])

@@ -11,7 +11,7 @@ from bristle_sim.dissertation.redrawn import Redrawn
 from bristle_sim.parameters import DoublePendulum, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.curves import Axis, Level, Panel
-from bristle_sim.studies.double_pendulum_families import Impact, final_rate, heavy_rod_panel, pendulum_curve, weighted
+from bristle_sim.studies.double_pendulum_families import Impact, heavy_rod_panel, pendulum_curve, weighted
 from bristle_sim.studies.impacts import double_chain
 from bristle_sim.studies.rod_families import OPERATING_POINT, TOTAL, Sweep, sweep_panel
 
@@ -58,7 +58,7 @@ NOTES = {
     "2.24": "flat where the tip stays at rest: $\\mu$ ≥ tan $\\gamma$",
 }
 
-RATES = {"2.28": (1, "rod BC"), "2.29": (0, "rod OB")}
+RATES = {"2.28": (2, "rod BC"), "2.29": (1, "rod OB")}
 
 
 def impact_figure(number: str) -> Redrawn:
@@ -82,12 +82,13 @@ def double_pendulum_figure(number: str) -> Redrawn:
     rod, name = RATES[number]
     pendulum = DoublePendulum()
     chain = double_chain(dataclasses.replace(pendulum, mass_ratio=1.0))
-    measure = final_rate(rod)
     curves = tuple(
-        pendulum_curve(f"{mu:g}", measure, _over_mass_ratio(chain, Surface(mu, None, 0.5)), _RATIOS, _SIMULATED)
+        pendulum_curve(
+            f"{mu:g}", f"final_rate_{rod}", _over_mass_ratio(chain, Surface(mu, None, 0.5)), _RATIOS, _SIMULATED
+        )
         for mu in (0.3, 0.5, 0.7)
     )
-    levels = (Level(pendulum.rate_1, "before the impact"),) if rod == 0 else ()
+    levels = (Level(pendulum.rate_1, "before the impact"),) if rod == 1 else ()
     axis = Axis(f"rate after impact, {name}", "rad/s")
     return Redrawn(
         number,

@@ -109,11 +109,12 @@ class TimedContact:
     @cached_property
     def resultant(self) -> PiecewiseCubic:
         """Resultant force, N."""
-        leaning = np.hypot(1.0, self._ratio)
-        return PiecewiseCubic(self.time, leaning * self.history.normal_force, leaning * self._normal_slope)
+        ratio, slope = self._ratio_and_slope
+        leaning = np.hypot(1.0, ratio)
+        return PiecewiseCubic(self.time, leaning * self.history.normal_force, leaning * slope)
 
     def smooth_resultant(self, points: int = 24) -> tuple[Array, Array]:
-        """Return the resultant between its samples too, on the cubics that are integrated: time in s, force in N."""
+        """Return the resultant, N, on the cubics that are integrated, between its samples too, over time, s."""
         return self.resultant.fine(points)
 
     @property
@@ -170,22 +171,15 @@ class TimedContact:
 
     @property
     def work(self) -> float:
-        """Work of the force on the tip over its path, first touch to last, J; negative.
-
-        From the recorded samples, while the contact record's works are added up in the engine step by step. Force and speed
-        are cubics each: of the force the slopes are known, which few samples of their product would not give.
-        """
-        h = self.history
-        speed = PiecewiseCubic(self.time, h.normal_velocity + self._ratio * h.tangential_velocity)
-        return PiecewiseCubic(self.time, h.normal_force, self._normal_slope).integral_with(speed)
+        """Work of the force on the tip over its path, first touch to last, J; negative, from the recorded samples."""
+        # Force and speed are cubics each: of the force the slopes are known, which few samples of their product lack.
+        h, (ratio, slope) = self.history, self._ratio_and_slope
+        speed = PiecewiseCubic(self.time, h.normal_velocity + ratio * h.tangential_velocity)
+        return PiecewiseCubic(self.time, h.normal_force, slope).integral_with(speed)
 
     @property
     def energy_given_up(self) -> float:
-        """Energy that bristle and hub give up during the contact, J.
-
-        The hub keeps its speed omega, so its drive does work omega M with the moment M that its rim exerts. The bristle's
-        angular momentum about the hub's centre changes by the sum of M and the contact's moment C x F.
-        """
+        """Energy that bristle and hub give up during the contact, J; the hub's drive works on the moment of its rim."""
         return self.energy_given_up_in_hub_frame - self.chain.hub_speed * self._contact_moment()
 
     @property
@@ -207,40 +201,31 @@ class TimedContact:
 
     def _contact_moment(self) -> float:
         """Integral of the contact's moment about the hub's centre, N m s."""
-        h, end, slope = self.history, float(self.time[-1]), self._normal_slope
+        h, end, (ratio, slope) = self.history, float(self.time[-1]), self._ratio_and_slope
         along, above = self.tip
-        lever = along - self._ratio * above
-        turning = h.tangential_velocity + self._ratio * h.normal_velocity
+        lever = along - ratio * above
+        turning = h.tangential_velocity + ratio * h.normal_velocity
         slopes = lever * slope + turning * h.normal_force
         recorded = PiecewiseCubic(self.time, lever * h.normal_force, slopes).integral(0.0, end)
         # In stick the samples leave out the force that keeps the tip in place; the record's impulse includes it.
-        rubbed = PiecewiseCubic(self.time, self._ratio * h.normal_force, self._ratio * slope).integral(0.0, end)
+        rubbed = PiecewiseCubic(self.time, ratio * h.normal_force, ratio * slope).integral(0.0, end)
         return recorded - float(above[-1]) * (self.record.impulse[1] - rubbed)
 
     @cached_property
-    def _ratio(self) -> Array:
-        """Tangential over normal force, constant in each piece: slip one way or the other, or stick."""
-        found, force = np.zeros(len(self.time)), self.history.normal_force
+    def _ratio_and_slope(self) -> tuple[Array, Array]:
+        """Tangential over normal force, and the slope of the normal force, N/s, by a stiffness; constant in each piece."""
+        h, (ratio, slope) = self.history, np.zeros((2, len(self.time)))
         for first, last in pieces(self.time):
-            top = first + int(np.argmax(force[first:last]))
+            force, depth = h.normal_force[first:last], h.penetration[first:last]
+            top = int(np.argmax(force))
             if force[top] > 0.0:
-                found[first:last] = self.history.tangential_force[top] / force[top]
-        return found
-
-    @cached_property
-    def _normal_slope(self) -> Array:
-        """Slope of the normal force over time, N/s: the piece's stiffness times the tip's velocity."""
-        found = np.zeros(len(self.time))
-        force, depth = self.history.normal_force, self.history.penetration
-        for first, last in pieces(self.time):
-            deeper = depth[last - 1] - depth[first]
-            stiffness = (force[last - 1] - force[first]) / deeper if deeper else 0.0
-            found[first:last] = -stiffness * self.history.normal_velocity[first:last]
-        return found
+                ratio[first:last] = h.tangential_force[first + top] / force[top]
+            deeper = depth[-1] - depth[0]
+            stiffness = (force[-1] - force[0]) / deeper if deeper else 0.0
+            slope[first:last] = -stiffness * h.normal_velocity[first:last]
+        return ratio, slope
 
     def _centre_velocity(self) -> tuple[Array, Array]:
         rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * self.rate
-        return (
-            rim * np.cos(self.hub_angle) + half * np.cos(self.angle),
-            rim * np.sin(self.hub_angle) + half * np.sin(self.angle),
-        )
+        along, above = (rim * turn(self.hub_angle) + half * turn(self.angle) for turn in (np.cos, np.sin))
+        return along, above

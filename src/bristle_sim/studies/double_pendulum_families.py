@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 import numpy as np
 
@@ -31,28 +30,14 @@ POINTS = 81
 
 SIMULATED = 9
 
+FINAL_IMPULSE = "normal_final_impulse"
+
 LIGHT_RATIOS, HEAVY_RATIO = (1.0, 10.0), 700.0
 
 HEAVY_ROD = Chain((700.0 * 8.387e-5, 8.387e-5), (0.027, 0.027), (-math.radians(23.4),) * 2, (261.8, 845.6))
 """The bristle as the second rod of a double pendulum whose first is 700 times as heavy (Zhang 2020, fig. 2.30)."""
 
 HEAVY_ROD_SURFACE = Surface(friction=0.31, restitution=0.42)
-
-
-class Measure(NamedTuple):
-    """One number of an impact: by closed form, and as read from a simulated one."""
-
-    formula: Callable[[Chain, Surface], float]
-    read: Callable[[ContactRecord], float | None]
-
-
-def final_rate(rod: int) -> Measure:
-    """Rate of a double pendulum's first (0) or second (1) rod after impact, rad/s, negative approaching."""
-    name = f"final_rate_{rod + 1}"
-    return Measure(
-        lambda chain, surface: float(getattr(closed_form(chain, surface), name)),
-        lambda contact: -contact.rates_after[rod],
-    )
 
 
 def closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
@@ -71,40 +56,42 @@ def closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
     )
 
 
-IMPULSE = Measure(
-    lambda chain, surface: closed_form(chain, surface).normal_final_impulse, lambda contact: contact.impulse[0]
-)
-"""p_f of a double pendulum, N s."""
-
-
 def heavy_rod_panel() -> Panel:
     """Return p_f of the bristle as a double pendulum over the friction, by mass ratio (Zhang 2020, fig. 2.30)."""
     stiction = math.tan(-HEAVY_ROD.angles[1])
     frictions = 0.9999 * stiction * (1.0 - np.linspace(1.0, 0.0, 121) ** 2)
     simulated = {"energetic": np.linspace(0.0, 0.9, 6) * stiction, "compliant": np.linspace(0.09, 0.81, 5) * stiction}
     curves = [
-        pendulum_curve(f"$n$ = {n:g}", IMPULSE, _over_friction(n), frictions, simulated)
+        pendulum_curve(f"$n$ = {n:g}", FINAL_IMPULSE, _over_friction(n), frictions, simulated)
         for n in (*LIGHT_RATIOS, HEAVY_RATIO)
     ]
-    curves.append(curve_of("bristle on its hub", _monofilament, frictions))
+    hub, bristle, coefficient = Hub(), Bristle(), HEAVY_ROD_SURFACE.restitution
+    speed = tip_speed(bristle.length, hub.radius, hub.speed, HEAVY_ROD.rates[1] / hub.speed)
+    given = (bristle.mass, speed, -HEAVY_ROD.angles[1])
+    curves.append(curve_of("bristle on its hub", lambda mu: normal_final_impulse(*given, mu, coefficient), frictions))
     at = HEAVY_ROD_SURFACE.friction
+    own = getattr(closed_form(*_over_friction(HEAVY_RATIO)(at)), FINAL_IMPULSE)
     return Panel(
         AXES["friction"],
-        AXES["normal_final_impulse"],
+        AXES[FINAL_IMPULSE],
         tuple(curves),
-        marks=(Mark(at, IMPULSE.formula(*_over_friction(HEAVY_RATIO)(at))),),
+        marks=(Mark(at, own),),
         levels=(Level(stiction, "stiction, $\\mu$ = tan $\\gamma$", upright=True),),
         top=3.0 * float(curves[-1].theory[0]),
     )
 
 
-def pendulum_curve(name: str, measure: Measure, impact: Impact, x: Array, places: Mapping[str, Array]) -> Curve:
-    """Return a measure of impacts over x in closed form, and of simulated ones at some places by law."""
+def pendulum_curve(name: str, quantity: str, impact: Impact, x: Array, places: Mapping[str, Array]) -> Curve:
+    """Return p_f, N s, or the rate of a rod, rad/s, negative approaching, over x, and of simulated impacts by law."""
 
     def formula(grid: Array) -> list[float]:
-        return [measure.formula(*impact(float(each))) for each in grid]
+        return [getattr(closed_form(*impact(float(each))), quantity) for each in grid]
 
-    return impact_curve(name, formula, x, impact, measure.read, places)
+    def read(contact: ContactRecord) -> float:
+        values = {"final_rate_1": -contact.rates_after[0], "final_rate_2": -contact.rates_after[1]}
+        return (values | {FINAL_IMPULSE: contact.impulse[0]})[quantity]
+
+    return impact_curve(name, formula, x, impact, read, places)
 
 
 def double_pendulum_panels(impacts: Impacts) -> dict[str, Panel]:
@@ -118,7 +105,7 @@ def double_pendulum_panels(impacts: Impacts) -> dict[str, Panel]:
     def impact(ratio: float) -> tuple[Chain, Surface]:
         return weighted(chain, ratio), surface
 
-    curves = tuple(pendulum_curve(f"rod {k + 1}", final_rate(k), impact, ratios, places) for k in (0, 1))
+    curves = tuple(pendulum_curve(f"rod {k}", f"final_rate_{k}", impact, ratios, places) for k in (1, 2))
     after = impacts.strikes[impacts.law].contact.rates_after
     rates = Panel(
         Axis("mass ratio $m_1/m_2$", log=True),
@@ -138,11 +125,3 @@ def weighted(chain: Chain, mass_ratio: float) -> Chain:
 
 def _over_friction(ratio: float) -> Impact:
     return lambda friction: (weighted(HEAVY_ROD, ratio), dataclasses.replace(HEAVY_ROD_SURFACE, friction=friction))
-
-
-def _monofilament(friction: Array) -> Array:
-    """Return (2.64) of the bristle at the rate of fig. 2.30."""
-    hub, bristle = Hub(), Bristle()
-    speed = tip_speed(bristle.length, hub.radius, hub.speed, HEAVY_ROD.rates[1] / hub.speed)
-    angle, restitution = -HEAVY_ROD.angles[1], HEAVY_ROD_SURFACE.restitution
-    return np.asarray(normal_final_impulse(bristle.mass, speed, angle, friction, restitution))

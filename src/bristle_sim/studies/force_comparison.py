@@ -43,9 +43,6 @@ from bristle_sim.theory.monofilament import tip_speed
 SEGMENTS = 10
 """Equal parts of the compression (Zhang 2020, table 3.1)."""
 
-SOURCES = ("printed", "scaled", "curve", "simulated")
-"""Origins of a segment's impulse: table 3.1, the ball's fraction of the printed impulse (3.15), the curve, the contact."""
-
 OPERATING_SPEED = float(tip_speed(Bristle().length, Hub().radius, Hub().speed, Strike().speed_ratio))
 """Speed of the tip, m/s, at 845.6 rad/s as an absolute rate (Zhang 2020, eq. 4.3)."""
 
@@ -154,7 +151,12 @@ def _remarks(subject: ForceComparison, impact_angle: float) -> tuple[str, ...]:
         simulated = _contact_lines(contact, curve, impact_angle)
     amplitudes, decays = (", ".join(f"{value:.6g}" for value in values) for values in (curve.amplitude, curve.decay))
     trials = f"least-squares fit (3.2-3.4) to points of the curve, c = {amplitudes}, lambda = {decays} /s:"
-    return ("", *source, *simulated, "", *_segment_lines(subject), "", trials, *map(str, subject.trials))
+    name = "table 3.1" if curve is BRISTLE else "tenths"
+    lines = [f"{name + ', 1e-4 N s':<22}{'printed':>10}{'by (3.15)':>10}{'curve':>10}{'simulated':>10}"]
+    for segment, *row in (each.values() for each in _table_3_1(subject)):
+        cells = "".join(f"{'-' if value is None else f'{1e4 * value:.4f}':>10}" for value in row)
+        lines.append(f"{f'  segment {segment}':<22}{cells}")
+    return ("", *source, *simulated, "", *lines, "", trials, *map(str, subject.trials))
 
 
 def _contact_lines(contact: TimedContact, curve: ForceCurve, impact_angle: float) -> tuple[str, ...]:
@@ -171,12 +173,3 @@ def _contact_lines(contact: TimedContact, curve: ForceCurve, impact_angle: float
         f"  at that speed an impact of no duration has p_c = {1e3 * rigid:.4f}e-3 N s, here the hub turns on for {lasting}",
         f"{shape} {ratio:.4f} simulated, {curve_ratio:.4f} by the curve, pi/2 = {math.pi / 2:.4f} for a plain spring",
     )
-
-
-def _segment_lines(subject: ForceComparison) -> tuple[str, ...]:
-    name = "table 3.1" if subject.curve is BRISTLE else "tenths"
-    lines = [f"{name + ', 1e-4 N s':<22}{'printed':>10}{'by (3.15)':>10}{'curve':>10}{'simulated':>10}"]
-    for row in _table_3_1(subject):
-        cells = ["-" if row[name] is None else f"{1e4 * row[name]:.4f}" for name in SOURCES]
-        lines.append(f"{'  segment ' + str(row['segment']):<22}" + "".join(f"{cell:>10}" for cell in cells))
-    return tuple(lines)

@@ -7,8 +7,9 @@ pendulums are signed as in the dissertation, negative approaching; in the scene 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
@@ -141,7 +142,9 @@ def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact
     )
     found = impacts.strikes[contact.law]
     impulse = found.contact.compressive_impulse
-    magnified = max(pendulum.mass_ratio, _lying(angles[1], surface.friction))
+    # Friction magnifies the rounding of a rod's angle, by itself where the rod lies along the surface.
+    mu, (along, across) = surface.friction, (abs(math.cos(angles[1])), abs(math.sin(angles[1])))
+    magnified = max(pendulum.mass_ratio, mu / max(across + mu * along, AT_REST))
     within = _tolerance(contact, settings, surface, None, ROUNDING * magnified)
     slowest = AT_REST * max(abs(pendulum.rate_1), abs(pendulum.rate_2))
     compressive = (impulse[0] if impulse else None, theory.normal_compressive_impulse)
@@ -158,11 +161,6 @@ def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact
 
 def _coefficients(surface: Surface) -> tuple[float, float, float]:
     return surface.friction, surface.restitution, surface.friction_in_restitution
-
-
-def _lying(angle: float, friction: float) -> float:
-    """Return by how much friction magnifies the rounding of a rod's angle: friction itself, along the surface."""
-    return friction / max(abs(math.sin(angle)) + friction * abs(math.cos(angle)), AT_REST)
 
 
 def _row(
@@ -210,6 +208,7 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
 
 def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], rate_name: str) -> Report:
     requested = impacts.strikes[impacts.law]
+    laws = [_law(law, one, rate(one)) for law, one in impacts.strikes.items()]
     return Report(
         outcome=outcome_of(requested.contact),
         quantities=tuple(rows),
@@ -217,29 +216,31 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         events=(("strike", requested.contact.time),),
         steps=requested.steps,
         wall_s=requested.wall_s,
-        remarks=_compared_laws(impacts, rate, rate_name),
-        extra={"laws": [_law(law, one, rate(one)) for law, one in impacts.strikes.items()]},
+        remarks=_compared_laws(laws, impacts.refusals, rate_name),
+        extra={"laws": laws},
         subject=impacts,
     )
 
 
-def _compared_laws(impacts: Impacts, rate: Callable[[ChainStrike], float], rate_name: str) -> tuple[str, ...]:
+def _compared_laws(laws: Sequence[dict[str, Any]], refusals: dict[str, str], rate_name: str) -> tuple[str, ...]:
     """Return one line a law: its rate, final impulse, works and energy ratio."""
     head = f"{'law':<9} {rate_name:>24} {'p_fn N s':>12} {'p_ft N s':>12} {'work n J':>12} {'work t J':>12} {'energy ratio':>13}"
     lines = ["", head]
-    for law, one in impacts.strikes.items():
-        works = _works(one)
-        shown = "".join(f" {work:12.5g}" if work is not None else f" {'-':>12}" for work in works)
-        ratio = "-" if one.kinetic_energy_ratio is None else f"{one.kinetic_energy_ratio:.7f}"
-        impulse = one.contact.impulse
-        lines.append(f"{law:<9} {rate(one):24.9g} {impulse[0]:12.6g} {impulse[1]:12.6g}{shown} {ratio:>13}")
-    lines += [f"{law:<9} {reason}" for law, reason in impacts.refusals.items()]
-    return tuple(lines)
+    for each in laws:
+        works = "".join(
+            f" {'-':>12}" if work is None else f" {work:12.5g}"
+            for work in (each["normal_work"], each["tangential_work"])
+        )
+        ratio = "-" if each["kinetic_energy_ratio"] is None else f"{each['kinetic_energy_ratio']:.7f}"
+        impulses = f"{each['normal_impulse']:12.6g} {each['tangential_impulse']:12.6g}"
+        lines.append(f"{each['law']:<9} {each['rate_after']:24.9g} {impulses}{works} {ratio:>13}")
+    return (*lines, *(f"{law:<9} {reason}" for law, reason in refusals.items()))
 
 
-def _law(law: str, one: ChainStrike, rate: float) -> dict[str, object]:
-    """Return a law's results for the JSON, in SI units."""
-    works = _works(one)
+def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
+    """Return a law's results for the JSON, in SI units; no works where the law has none."""
+    first, second = one.contact.compressive_work, one.contact.restitutive_work
+    works = (None, None) if first is None or second is None else (first[0] + second[0], first[1] + second[1])
     return {
         "law": law,
         "rate_after": rate,
@@ -249,11 +250,3 @@ def _law(law: str, one: ChainStrike, rate: float) -> dict[str, object]:
         "tangential_work": works[1],
         "kinetic_energy_ratio": one.kinetic_energy_ratio,
     }
-
-
-def _works(one: ChainStrike) -> tuple[float | None, float | None]:
-    """Return the whole normal and tangential work of an impact, J; None where the law has none."""
-    first, second = one.contact.compressive_work, one.contact.restitutive_work
-    if first is None or second is None:
-        return None, None
-    return first[0] + second[0], first[1] + second[1]

@@ -215,15 +215,16 @@ def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
     """Return theory by energy and quadrature, for an undamped belt; hub speed from the bar-cued tool's strike."""
     if tool.belt_damping:
         return {}
-    geometry = (tool.hub.radius, tool.bristle.length)
+    reach = 2.0 * tool.bristle.length + tool.hub.radius
     drive = (tool.bristle.inertia_about_root, tool.belt.stiffness, cueing.field_stiffness(tool), tool.hub.speed)
     try:
         retraction, time = inertia_drive.largest_retraction(*drive), inertia_drive.time_to_radial(*drive)
     except ValueError:
         return {}
-    equal = None if strike_speed is None else inertia_drive.hub_speed_for_tip_speed(strike_speed, *geometry)
-    speed = inertia_drive.radial_tip_speed(tool.hub.speed, *geometry)
-    return dict(zip(UNITS, (math.degrees(retraction), time, tool.hub.speed, speed, equal), strict=True))
+    equal = None if strike_speed is None else strike_speed / reach
+    return dict(
+        zip(UNITS, (math.degrees(retraction), time, tool.hub.speed, reach * tool.hub.speed, equal), strict=True)
+    )
 
 
 def _remarks(tool: Tool, radial: Radial | None, strike_speed: float | None, stop_reason: str) -> tuple[str, ...]:

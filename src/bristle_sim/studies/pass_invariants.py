@@ -227,7 +227,10 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
 def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     """Return the first strike's violations of the impact law; none where that law does not apply."""
     strike = run.first_contact("workpart")
-    if strike is None or tool.workpart is None or not _is_rigid(tool, strike) or _together(run, strike):
+    if strike is None or tool.workpart is None or not _is_rigid(tool, strike):
+        return {}
+    near, bars = SAME_INSTANT * float(run.time[-1]), [each for each in run.contacts if each.obstacle == "bar"]
+    if any(each.time - near <= strike.time <= each.time + each.duration + near for each in bars):
         return {}
     pushed, part, errors = strike.impulse[0], tool.workpart, dict[str, float | None]()
     speed = math.hypot(*strike.velocity_before)
@@ -252,10 +255,3 @@ def _momentum_error(tool: Tool, run: Trajectory, strike: ContactRecord) -> float
     levers = np.array([_cross(arm, normal)[0], -_cross(arm, _rotated(normal))[0]])
     change = np.subtract(strike.velocity_after, strike.velocity_before)
     return float(np.abs(change - levers * (levers @ strike.impulse) / tool.bristle.inertia_about_root).max())
-
-
-def _together(run: Trajectory, strike: ContactRecord) -> bool:
-    """Whether the bar is touched at the instant of the strike."""
-    near = SAME_INSTANT * float(run.time[-1])
-    bars = (each for each in run.contacts if each.obstacle == "bar")
-    return any(each.time - near <= strike.time <= each.time + each.duration + near for each in bars)

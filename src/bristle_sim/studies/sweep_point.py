@@ -107,15 +107,15 @@ def _parts(function: Any, seen: set[int]) -> Any:
 
 def _source(function: FunctionType) -> Any:
     """Return a function's source text, or its compiled instructions where there is no file."""
+
+    def instructions(code: CodeType) -> Any:
+        constants = [instructions(each) if isinstance(each, CodeType) else repr(each) for each in code.co_consts]
+        return code.co_code, code.co_names, constants
+
     try:
         return inspect.getsource(function)
     except (OSError, TypeError):
-        return _instructions(function.__code__)
-
-
-def _instructions(code: CodeType) -> Any:
-    constants = [_instructions(each) if isinstance(each, CodeType) else repr(each) for each in code.co_consts]
-    return code.co_code, code.co_names, constants
+        return instructions(function.__code__)
 
 
 @functools.cache

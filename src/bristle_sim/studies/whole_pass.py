@@ -43,9 +43,6 @@ ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contac
 """Differences of two angles of some radians."""
 
 
-MOST_LINKS = 16
-"""Links of a wire in a whole pass, which takes 1,500 n^2 engine steps to the strike and 7,000 n^2 in all, to 1e-6."""
-
 UNITS = {
     "release_time": "s",
     "release_retraction_deg": "deg",
@@ -63,6 +60,10 @@ class WholePass:
     tool: Tool
     trajectory: Trajectory
     reference: Trajectory | None
+
+
+MOST_LINKS = 16
+"""Links of a wire in a whole pass, which takes 1,500 n^2 engine steps to the strike and 7,000 n^2 in all, to 1e-6."""
 
 
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
@@ -92,7 +93,6 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         value = referred.get(name)
         if value is None:
             return None
-        # A small difference of two angles or rates magnifies the relative error of either.
         size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
         own = max(LEAST_TOLERANCE, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
         return own * max(1.0, size / abs(value) if value else size)

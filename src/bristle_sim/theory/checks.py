@@ -172,7 +172,6 @@ _ROWS = (
     ("peak_force", "N", 1e-30, 1e30, "physics: positive; rounding: squares of residuals"),
     # Cutting.
     ("decay", "1/s", 0.0, 1e15, "physics: the motion slows; rounding: decay times compression_time"),
-    ("resultant_angle", "rad", -math.pi, math.pi, "physics: half a turn either way"),
     ("depth", "m", 0.0, 1e6, "physics: not above the surface; rounding: a force over a width"),
     ("shear_yield_stress", "Pa", 1e-30, 1e30, "physics: positive; rounding: a force over a stress and a width"),
     ("force", "N", -1e30, 1e30, "rounding: a force over a stress and a width"),
@@ -194,7 +193,6 @@ _WHOLE = (
 )
 
 RANGES: dict[str, Range] = {
-    "constant": Range("constant", "rad", 0.0, RIGHT, False, "physics: 0 < C <= pi/2, which is least work"),
     **{key: Range(key, unit, low, high, True, why) for keys, unit, low, high, why in _ROWS for key in keys.split()},
     **{key: Range(key, "1", 1, most, True, reason, whole=True) for key, most, reason in _WHOLE},
 }

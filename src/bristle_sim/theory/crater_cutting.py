@@ -61,17 +61,12 @@ class CuttingStroke:
 class ContactCrater:
     """What a contact's compression did, from first touch to deepest penetration, and the craters that follow; SI.
 
-    ``friction`` is the tangential over the normal force at the largest force along the path, ``path_impulse`` the integral of
-    that force, ``path`` the length of the tip's; works of the force on the tip are negative. ``shear_plane_emerges`` says
-    whether eta >= gamma with the friction used; where not, ``parallel`` depths are formal.
+    ``path`` is the length of the tip's; ``shear_plane_emerges`` says whether eta >= gamma with the friction used; where not,
+    ``parallel`` depths are formal.
     """
 
     compression_time: float
     peak_cutting_force: float
-    friction: float
-    path_impulse: float
-    normal_work: float
-    tangential_work: float
     path: float
     penetration: float
     depth_from_force: float
@@ -204,37 +199,27 @@ def crater_depth_from_contact(
             without a pressing force.
     """
     _check_angle(impact_angle)
-    given = {
-        "time": time,
-        "normal_force": normal_force,
-        "tangential_force": tangential_force,
-        "penetration": penetration,
-    }
-    given |= {"normal_velocity": normal_velocity, "tangential_velocity": tangential_velocity}
-    t, normal, tangential, inside, v_n, v_t = _compression(given)
+    forces = {"normal_force": normal_force, "tangential_force": tangential_force}
+    velocities = {"normal_velocity": normal_velocity, "tangential_velocity": tangential_velocity}
+    t, normal, tangential, inside, v_n, v_t = _compression(time=time, **forces, penetration=penetration, **velocities)
     along = math.sin(impact_angle) * normal + math.cos(impact_angle) * np.abs(tangential)
     peak = int(np.argmax(along))
     require("normal_force", normal[peak], normal[peak] > 0.0, "must press at its peak (in N)")
-    ratio = float(abs(tangential[peak]) / normal[peak])
-    cutting = ratio if friction is None else friction
+    cutting = float(abs(tangential[peak]) / normal[peak]) if friction is None else friction
     u = specific_cutting_energy(cutting, impact_angle, shear_yield_stress, surface)
-    works = [float(np.trapezoid(force * speed, t)) for force, speed in ((normal, v_n), (tangential, v_t))]
+    work = sum(float(np.trapezoid(force * speed, t)) for force, speed in ((normal, v_n), (tangential, v_t)))
     return ContactCrater(
         compression_time=float(t[-1] - t[0]),
         peak_cutting_force=float(along[peak]),
-        friction=ratio,
-        path_impulse=float(np.trapezoid(along, t)),
-        normal_work=works[0],
-        tangential_work=works[1],
         path=float(np.trapezoid(np.hypot(v_n, v_t), t)),
         penetration=float(inside[-1]),
         depth_from_force=float(depth_from_force(along[peak], u, impact_angle)),
-        depth_from_energy=float(depth_from_energy(max(-sum(works), 0.0), u, impact_angle)),
+        depth_from_energy=float(depth_from_energy(max(-work, 0.0), u, impact_angle)),
         shear_plane_emerges=surface == "inclined" or cutting >= math.tan(impact_angle),
     )
 
 
-def _compression(values: dict[str, ArrayLike]) -> list[Array]:
+def _compression(**values: ArrayLike) -> list[Array]:
     """Return the columns up to the deepest penetration, once they are rows of one length and times that increase."""
     columns = {name: np.asarray(value) for name, value in values.items()}
     shape = columns["time"].shape

@@ -23,7 +23,6 @@ J. Zhang (2020), eqs. 2.4-2.18, 2.46; Wang and Mason, J. Appl. Mech. 59 (1992) 6
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import fields
 from typing import Any
@@ -32,8 +31,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
-from bristle_sim.theory.checks import numbers, require
-from bristle_sim.theory.impact_phases import End, Target, isfinite, magnitude, quotient, select, square_root, walk
+from bristle_sim.theory.checks import numbers
+from bristle_sim.theory.impact_phases import End, Target, isfinite, quotient, select, square_root, walk
 from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact, Number
 
 __all__ = [
@@ -48,7 +47,6 @@ __all__ = [
     "energetic_impact",
     "newton_impact",
     "poisson_impact",
-    "stick_threshold",
 ]
 
 MOST_FRICTION = 1e150
@@ -132,17 +130,6 @@ LAWS: dict[str, Callable[..., Impact]] = {
 
 They differ in one function, the normal impulse at which restitution ends. To add a law, write that function and name it here.
 """
-
-
-def stick_threshold(inverse_mass: ArrayLike) -> Number:
-    """Return the least friction with which a stopped point sticks, mu_bar = |K_nt| / K_tt (Zhang 2020, eq. 2.90)."""
-    matrix = numbers("inverse_mass", inverse_mass, "must be real numbers (1/kg)")
-    if matrix.shape[-2:] != (2, 2):
-        raise ValueError(f"inverse_mass of shape {matrix.shape}: must be (..., 2, 2)")
-    coupling, tangential = np.abs(matrix[..., 0, 1]), matrix[..., 1, 1]
-    holds = np.isfinite(matrix).all(axis=(-2, -1)) & (tangential > sys.float_info.min * coupling) & (tangential > 0.0)
-    require("inverse_mass", tangential, holds, "must be finite, its tangential entry above 0 (1/kg)")
-    return coupling / tangential
 
 
 def _energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:
@@ -250,9 +237,9 @@ def _check(values: list[Number], k_tn: Number) -> None:
     matrix = (k_nn, k_nt, k_tn, k_tt)
     finite = isfinite(k_nn) & isfinite(k_nt) & isfinite(k_tt) & isfinite(k_tn)
     # The product of roots neither overflows nor vanishes, as the root of the product may.
-    mean = square_root(magnitude(k_nn)) * square_root(magnitude(k_tt))
-    symmetric = magnitude(k_nt - k_tn) <= 1e-9 * mean
-    semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (magnitude(k_nt) <= mean * (1.0 + 5e-10))
+    mean = square_root(abs(k_nn)) * square_root(abs(k_tt))
+    symmetric = abs(k_nt - k_tn) <= 1e-9 * mean
+    semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (abs(k_nt) <= mean * (1.0 + 5e-10))
     least = "finite and >= 0 (dimensionless)"
     rules = [
         ("inverse_mass", "finite (1/kg)", finite, matrix),

@@ -97,7 +97,7 @@ def walk(
     """Go through the four phases in order."""
     mass = _mass(k_nn, k_nt, k_tt, stick)
     approaching = normal < 0.0
-    none = magnitude(0.0 * normal)
+    none = abs(0.0 * normal)
     state = _State(select(approaching, normal, 0.0), tangential, none, none)
     initial = _sign(tangential)
 
@@ -148,7 +148,7 @@ def _mass(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> _Ma
 
 def _settled(mass: _Mass, mu: Number) -> Number:
     """Return the direction of slip once it has stopped: 0 where friction holds the point, else as K drives it."""
-    holds = mu * mass.tangential >= magnitude(mass.coupling)
+    holds = mu * mass.tangential >= abs(mass.coupling)
     return select(holds, 0.0, _sign(mass.coupling))
 
 
@@ -206,7 +206,7 @@ def _advance(
 ) -> _Phase:
     """Apply the normal impulse up to ``end`` or up to where slip stops; both may be infinite."""
     slows = state.tangential * tangential_rate < 0.0
-    stop = select(slows, quotient(magnitude(state.tangential), magnitude(tangential_rate)), INFINITE)
+    stop = select(slows, quotient(abs(state.tangential), abs(tangential_rate)), INFINITE)
     # Slip and compression of one degree of freedom stop at one impulse, up to rounding.
     stopped = active & (stop <= end * (1.0 + SINGULAR)) & (stop < INFINITE)
     finished = active & (end <= stop * (1.0 + SINGULAR)) & (end < INFINITE)
@@ -241,11 +241,6 @@ def select(condition: Number, chosen: Number, other: Number) -> Number:
 
 def _not(condition: Number) -> Number:
     return not condition if isinstance(condition, bool) else ~condition
-
-
-def magnitude(value: Number) -> Number:
-    """Return the absolute value."""
-    return abs(value)
 
 
 def _sign(value: Number) -> Number:

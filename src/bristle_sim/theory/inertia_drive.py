@@ -63,16 +63,3 @@ def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_spe
     half = 0.5 * top * np.cos(NODES) ** 2 / (1.0 + sine)
     field = np.sin(0.5 * top * (1.0 + sine)) * np.sinc(half / math.pi) / (top * (1.0 + sine))
     return 2.0 * float(np.sum(WEIGHTS / np.sqrt((stiffness + 2.0 * centrifugal * field) / inertia)))
-
-
-@checked_arguments
-def radial_tip_speed(hub_speed: float, hub_radius: float, length: float) -> float:
-    """Return the speed of the tip when the bristle is radial again, (2 L + r_h) omega, m/s."""
-    return (2.0 * length + hub_radius) * hub_speed
-
-
-@checked_arguments
-def hub_speed_for_tip_speed(tip_speed: float, hub_radius: float, length: float) -> float:
-    """Return the speed of the pulley for a speed of the tip when radial, rad/s."""
-    require("tip_speed", tip_speed, tip_speed >= 0.0, "must be at least 0, as the hub turns forward (in m/s)")
-    return tip_speed / (2.0 * length + hub_radius)

@@ -39,9 +39,6 @@ API_5L = 1.2e8
 RAKE_OFFSET = math.radians(11.5)
 """Rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36)."""
 
-LEAST_WORK = 0.5 * math.pi
-"""The constant C of (4.45) for which it is the shear angle of least work (4.25)."""
-
 
 class ShearAngleError(ValueError):
     """The shear plane of the modified circle would not come out of the surface: eta < gamma (4.35)."""
@@ -79,25 +76,12 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 
 
 @checked_arguments
-def shear_angle(resultant_angle: ArrayLike, constant: ArrayLike = LEAST_WORK) -> Number:
-    """Return the shear angle eta = (C - (beta - alpha))/2 (4.45); by default pi/4 - (beta - alpha)/2 (4.25).
+def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True) -> CuttingAngles:
+    """Return the modified circle's angles: alpha = gamma + offset, beta = offset + arccot(mu), eta = pi/4 - (beta - alpha)/2.
 
-    Raises:
-        ValueError: if C is not within 0 < C <= pi/2, or beta - alpha >= C, which pushes the chip into the work.
-    """
-    rule = "must be beta - alpha < C, or nothing is cut (in rad)"
-    require("resultant_angle", resultant_angle, np.less(resultant_angle, constant), rule)
-    return 0.5 * np.subtract(constant, resultant_angle)
-
-
-@checked_arguments
-def oblique_angles(
-    friction: ArrayLike, impact_angle: ArrayLike, *, constant: ArrayLike = LEAST_WORK, check: bool = True
-) -> CuttingAngles:
-    """Return the modified circle's angles, alpha = gamma + offset, beta = offset + arccot(mu), eta by (4.45).
-
+    The shear angle is that of least work (4.25), (4.45) with C = pi/2.
     mu is the ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives. ``check``
-    refuses eta < gamma; for C = pi/2 that is mu < tan(gamma) (4.42), where the formulas still give numbers but the shear plane
+    refuses eta < gamma, that is mu < tan(gamma) (4.42), where the formulas still give numbers but the shear plane
     does not come out of the surface. Gamma in rad.
 
     Raises:
@@ -107,17 +91,15 @@ def oblique_angles(
     gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
     require("impact_angle", gamma, gamma < 0.5 * math.pi, "must be below pi/2 (in rad)")
-    angles = CuttingAngles(gamma + RAKE_OFFSET, RAKE_OFFSET + upright, shear_angle(upright - gamma, constant))
+    shear = 0.5 * np.subtract(0.5 * math.pi, upright - gamma)
+    angles = CuttingAngles(gamma + RAKE_OFFSET, RAKE_OFFSET + upright, shear)
     # The rounding of arccot must not refuse mu = tan(gamma) itself.
-    buried = angles.shear < gamma - 1e-12
+    buried = shear < gamma - 1e-12
     if check and np.any(buried):
-        # The least friction with eta >= gamma is cot(C - gamma), tan(gamma) for C = pi/2 (4.42); none for gamma >= C.
-        opening = np.maximum(np.asarray(constant, dtype=float) - gamma, 0.0)
-        least = np.divide(1.0, np.tan(opening), out=np.full(np.shape(opening), np.inf), where=opening > 0.0)
-        worst, needed = (float(np.broadcast_to(each, buried.shape)[buried][0]) for each in (friction, least))
+        worst, least = (float(np.broadcast_to(each, buried.shape)[buried][0]) for each in (friction, np.tan(gamma)))
         raise ShearAngleError(
-            f"friction = {worst:g}: must be friction >= cot(C - impact_angle) = {needed:g}, or the shear plane does not"
-            " come out of the surface (dimensionless)"
+            f"friction = {worst:g}: must be friction >= tan(impact_angle) = {least:g}, or the shear plane does not come out"
+            " of the surface (dimensionless)"
         )
     return angles
 
