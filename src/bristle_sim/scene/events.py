@@ -188,7 +188,7 @@ def settle(
             return None
         change = -found / slope
         left = value(interpolate(start, reached, 1.0 + change))
-        near *= 1.0 + change * found / (found - left)
+        near *= 1.0 + (change * found / (found - left) if left != found else 0.0)
         if not 0.0 < near <= last:
             return None
     return None
