@@ -198,7 +198,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["tunnelling: accuracy 0.1, bristle thrown at 1e+06 rad/s, hub at rest, no belt"],
     ),
     "touches that are not located": (
-        (touch_search, "locate", lambda _value, _left, right, *_: right),
+        (touch_search, "settle", lambda _value, _start, _again, _near, last, _tolerance: last),
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
     "another restitution": (

@@ -46,6 +46,12 @@ class TestCases:
         # Requested 1e-12; LSODA is known to miss its tolerance by a factor of ten.
         assert errors(FLIGHT, scipy_methods.flight_attempts(FLIGHT), method)[-1] < 1e-11
 
+    @pytest.mark.parametrize("case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name)
+    @pytest.mark.parametrize("method", ["dopri5", "dop853"])
+    def test_closed_form_of_a_strike_is_what_compiled_integrators_find(self, case, method):
+        # Requested 1e-12; phases are told apart by velocities of SMALL = 1e-9 of the approach.
+        assert errors(case, scipy_methods.strike_attempts(case)[-22:], f"scipy ode {method}")[-1] < 1e-9
+
     def test_error_is_the_largest_difference_over_its_scale(self):
         angle, rate = FLIGHT.exact
         assert FLIGHT.error((angle, rate)) == 0.0

@@ -23,8 +23,8 @@ Tuner = Callable[[pymunk.Arbiter, float], None]
 class ImpulseRecord(Protocol):
     """Notes the impulses of contacts, step after step."""
 
-    def begin(self) -> None:
-        """Forget what was noted."""
+    def begin(self) -> int:
+        """Forget what was noted, note the last step's, and return how many numbers that are."""
 
     def note(self) -> None:
         """Note the last step's."""
@@ -46,8 +46,10 @@ class _Record:
         self._body = body
         self._numbers: list[float] = []
 
-    def begin(self) -> None:
+    def begin(self) -> int:
         self._numbers.clear()
+        self.note()
+        return len(self._numbers)
 
     def note(self) -> None:
         self._body.each_arbiter(lambda each: self._numbers.extend((*each.total_impulse, *each.normal)))
@@ -65,8 +67,11 @@ class _BareRecord:
         write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
         self.note = partial(lib.cpSpaceEachCachedArbiter, space, write, self._data)
 
-    def begin(self) -> None:
+    def begin(self) -> int:
         self._numbers.num = 0
+        self.note()
+        count: int = self._numbers.num
+        return count
 
     def read(self) -> Sequence[float]:
         numbers: list[float] = ffi.unpack(self._numbers.arr, self._numbers.num)

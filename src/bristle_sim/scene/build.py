@@ -21,7 +21,7 @@ from numpy.linalg import eigvalsh
 
 from bristle_sim.scene.contact_shapes import ContactShapes
 from bristle_sim.scene.engine import EngineSteps, Placer
-from bristle_sim.scene.joints import Connected, joined
+from bristle_sim.scene.joints import Connected
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
 from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
@@ -114,7 +114,10 @@ class Scene:
     @functools.cached_property
     def connected(self) -> Connected:
         """The links, and the joints that pass on to them what acts on the last one."""
-        return joined([self.links[-1]])
+        bodies: list[pymunk.Body] = self.links[::-1]
+        joints: list[pymunk.Constraint] = [*self.joints[::-1]]
+        bodies.sort(key=lambda each: each.mass)
+        return bodies, joints
 
     @property
     def motions(self) -> int:
@@ -292,8 +295,15 @@ def _flight_iterations(links: Sequence[Link]) -> int:
     """
     if len(links) == 1:
         return 1
+    if len(links) == 2:
+        return _iterations_that_leave(1.0 / (1.0 + links[0].mass / links[1].mass))
     yielding = 1.0 / np.array([link.mass for link in links])
     diagonal = yielding + np.append(0.0, yielding[:-1])
     shared = yielding[:-1] / np.sqrt(diagonal[:-1] * diagonal[1:])
     largest = eigvalsh(np.diag(shared, 1) + np.diag(shared, -1))[-1]
-    return math.ceil(min(2.0 + SOLVED / math.log(min(largest**2, 1.0 - 1e-9)), MOST_ITERATIONS))
+    return _iterations_that_leave(largest**2)
+
+
+def _iterations_that_leave(share: float) -> int:
+    """Return the number of iterations each of which leaves a share of the error."""
+    return math.ceil(min(2.0 + SOLVED / math.log(min(share, 1.0 - 1e-9)), MOST_ITERATIONS))

@@ -78,6 +78,17 @@ class Changes:
         exact = {function.name: function.exact(interval.start) for function in functions if function.exact is not None}
         self.signs |= {name: math.copysign(1.0, value) for name, value in exact.items() if abs(value) > NOISE}
 
+    def find_first(
+        self, functions: Sequence[EventFunction], interval: Interval, before: Advance | None
+    ) -> tuple[Advance, EventFunction | None]:
+        """Return the interval up to the first change of sign, and the function; ``before`` is the interval before it."""
+        first = None
+        for function in functions:
+            changed = self.find(function, interval, before)
+            if changed is not None:
+                interval, first = interval._replace(end=changed), function
+        return interval.end, first
+
     def find(self, function: EventFunction, interval: Interval, before: Advance | None) -> Advance | None:
         """Return the interval up to where the function changes its sign, or None; ``before`` is the one before it."""
         length, instant = interval.length, 1e-15 * (1.0 + interval.end.state.time)

@@ -52,10 +52,8 @@ class ContactForces:
             self.scene.warm_up(step)
         self._step = step
         if self._record is not None:
-            self._record.begin()
-            self._record.note()
-            # The first note of a run is of what was before it.
-            self._stale = len(self._record.read())
+            # What was before it is noted here, and before the first step once more.
+            self._stale = 2 * self._record.begin()
             return self._record.note
         count = len(self.obstacles)
         self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
@@ -82,7 +80,7 @@ class ContactForces:
         """
         if self._record is not None:
             self._record.note()
-            found = pushes(self._record.read()[2 * self._stale :])
+            found = pushes(self._record.read()[self._stale :])
             force = found[-1] / self._step if found else 0.0
             return [force, sum(found)] + [0.0] * (2 if len(self.scene.links) == 1 else 3)
         self._add()

@@ -183,7 +183,7 @@ class EngineSteps:
         return [*map(angle, links), *after, *[change / length for change in map(sub, after, before)]]
 
     def warm_up(self, length: float) -> None:
-        """Take one step of a length and put the bodies back where they were, with their velocities.
+        """Take one step of a length and put the bodies, which have not moved since, back where they were placed.
 
         From step to step the engine keeps a contact's impulse. When the step changes it rescales what it applies of it,
         but not what it reports, nor what limits friction and push, until a step has been taken.
@@ -193,7 +193,8 @@ class EngineSteps:
         self._last_length = length
         self.steps += 1
         self.work += self._price
-        self._take_back(length)
+        self._step(length)
+        self.place(None)
 
     def _take_back(self, length: float) -> None:
         """Take a step and put the bodies back: the engine keeps its impulses."""

@@ -176,22 +176,35 @@ def settle(
 ) -> float | None:
     """Return the duration, near a guess and at most ``last``, after which a function of the state is zero; None if in doubt.
 
-    The next guess is the zero on the cubic through the start and the state last reached, where that is exact.
+    The next guess is the zero on the cubic through the start and the state last reached, where that is exact; then those of
+    straight lines.
     """
+    before, at_before = 0.0, math.nan
     for trial in range(MOST_GUESSES):
         reached = again(near).state
         found = value(reached)
         if abs(found) <= (tolerance if trial < MOST_GUESSES - 1 else ROUNDED * tolerance):
             return near
-        slope = (found - value(interpolate(start, reached, 1.0 - NEARBY))) / NEARBY
-        if not slope:
-            return None
-        change = -found / slope
-        left = value(interpolate(start, reached, 1.0 + change))
-        near *= 1.0 + change * found / (found - left)
+        following = _following(value, start, reached, found) if trial == 0 else _secant(near, before, found, at_before)
+        before, at_before, near = near, found, following * near
         if not 0.0 < near <= last:
             return None
     return None
+
+
+def _following(value: Callable[[State], float], start: State, reached: State, found: float) -> float:
+    """Return the fraction of an interval at which a function is zero on its cubic, near its end; 0 if the function is flat."""
+    slope = (found - value(interpolate(start, reached, 1.0 - NEARBY))) / NEARBY
+    if not slope:
+        return 0.0
+    change = -found / slope
+    left = value(interpolate(start, reached, 1.0 + change))
+    return 1.0 + (change * found / (found - left) if left != found else 0.0)
+
+
+def _secant(near: float, before: float, found: float, at_before: float) -> float:
+    """Return the fraction of an interval at which the straight line through two values is zero; 0 if they are one."""
+    return 1.0 - found * (near - before) / ((found - at_before) * near) if found != at_before else 0.0
 
 
 def guess(value: Callable[[State], float], start: State, end: State, fraction: float = 1.0) -> float | None:

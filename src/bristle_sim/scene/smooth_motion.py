@@ -55,10 +55,10 @@ class SmoothMotion:
         self.contacts: EngineContacts | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
-        self._extremes = extremes(progress, self.sustained)
+        self._extremes, self._at_work = extremes(progress, self.sustained), list[EventFunction]()
         progress.changes.begin(progress.state, [*self._extremes, *limits(self.progress)])
         if self.sustained:
-            self._extremes += self._begin_contact()
+            self._at_work = self._begin_contact()
 
     def proceed(self) -> Change | None:
         """Integrate to the next event, and return what that changes about the contacts, if anything."""
@@ -72,14 +72,12 @@ class SmoothMotion:
             first = self.before is None
             gone = result.failed or (first and min(forces) <= 0.0)
             slip = self.contacts.breaks_away(result.totals) if first and not gone else None
-            if first and length > progress.instant and (gone or slip is not None):
-                # Whether it is so from the beginning shows in an instant.
-                self.limit = progress.instant
-                return None
-            if gone:
-                return self._approach_release(forces, length)
-            if slip is not None:
-                return slip
+            if gone or slip is not None:
+                if first and length > progress.instant:
+                    # Whether it is so from the beginning shows in an instant.
+                    self.limit = progress.instant
+                    return None
+                return slip or self._approach_release(forces, length)
         if not progress.stepper.accepts(result, length):
             if not math.isfinite(result.error) or length < SHORTEST:
                 progress.stop(StopReason.ACCURACY)
@@ -146,24 +144,26 @@ class SmoothMotion:
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
-        progress, functions = self.progress, [*self._extremes, *limits(self.progress)]
-        changes = progress.changes
+        progress, changes, whole = self.progress, self.progress.changes, result
+        functions = [*self._extremes, *limits(progress)]
         if self.before is None and self.limit is None and self.contacts is None:
             changes.look_back(self.interval_to(result), functions)
-        known, happens = dict(changes.signs), None
-        resolve: Resolve | None = None
-        for function in functions:
-            changed = changes.find(function, self.interval_to(result), self.before)
-            if changed is not None:
-                result, happens, resolve = changed, function, partial(self.note, function)
-        whole, active = result, [each.obstacle for each in self.sustained]
-        result, touch = first_touch_of_all(progress, self.interval_to(result), active, self.separating)
+        known = dict(changes.signs)
+        # What changes a contact comes first: a link that slides onto its neighbour does not touch before that.
+        result, happens = changes.find_first(self._at_work, self.interval_to(result), self.before)
+        active, touch = [each.obstacle for each in self.sustained], None
+        cut, found = first_touch_of_all(progress, self.interval_to(result), active, self.separating)
+        if cut is not result:
+            result, happens, touch = cut, None, found
+        cut, later = changes.find_first(functions, self.interval_to(result), self.before)
+        if later is not None:
+            result, happens = cut, later
         if result is not whole:
-            resolve = None if touch is None else partial(Touch, *touch)
-        if result is not whole or happens is not None:
             # What changes its sign later has not done so yet.
-            changes.return_to(known, functions, result, happens if result is whole else None)
-        return result, resolve
+            changes.return_to(known, [*self._at_work, *functions], result, happens)
+        if happens is not None:
+            return result, partial(self.note, happens)
+        return result, None if touch is None else partial(Touch, *touch)
 
     def interval_to(self, end: Advance) -> Interval:
         """Return the interval from the state that was reached to its end."""

@@ -116,13 +116,13 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
             raise ValueError(f"{name} = {shown(value)}: must be a {kind.__name__}")
     begin = clock.perf_counter()
     scene, start, obstacle, units = build_strike(chain, surface)
-    approach = obstacle.touch(scene.mechanism.poses(start)[-1], start.rates[-1]).velocity[0]
+    approach = obstacle.touch_between(scene.mechanism.poses(start), start.rates).velocity[0]
     law: ContactLaw = contact_law(contact, settings, units) if approach < 0.0 else EnergeticLaw()
     after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
-    sample = (np.array([start.time]), np.array([start.angles]), np.array([start.rates]))
+    poses = scene.mechanism.poses(start)
     return ChainStrike(
         contact=contact_in_si(record, units),
-        centre_line=scene.mechanism.centre_line(*sample)[0][0] * units.length,
+        centre_line=np.array([poses[0].joint, *(pose.tip for pose in poses)]) * units.length,
         kinetic_energy_before=scene.mechanism.kinetic_energy(start) * units.energy,
         kinetic_energy_after=scene.mechanism.kinetic_energy(after) * units.energy,
         steps=scene.steps,

@@ -108,14 +108,17 @@ def _search_return(progress: Progress, interval: Interval, obstacle: Obstacle) -
         return None
     progress.stepper.begin_afresh()
     interval = interval._replace(again=functools.cache(interval.again))
-    if interval.length > progress.instant:
-        result = interval.again(progress.instant)
-        gap = gaps.gap(obstacle, result.state)
+    share = progress.instant / interval.length
+    if share < 1.0:
+        gap = gaps.gap(obstacle, interpolate(interval.start, result.state, share))
+        if gap <= 0.0:
+            result = interval.again(progress.instant)
+            gap = gaps.gap(obstacle, result.state)
     # Whether a single link hops is of no consequence; of several, one may hop while another is pressed on.
     low = len(progress.mechanism.links) == 1 and -progress.plan.accuracy <= gap < 0.0
     if gaps.gap(obstacle, interval.start) >= -GAP_ROUNDING and not low:
         return _hop(interval, gaps, obstacle)
-    return result, Touch(obstacle, True)
+    return (result if share >= 1.0 else interval.again(progress.instant)), Touch(obstacle, True)
 
 
 def _hop(interval: Interval, gaps: Gaps, obstacle: Obstacle) -> tuple[Advance, Touch | None]:

@@ -7,7 +7,9 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from scipy.integrate import ode, solve_ivp
+from scipy.optimize import brentq
 
 from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.compliant_contact import ContactPhase, TipContact
@@ -90,9 +92,11 @@ def _stepped_in_compiled_code(case: FlightCase, slope: Slope, method: str, toler
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
     """Return attempts at the bilinear compliant contact in contact space, phase by phase, each ended by an event."""
+    methods = {f"scipy {each.lower()}": (_struck, each) for each in ("RK45", "DOP853", "LSODA", "Radau")}
+    methods |= {f"scipy ode {each}": (_struck_in_compiled_code, each) for each in COMPILED}
     return [
-        _attempt(f"scipy {method.lower()}", each, _struck, case, method)
-        for method in ("RK45", "DOP853", "LSODA", "Radau")
+        _attempt(name, each, solve, case, method)
+        for name, (solve, method) in methods.items()
         for each in TOLERANCES[::2]
     ]
 
@@ -114,6 +118,41 @@ def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
         )
         evaluations += found.nfev
         return list(found.y[:, -1].tolist())
+
+    return Run(TipContact(case.chain, case.surface).solve(follow), evaluations)
+
+
+def _struck_in_compiled_code(case: StrikeCase, method: str, tolerance: float) -> Run:
+    """Strike with a compiled loop over steps, and within the step in which a phase ends Brent's method."""
+    evaluations = 0
+
+    def follow(contact: TipContact, phase: ContactPhase, state: list[float]) -> list[float]:
+        nonlocal evaluations
+        slope, ends = contact.derivative(phase), contact.ends(phase)
+        steps: list[tuple[float, list[float]]] = []
+
+        def over(y: Any) -> float:
+            return max(direction * function(0.0, y) for function, direction in ends)
+
+        def look(time: float, y: Any) -> int:
+            steps.append((time, y.tolist()))
+            return -1 if len(steps) > 1 and over(y) > 0.0 else 0
+
+        def after(span: float) -> Any:
+            solver.set_initial_value(begin)
+            return solver.integrate(span) if span else np.array(begin)
+
+        def counted(time: float, y: Any) -> tuple[float, float, float]:
+            nonlocal evaluations
+            evaluations += 1
+            return slope(time, y)
+
+        solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
+        solver.set_solout(look)
+        solver.set_initial_value(state).integrate(contact.LONGEST)
+        (start, begin), (end, _) = steps[-2:]
+        solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
+        return list(after(brentq(lambda span: over(after(span)), 0.0, end - start)).tolist())
 
     return Run(TipContact(case.chain, case.surface).solve(follow), evaluations)
 
