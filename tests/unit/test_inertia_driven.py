@@ -9,7 +9,7 @@ from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import inertia_driven
+from bristle_sim.studies.inertia_driven import _scene, inertia_driven, until_radial
 from bristle_sim.theory.inertia_drive import (
     hub_speed_for_tip_speed,
     largest_retraction,
@@ -148,3 +148,19 @@ def test_without_a_strike_there_is_nothing_to_equal():
         values(Tool(hub=Hub(speed=0.0)))
     with pytest.raises(ValueError, match=r"^hub_speed = 1e-12: must be faster, or the belt softer"):
         values(Tool(hub=Hub(speed=1e-12), belt=Belt(stiffness=1e8)))
+
+
+def test_a_wire_that_bends():
+    """A wire ten times as stiff is ten times as near to the rigid bristle: it bends by (load)/E."""
+    bare = Tool(bar=None, workpart=None)
+    near = []
+    for modulus in (2e11, 2e12):
+        wire = dataclasses.replace(bare, bristle=Bristle(links=2, modulus=modulus))
+        found, rigid = (until_radial(tool, _scene(Settings(accuracy=1e-6))) for tool in (wire, bare))
+        near.append([found.time / rigid.time - 1.0, found.retraction / rigid.retraction - 1.0])
+    assert near[1] == pytest.approx([0.1 * each for each in near[0]], rel=0.25)
+
+
+def test_a_wire_that_bends_against_the_reference():
+    report = inertia_driven(Tool(bristle=Bristle(links=2)), Settings(accuracy=1e-6))
+    assert all(each.ok for each in report.quantities)

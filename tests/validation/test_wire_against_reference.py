@@ -167,7 +167,8 @@ def test_touches_of_a_compliant_workpart() -> None:
     tool = replace(wire(3, modulus=5e10, damping=0.1), contact=Contact("compliant", duration))
     scene = simulate(tool, replace(MANY, hub_turn=1.72))
     first = scene.first_contact("workpart")
-    assert first is not None and tool.workpart is not None
+    assert first is not None
+    assert tool.workpart is not None
     tip = scene.tip[int(np.abs(scene.time - first.time).argmin())]
     lever = tip[0] - tool.hub.radius * math.sin(tool.hub.speed * first.time - 0.5 * math.pi)
     inverse_mass = lever**2 / tool.bristle.inertia_about_root
@@ -177,7 +178,8 @@ def test_touches_of_a_compliant_workpart() -> None:
     assert [each.time for each in found] == pytest.approx([each.time for each in expected], rel=10.0 * ACCURACY)
     assert [each.impulse[0] for each in found] == pytest.approx([each.impulse[0] for each in expected], rel=1e-6)
     for each in (*found, *expected):
-        assert each.compressive_work is not None and each.restitutive_work is not None
+        assert each.compressive_work is not None
+        assert each.restitutive_work is not None
         assert each.restitutive_work[0] == pytest.approx(-(0.42**2) * each.compressive_work[0], rel=1e-5)
 
 
