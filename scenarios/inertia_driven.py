@@ -6,6 +6,7 @@ passes the radial direction. How fast is its tip then, and how fast must the pul
 
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
@@ -22,12 +23,20 @@ def run(values: Mapping[str, Any]) -> Report:
     return inertia_driven(build_tool(values), build(Settings, values), with_reference=values["reference"] == "yes")
 
 
+def video(report: Report, path: Path) -> None:
+    """Film both tools side by side up to their strikes."""
+    from bristle_sim.render.inertia_video import inertia_video
+
+    inertia_video(report.subject, path)
+
+
 SCENARIO = Scenario(
     name="inertia_driven",
     question="How fast does the tip strike that inertia drives, without a bar?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=run,
     plot=figure("inertia_figure"),
+    video=video,
     without=(
         "knee_position",
         "knee_angle_deg",

@@ -139,6 +139,7 @@ PROMISES = {
         (*TOOL, *WIRE, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
         strikes=False,
+        film=("bristle_sim.render.inertia_video", "inertia_video"),
     ),
     "flexible_wire": Promise(
         (

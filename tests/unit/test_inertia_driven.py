@@ -3,11 +3,13 @@
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.render.inertia_video import InertiaScene
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import _scene, inertia_driven, until_radial
 from bristle_sim.theory.inertia_drive import (
@@ -164,3 +166,17 @@ def test_a_wire_that_bends():
 def test_a_wire_that_bends_against_the_reference():
     report = inertia_driven(Tool(bristle=Bristle(links=2)), Settings(accuracy=1e-6))
     assert all(each.ok for each in report.quantities)
+
+
+def test_film_of_both_tools():
+    """Both roots are at the strike's place at the end; before it enters the pulley the bristle goes straight on, as fast."""
+    scene = InertiaScene(inertia_driven(Tool(), Settings(accuracy=1e-6), with_reference=False).subject, 96, 48, 1.0)
+    ends = [scene.cued.centre_line(scene.ends[0])[0], scene._without_bar(scene.ends[1])[0]]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+    entered, before = scene._without_bar(0.0), scene._without_bar(-1e-4)
+    assert entered - before == pytest.approx(np.tile(entered[0] - before[0], (2, 1)), abs=1e-15)
+    assert math.dist(entered[0], before[0]) == pytest.approx(SPEED * 0.0275 * 1e-4, rel=1e-12)
+    assert (entered[0] - before[0]) @ entered[0] == pytest.approx(0.0, abs=1e-15)
+    for film_time in (0.0, 1.0):
+        scene.show(film_time)
+    assert scene.caption.get_text() == "with the bar, and without it, round the pulley"
