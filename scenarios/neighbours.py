@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Neighbours, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Neighbours, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.settings import Settings
 
@@ -62,7 +62,7 @@ SCENARIO = Scenario(
     plot=plot,
     video=video,
     series=series,
-    without=("knee_position", "knee_angle_deg", *WIRE_KEYS, "step"),
+    without=("knee_position", "knee_angle_deg", "step"),
 )
 
 if __name__ == "__main__":

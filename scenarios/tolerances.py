@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scenario_cli import Scenario, build, build_tool, main
 from bristle_sim.scenario_cli.scenario import figure
 from bristle_sim.settings import Settings
@@ -28,7 +28,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Tool, Settings, Spreads, Sampling),
     run=run,
     plot=figure("tolerance_figure"),
-    without=("knee_position", "knee_angle_deg", *WIRE_KEYS),
+    without=("knee_position", "knee_angle_deg"),
 )
 
 if __name__ == "__main__":

@@ -48,6 +48,7 @@ BELT = ("belt_stiffness", "belt_damping_ratio")
 BAR = ("bar_radius", "bar_horizontal", "bar_vertical")
 RUBBING = ("friction", "restitution_friction", "restitution")
 LAW = ("contact", "contact_duration", "accuracy")
+WIRE = ("wire_links", "wire_modulus", "wire_damping_ratio")
 
 
 @dataclass(frozen=True)
@@ -120,7 +121,7 @@ PROMISES = {
         film=("bristle_sim.render.impact_video", "impact_video"),
     ),
     "bent_bristles": Promise(
-        keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *RUBBING, *LAW),
+        keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *WIRE, *RUBBING, *LAW),
         strikes=False,
     ),
     "force_history": Promise(
@@ -135,9 +136,10 @@ PROMISES = {
             "tip_speed_at_radial",
             "hub_speed_for_equal_tip_speed",
         ),
-        (*TOOL, *BELT, *BAR, "penetration", "reference"),
+        (*TOOL, *WIRE, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
         strikes=False,
+        film=("bristle_sim.render.inertia_video", "inertia_video"),
     ),
     "flexible_wire": Promise(
         (
@@ -150,7 +152,7 @@ PROMISES = {
         ),
         (
             *(*TOOL, *BELT, "wire_diameter", "speed_ratio", "impact_angle_deg", *RUBBING, "contact_duration"),
-            *("wire_links", "wire_modulus", "wire_damping_ratio", "accuracy", "reference"),
+            *(*WIRE, "accuracy", "reference"),
         ),
         quick=("--set", "wire_links=4"),
         integrates=True,
@@ -200,7 +202,7 @@ PROMISES = {
             "lag_deg_at_contact",
             "normal_final_impulse",
         ),
-        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
+        (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
         quick=("--set", "search=no"),
         film=("bristle_sim.render.row_video", "row_video"),
     ),
@@ -218,7 +220,16 @@ PROMISES = {
         strikes=False,
     ),
     "tolerances": Promise(
-        keys=(*TOOL, *BELT, *BAR, "penetration", *RUBBING, "samples", *(f"spread_{key}" for key in TOOL + BELT + BAR)),
+        keys=(
+            *TOOL,
+            *WIRE,
+            *BELT,
+            *BAR,
+            "penetration",
+            *RUBBING,
+            "samples",
+            *(f"spread_{key}" for key in TOOL + BELT + BAR),
+        ),
         lists={"rows": {"output", "mean", "std", "low", "high", "indices"}},
         quick=("--set", "samples=2", "--set", "rounding=no"),
         statistics=True,

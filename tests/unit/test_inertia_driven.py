@@ -3,13 +3,15 @@
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.render.inertia_video import InertiaScene
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import inertia_driven
+from bristle_sim.studies.inertia_driven import _scene, inertia_driven, until_radial
 from bristle_sim.theory.inertia_drive import (
     largest_retraction,
     time_to_radial,
@@ -144,3 +146,35 @@ def test_without_a_strike_there_is_nothing_to_equal():
         values(Tool(hub=Hub(speed=0.0)))
     with pytest.raises(ValueError, match=r"^hub_speed = 1e-12: must be faster, or the belt softer"):
         values(Tool(hub=Hub(speed=1e-12), belt=Belt(stiffness=1e8)))
+
+
+def test_a_wire_that_bends():
+    """A wire ten times as stiff is ten times as near to the rigid bristle: it bends by (load)/E."""
+    bare = Tool(bar=None, workpart=None)
+    near = []
+    for modulus in (2e11, 2e12):
+        wire = dataclasses.replace(bare, bristle=Bristle(links=2, modulus=modulus))
+        found, rigid = (until_radial(tool, _scene(Settings(accuracy=1e-6))) for tool in (wire, bare))
+        near.append([found.time / rigid.time - 1.0, found.retraction / rigid.retraction - 1.0])
+    assert near[1] == pytest.approx([0.1 * each for each in near[0]], rel=0.25)
+
+
+def test_a_wire_that_bends_against_the_reference():
+    report = inertia_driven(Tool(bristle=Bristle(links=2)), Settings(accuracy=1e-6))
+    assert all(each.ok for each in report.quantities)
+
+
+def test_film_of_both_tools():
+    """Both roots are at the strike's place at the end; before it enters the pulley the bristle goes straight on, as fast."""
+    scene = InertiaScene(
+        inertia_driven(Tool(), Settings(accuracy=1e-6), with_reference=False).subject, width=96, height=48, duration=1.0
+    )
+    ends = [scene.cued.centre_line(scene.ends[0])[0], scene._without_bar(scene.ends[1])[0]]
+    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
+    entered, before = scene._without_bar(0.0), scene._without_bar(-1e-4)
+    assert entered - before == pytest.approx(np.tile(entered[0] - before[0], (2, 1)), abs=1e-15)
+    assert math.dist(entered[0], before[0]) == pytest.approx(SPEED * 0.0275 * 1e-4, rel=1e-12)
+    assert (entered[0] - before[0]) @ entered[0] == pytest.approx(0.0, abs=1e-15)
+    for film_time in (0.0, 1.0):
+        scene.show(film_time)
+    assert scene.caption.get_text() == "with the bar, and without it, round the pulley"

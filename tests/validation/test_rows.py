@@ -50,6 +50,17 @@ def test_wide_apart_each_pass_is_the_lone_one(links: int) -> None:
         )
 
 
+def test_two_wires_that_bend_are_on_the_bar_at_once() -> None:
+    """Each is released by itself, and strikes as the lone one does, a pitch later; rates relative to some 1e3 rad/s."""
+    pitch, tool = math.radians(25.3), Tool(bristle=Bristle(links=2))
+    lone = simulate(tool, stop_after="strike").contacts[-1]
+    for number, run in enumerate(simulate_row(tool, bristles=2, pitch=pitch, stop_after="strike", **ELASTIC)):
+        strike = run.first_contact("workpart")
+        assert strike is not None
+        assert strike.time - number * pitch / 261.8 == pytest.approx(lone.time, rel=10.0 * ACCURACY)
+        assert strike.rates_before == pytest.approx(lone.rates_before, rel=0.0, abs=10.0 * ACCURACY * 1e3)
+
+
 def test_one_bristle_is_the_lone_one_to_the_last_digit() -> None:
     (run,), lone = row(1, 0.0), simulate(Tool(), SHORT)
     assert np.array_equal(run.angles, lone.angles)

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from bristle_sim.scene.wire_velocities import Held
 
 
+PULL = 1e-14
+"""Impulse of a step, in the scene's unit, below which a pull is rounding."""
+
+
 class ContactForces:
     """The engine's own contacts as a load: they act by themselves, and are lost once their forces are gone.
 
@@ -34,7 +38,8 @@ class ContactForces:
         self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
         self._sums: list[float] = []
         self._step = 0.0
-        self._due = self._pulls = False
+        self._pulls: dict[int, float] = {}
+        self._due = False
         # A push alone, of one contact, is read once an interval.
         alone = scene.wires is None and len(obstacles) == 1 and not obstacles[0].friction
         self._record = scene.contacts.record(obstacles[0]) if alone else None
@@ -57,7 +62,7 @@ class ContactForces:
             return self._record.note
         count = len(self.obstacles)
         self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
-        self._pulls = False
+        self._pulls = {}
         if self.scene.wires is not None:
             self.scene.wires.contacts = self.held
         return self._apply
@@ -76,6 +81,8 @@ class ContactForces:
     def totals(self) -> list[float]:
         """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
 
+        Where a wire would have been pulled before, the force is that pull.
+
         Of several links the tangential forces in the last step follow: friction may make a contact stick.
         """
         if self._record is not None:
@@ -86,12 +93,13 @@ class ContactForces:
         self._add()
         if self.scene.wires is not None:
             self.scene.wires.contacts = ()
-        found = [each[0] / self._step for each in self._last] + self._sums
-        return found if len(self.scene.links) == 1 else found + [each[1] / self._step for each in self._last]
+        step = self._step
+        found = [self._pulls.get(index, each[0]) / step for index, each in enumerate(self._last)] + self._sums
+        return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
 
     def fails(self, totals: list[float]) -> bool:
-        """Return whether a contact would have to pull, at the end or before."""
-        return self._pulls or min(self.normal(totals)) <= 0.0
+        """Return whether a contact would have to pull."""
+        return min(self.normal(totals)) <= 0.0
 
     def normal(self, totals: Sequence[float]) -> Sequence[float]:
         """Return the contacts' normal forces from the totals."""
@@ -116,7 +124,8 @@ class ContactForces:
         for index, obstacle in enumerate(self.obstacles):
             found = self.scene.contacts.totals(obstacle) if wires is None else wires.impulses[index]
             push, rub, slip = last[index] = found
-            self._pulls |= push < 0.0
+            if push < -PULL:
+                self._pulls[index] = push
             sums[3 * index] += push
             if obstacle.friction:
                 sums[3 * index + 1] += rub

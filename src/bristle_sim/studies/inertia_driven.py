@@ -1,8 +1,8 @@
 """Compares a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
 
 The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
--omega. Reported are its tip's speed when it is radial again, and the pulley speed that equals the
-bar-cued tool's speed at its strike.
+-omega. Reported are its tip's speed when it is radial again (of a wire that bends, its first link), and the pulley speed that
+equals the bar-cued tool's speed at its strike.
 """
 
 from __future__ import annotations
@@ -129,6 +129,8 @@ def until_radial(tool: Tool, run: Run) -> Radial | None:
     if rate < LEAST_RATE * bare.hub.speed:
         return None
     speed = bare.bristle.length * (rate + bare.hub.speed) + bare.hub.radius * bare.hub.speed
+    if bare.bristle.links > 1:
+        speed = float(np.hypot(*end.tip_velocity[-1]))
     return Radial(time, rate, -float(end.relative_angle.min()), speed, end)
 
 

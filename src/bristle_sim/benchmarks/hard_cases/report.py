@@ -27,6 +27,7 @@ TABLES = {
     "chatter": "contact",
     "touching": "contact",
     "budget": "contact",
+    "wires": "wires",
 }
 """Module of this package with the rows of each theme, which the function of the theme's name returns."""
 
