@@ -48,7 +48,7 @@ def declared(part: type) -> list[tuple[str, Range | Choice]]:
 
 FIELDS = [(part, name, found) for part in PARTS for name, found in declared(part)]
 NUMBERS = [each for each in FIELDS if isinstance(each[2], Range)]
-WORDS = [each for each in FIELDS if isinstance(each[2], Choice) and each[2].options]
+WORDS = [each for each in FIELDS if isinstance(each[2], Choice)]
 
 UNITS = {
     "hub_speed": "rad/s",

@@ -8,12 +8,19 @@ from typing import Any
 
 from bristle_sim.glossary import KEYS
 from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
-from bristle_sim.quantity import ANY, Choice, Declared, count, quantity, shown, validate
+from bristle_sim.quantity import ANY, Declared, count, quantity, shown, validate
 
 
 @dataclass(frozen=True, slots=True)
-class Text(Choice):
+class Text:
     """A declared text: the name of a file, or the heading or number of one of its columns; None where there is none."""
+
+    key: str
+    source: str
+    unit: str
+    meaning: str
+    optional: bool = True
+    needs: str = ""
 
     @property
     def allowed(self) -> str:
@@ -37,8 +44,7 @@ def _is_file(name: str) -> bool:
 
 
 def _text(key: str, source: str) -> Any:
-    declared = Text(key, (), source, KEYS[key].unit, optional=True, meaning=KEYS[key].meaning)
-    return field(default=None, metadata={"declaration": declared})
+    return field(default=None, metadata={"declaration": Text(key, source, KEYS[key].unit, KEYS[key].meaning)})
 
 
 @dataclass(frozen=True, slots=True)
