@@ -68,13 +68,15 @@ def _field(tool: Tool) -> float:
 
 
 class _Motion(NamedTuple):
-    """The bristle at some instants: arms from the hub's centre to the root and from the root to the mass centre."""
+    """The bristle at some instants: arms to the root and from there to the mass centre, whose place and velocity these are."""
 
     hub_angle: Array
     angle: Array
     rate: Array
     root: Array
     arm: Array
+    place: Array
+    velocity: Array
 
 
 def _turned(vector: Array | tuple[float, float], angle: Array) -> Array:
@@ -84,8 +86,9 @@ def _turned(vector: Array | tuple[float, float], angle: Array) -> Array:
 
 
 def _motion(tool: Tool, hub_angle: Array, angle: Array, rate: Array) -> _Motion:
-    root = _turned((0.0, -tool.hub.radius), hub_angle)
-    return _Motion(hub_angle, angle, rate, root, _turned(tool.bristle.centre, angle))
+    root, arm = _turned((0.0, -tool.hub.radius), hub_angle), _turned(tool.bristle.centre, angle)
+    velocity = tool.hub.speed * _rotated(root) + rate[:, np.newaxis] * _rotated(arm)
+    return _Motion(hub_angle, angle, rate, root, arm, root + arm, velocity)
 
 
 def _cross(first: Array, second: Array) -> Array:
@@ -104,12 +107,12 @@ def _jacobi(tool: Tool, motion: _Motion) -> Array:
     alone: work of contacts less omega M_contacts, damping's loss, and -omega M_gravity.
     """
     bristle, omega = tool.bristle, tool.hub.speed
-    velocity = omega * _rotated(motion.root) + motion.rate[:, np.newaxis] * _rotated(motion.arm)
-    place = motion.root + motion.arm
-    energy = 0.5 * bristle.mass * (velocity**2).sum(axis=-1) + 0.5 * bristle.inertia_about_centre * motion.rate**2
+    energy = (
+        0.5 * bristle.mass * (motion.velocity**2).sum(axis=-1) + 0.5 * bristle.inertia_about_centre * motion.rate**2
+    )
     energy += 0.5 * tool.belt.stiffness * (motion.angle - motion.hub_angle) ** 2
-    energy += bristle.mass * tool.gravity * place[:, 1]
-    momentum = bristle.mass * _cross(place, velocity) + bristle.inertia_about_centre * motion.rate
+    energy += bristle.mass * tool.gravity * motion.place[:, 1]
+    momentum = bristle.mass * _cross(motion.place, motion.velocity) + bristle.inertia_about_centre * motion.rate
     return np.asarray(energy - omega * momentum)
 
 
@@ -121,9 +124,8 @@ def _power(tool: Tool, motion: _Motion) -> tuple[Array, Array]:
     torque = -tool.belt.stiffness * lag - damping * relative - weight * motion.arm[:, 0]
     torque += bristle.mass * omega**2 * _cross(motion.arm, motion.root)
     acceleration = torque / bristle.inertia_about_root
-    velocity = omega * _rotated(motion.root) + motion.rate[:, np.newaxis] * _rotated(motion.arm)
-    power = damping * relative**2 - omega * weight * (motion.root + motion.arm)[:, 0]
-    return power, 2.0 * damping * relative * acceleration - omega * weight * velocity[:, 0]
+    power = damping * relative**2 - omega * weight * motion.place[:, 0]
+    return power, 2.0 * damping * relative * acceleration - omega * weight * motion.velocity[:, 0]
 
 
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]:
