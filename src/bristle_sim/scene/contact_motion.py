@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.events import guess, locate, settle
+from bristle_sim.scene.events import guess, locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -172,16 +172,8 @@ class ContactMotion:
         self, again: Callable[[float], Advance], turn: Turn, end: State, length: float, values: tuple[float, float]
     ) -> float:
         """Return when within the interval of a length to a state a function turns that has these values at its ends."""
-
-        def of_state(state: State) -> float:
-            return turn.value(Advance(state, (), UNKNOWN, 0.0))
-
-        near = guess(of_state, self.state, end)
+        near = guess(lambda state: turn.value(Advance(state, (), UNKNOWN, 0.0)), self.state, end)
         tolerance = max(TINY, LOCATED * self.stepper.noise * turn.scale)
-        if near is not None:
-            found = settle(of_state, self.state, again, near, length, tolerance)
-            if found is not None:
-                return found
         return locate(lambda span: turn.value(again(span)), 0.0, length, *values, tolerance, near)
 
     def advance(self, length: float) -> Advance:
