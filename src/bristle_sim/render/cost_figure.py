@@ -58,15 +58,33 @@ def cost_figure(measured: AccuracyCost) -> Figure:
         raise ValueError("cases = (): must be one case or more")
     rows = [measured.cases[index : index + 2] for index in range(0, len(measured.cases), 2)]
     heights = [max(_height(measured, case) for case in row) for row in rows]
+    growth = PANEL_HEIGHT + HEAD + 2.2 if measured.effects else 0.0
     with styled():
-        figure = blank_figure(WIDTH, sum(heights))
-        top = sum(heights)
+        figure = blank_figure(WIDTH, sum(heights) + growth)
+        top = sum(heights) + growth
         for row, height in zip(rows, heights, strict=True):
             for column, case in enumerate(row):
                 place = (LEFT + column * COLUMN, top - PANEL_HEIGHT - HEAD, PANEL_WIDTH, PANEL_HEIGHT)
                 _panel(axes_at(figure, *place), case, measured.of(case.name))
             top -= height
+        if growth:
+            _growth_panel(axes_at(figure, LEFT, 2.2, PANEL_WIDTH, PANEL_HEIGHT), measured)
     return figure
+
+
+def _growth_panel(axes: Axes, measured: AccuracyCost) -> None:
+    """Draw CPU time over the number of links and of bristles."""
+    names = {"links": "a strike of a wire, its links", "bristles": "a row up to its strikes, its bristles"}
+    for (what, label), color, marker in zip(names.items(), (BLUE, ORANGE), MARKERS, strict=False):
+        rows = [row for row in measured.effects if row.what == what]
+        numbers, times = [int(row.effect) for row in rows], [row.cpu_s * MILLISECONDS for row in rows]
+        axes.loglog(numbers, times, color=color, marker=marker, markersize=3.6, linewidth=1.3, label=label)
+    axes.set_title("cost over links and bristles", loc="left", pad=16.0)
+    axes.set_xticks([1, 2, 4, 8, 16], labels=["1", "2", "4", "8", "16"])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel("number", labelpad=1.0)
+    axes.set_ylabel("CPU time (ms)", labelpad=2.0)
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, -1.05 / PANEL_HEIGHT), borderaxespad=0.0, fontsize=6.5)
 
 
 def best_methods(points: Sequence[Point]) -> dict[str, str]:
