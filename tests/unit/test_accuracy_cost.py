@@ -287,4 +287,10 @@ class TestStudy:
         assert any(line.startswith("command: ") for line in report.remarks)
 
     def test_effects_are_priced(self, report):
-        assert {row["what"] for row in report.extra["effects"]} == {"engine step", "pass", "strike"}
+        assert {row["what"] for row in report.extra["effects"]} == {
+            "engine step",
+            "pass",
+            "strike",
+            "links",
+            "bristles",
+        }

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from bristle_sim.benchmarks.accuracy_cost.measure import Point
+from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
 from bristle_sim.render.colours import BLUE, ORANGE
 from bristle_sim.render.cost_figure import LEAST, OTHERS, WIDTH, best_methods, cost_figure, verdict
 from bristle_sim.render.style import save_figure
@@ -27,6 +27,11 @@ class Measured:
     def __init__(self, points, notes=("a peer cannot express this law",)):
         self.cases = tuple(Case(name, f"case {name}", notes) for name in points)
         self.points = points
+        self.effects = tuple(
+            Effect(what, str(number), 1e-3 * number**2, number**2, "")
+            for what in ("links", "bristles")
+            for number in (1, 2, 4)
+        )
 
     def of(self, case):
         return self.points[case]
@@ -53,8 +58,17 @@ def figure():
 
 
 def test_one_panel_a_case_on_logarithmic_axes(figure):
-    assert [axes.get_title(loc="left") for axes in figure.axes] == ["case first", "case second", "case third"]
+    assert [axes.get_title(loc="left") for axes in figure.axes] == [
+        *("case first", "case second", "case third"),
+        "cost over links and bristles",
+    ]
     assert all(axes.get_xscale() == axes.get_yscale() == "log" for axes in figure.axes)
+
+
+def test_growth_over_links_and_bristles(figure):
+    for line in figure.axes[-1].get_lines():
+        assert line.get_xdata().tolist() == [1, 2, 4]
+        assert line.get_ydata() == pytest.approx([1.0, 4.0, 16.0], rel=1e-12)
 
 
 def test_curves_are_the_points_in_milliseconds(figure):
@@ -95,7 +109,9 @@ def test_an_error_of_zero_is_drawn_at_the_bottom_and_a_failure_is_not(figure):
 
 
 def test_notes_are_shown(figure):
-    assert all(any("a peer cannot express this law" in text.get_text() for text in axes.texts) for axes in figure.axes)
+    assert all(
+        any("a peer cannot express this law" in text.get_text() for text in axes.texts) for axes in figure.axes[:-1]
+    )
 
 
 def test_all_text_is_inside_the_page_and_nothing_overlaps(figure):

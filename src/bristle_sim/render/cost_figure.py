@@ -49,13 +49,32 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     below = {case.name: _named_and_notes(case, measured.of(case.name)) for case in measured.cases}
     lines = [math.ceil(len(named) / 2) + len(notes) for named, notes in below.values()]
     heights = [PANEL[1] + HEAD + FOOT + LINE * max(lines[row : row + 2]) for row in range(0, len(lines), 2)]
+    if measured.effects:
+        heights.append(PANEL[1] + HEAD + FOOT + 2 * LINE)
     figure = blank_figure(WIDTH, sum(heights))
     for number, case in enumerate(measured.cases):
         row, column = divmod(number, 2)
         top = sum(heights[row:])
         axes = axes_at(figure, 1.45 + 8.2 * column, top - PANEL[1] - HEAD, *PANEL)
         _panel(axes, case, measured.of(case.name), *below[case.name])
+    if measured.effects:
+        _growth_panel(axes_at(figure, 1.45, heights[-1] - PANEL[1] - HEAD, *PANEL), measured)
     return figure
+
+
+def _growth_panel(axes: Axes, measured: AccuracyCost) -> None:
+    """Draw CPU time over the number of links and of bristles."""
+    names = {"links": "a strike of a wire, its links", "bristles": "a row up to its strikes, its bristles"}
+    for (what, label), color, marker in zip(names.items(), (BLUE, ORANGE), MARKERS, strict=False):
+        rows = [row for row in measured.effects if row.what == what]
+        numbers, times = [int(row.effect) for row in rows], [row.cpu_s * MILLISECONDS for row in rows]
+        axes.loglog(numbers, times, color=color, marker=marker, markersize=3.6, linewidth=1.3, label=label)
+    axes.set_title("cost over links and bristles", loc="left", pad=16.0)
+    axes.set_xticks([1, 2, 4, 8, 16], labels=["1", "2", "4", "8", "16"])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlabel("number", labelpad=1.0)
+    axes.set_ylabel("CPU time (ms)", labelpad=2.0)
+    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, -1.05 / PANEL[1]), borderaxespad=0.0, fontsize=6.5)
 
 
 def best_methods(points: Sequence[Point]) -> dict[str, str]:

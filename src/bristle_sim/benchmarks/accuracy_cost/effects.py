@@ -8,16 +8,18 @@ body, no constraint, no shape and no callback.
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Effort, cpu_times
-from bristle_sim.parameters import Bar, Belt, Contact, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Contact, ContactStiffness, Tool, Workpart
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.strike import strike
-from bristle_sim.scene.tool import build_tool, simulate
+from bristle_sim.scene.tool import build_tool, simulate, simulate_row
+from bristle_sim.scene.wire_strike import strike_wire
 from bristle_sim.settings import Settings
 
 BARE = Tool(belt=Belt(0.0), bar=None, workpart=None)
@@ -58,7 +60,7 @@ START = -0.1
 def effects(case: StrikeCase, effort: Effort) -> list[Effect]:
     """Return all rows: steps, passes, strikes; ``case`` is the strike that the contact laws are timed on."""
     passes = PASSES if effort.effort == "full" else dict(list(PASSES.items())[:3])
-    return [*_steps(effort), *_passes(passes, effort), *_strikes(case, effort)]
+    return [*_steps(effort), *_passes(passes, effort), *_strikes(case, effort), *growth(effort)]
 
 
 def _rows(
@@ -114,3 +116,35 @@ def _strikes(case: StrikeCase, effort: Effort) -> list[Effect]:
     }
     counts = [action().steps for action in actions.values()]
     return _rows("strike", dict(actions), ["one rod"] * len(actions), 1, list(counts), effort)
+
+
+LINKS, BRISTLES = (1, 2, 4, 8, 16), (1, 2, 4)
+"""Links of a wire and bristles of a row whose costs are compared with those of one; two of either at less than full effort."""
+
+GAMMA, RATE = 0.4084, 845.6
+"""Impact angle, rad, and rate of the wire that strikes, rad/s (Zhang 2020, caption of fig. 2.30)."""
+
+APART = 0.4
+"""Pitch of the row, rad: its bristles touch nobody up to their strikes."""
+
+
+def growth(effort: Effort) -> list[Effect]:
+    """Time a strike of a wire over its number of links, resolved in time to 1e-4, and a row's way to its strikes over its bristles."""
+    most = None if effort.effort == "full" else 2
+    reach = WHOLE.hub.radius + WHOLE.bristle.length
+    part = Workpart(friction=0.0, penetration=reach * (1.0 - math.cos(GAMMA)))
+    strikes: dict[str, Callable[[], Any]] = {}
+    for links in LINKS[:most]:
+        tool = Tool(bristle=Bristle(links=links), bar=None, workpart=part)
+        stiffness = ContactStiffness().stiffness(3.0 * math.sin(GAMMA) ** 2 / tool.bristle.mass, part.restitution)
+        start = (tool, -GAMMA, [-GAMMA] * links, [RATE] * links, stiffness, Settings(accuracy=1e-4))
+        strikes[str(links)] = functools.partial(strike_wire, *start, duration=ContactStiffness().duration)
+    counts = [action().steps for action in strikes.values()]
+    rows = _rows("links", strikes, ["a strike"] * len(strikes), 1, list(counts), effort)
+    surface: dict[str, Any] = {"neighbour_friction": 0.0, "neighbour_restitution": 1.0}
+    passes: dict[str, Callable[[], Any]] = {
+        str(count): functools.partial(simulate_row, WHOLE, bristles=count, pitch=APART, stop_after="strike", **surface)
+        for count in BRISTLES[:most]
+    }
+    counts = [action()[0].cost.steps for action in passes.values()]
+    return rows + _rows("bristles", passes, ["a row"] * len(passes), 1, list(counts), effort)
