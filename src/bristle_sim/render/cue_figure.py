@@ -111,7 +111,7 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
         drawing = WireDrawing(axes, tool, color=color)
         drawing.place(line)
         drawing.wire.set_gid(f"wire {name}")
-        x, y = 0.5 * (line[0] + line[-1]) * MILLIMETRES
+        x, y = (0.65 * line[0] + 0.35 * line[-1]) * MILLIMETRES  # the bars are about the tips
         note(axes, name, (float(x), float(y)), offset, color=color, ha=ha, va=va)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
