@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Workpart
 from bristle_sim.scenario_cli import Scenario, build, build_tool, main
 from bristle_sim.scenario_cli.scenario import figure
 from bristle_sim.settings import Settings
@@ -40,6 +40,7 @@ SCENARIO = Scenario(
     without=(
         "knee_position",
         "knee_angle_deg",
+        *WIRE_KEYS,
         "friction",
         "restitution_friction",
         "restitution",

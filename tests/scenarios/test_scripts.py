@@ -136,7 +136,7 @@ PROMISES = {
             "tip_speed_at_radial",
             "hub_speed_for_equal_tip_speed",
         ),
-        (*TOOL, *WIRE, *BELT, *BAR, "penetration", "reference"),
+        (*TOOL, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
         strikes=False,
         film=("bristle_sim.render.inertia_video", "inertia_video"),
