@@ -428,6 +428,8 @@ def check_imports(name: str, modules: set[str]) -> None:
     assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "tqdm", "bristle_sim.render"}
     assert ("scipy.integrate" in modules) is (promise(name).integrates or promise(name).statistics)
     assert ("bristle_sim.reference" in modules) is promise(name).integrates
+    if name == "cue_and_impact":
+        assert "scipy" not in modules  # a rigid bristle's pass, whose libraries would take longer than it
 
 
 def check_defaults(name: str, found: dict[str, Any]) -> None:

@@ -18,8 +18,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.linalg import eigh
-from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
 from bristle_sim.theory.checks import checked_arguments
@@ -67,6 +65,8 @@ def beam_frequencies(
     Raises:
         ValueError: for arguments out of range.
     """
+    from scipy.optimize import brentq  # takes longer than everything else that a rigid bristle's scene imports
+
     bending = modulus * second_moment_of_area(diameter)
     ratio = root_stiffness * length / bending
 
@@ -104,6 +104,8 @@ def chain_modes(
     The squares of the frequencies are the eigenvalues of stiffness against mass matrix in the links' absolute angles:
     M_jk = m l^2/n (n - max(j, k) + 1/2) off the diagonal (j, k from 1) and m l^2/n (n - j + 1/3) on it.
     """
+    from scipy.linalg import eigh
+
     each, link = mass / links, length / links
     number = np.arange(1, links + 1)
     inertia = each * link**2 * (links - np.maximum.outer(number, number) + 0.5)
