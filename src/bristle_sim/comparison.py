@@ -220,7 +220,7 @@ def _number(value: float | None, factor: float, digits: int) -> str:
 
 
 def _relative(value: float | None, sign: str = "") -> str:
-    """A relative number: in per cent, by its power of ten where it is small, as so many times the other where it is large."""
+    """A relative number in per cent, or as a power of ten where it is small and as a multiple where it is large."""
     if value is None or not math.isfinite(value):
         return "-"
     if value == 0.0:

@@ -81,9 +81,8 @@ class ContactForces:
     def totals(self) -> list[float]:
         """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
 
-        Where a wire would have been pulled before, the force is that pull.
-
-        Of several links the tangential forces in the last step follow: friction may make a contact stick.
+        Where an earlier step pulled on a wire that bends, the normal force is that pull, so that the contact is released.
+        The tangential forces in the last step follow for several links, where friction may make a contact stick.
         """
         if self._record is not None:
             self._record.note()

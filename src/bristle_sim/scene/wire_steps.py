@@ -30,7 +30,7 @@ class WireSteps(EngineSteps):
         self._engine_step = self._step
 
     def set_iterations(self, count: int) -> None:
-        """Have the engine's solver take this many iterations in every step; a single one leaves the joints to the wires' own."""
+        """Have the engine's solver take this many iterations in every step; one alone leaves the joints to the wires' solver."""
         super().set_iterations(count)
         active = count == 1
         self.wires.take_over(active=active)

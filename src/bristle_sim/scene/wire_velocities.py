@@ -89,8 +89,10 @@ class WireVelocities:
         self._bodies.keep()
         self._old[:] = self._velocities
         self._symmetric = True
-        yield
-        self._symmetric = False
+        try:
+            yield
+        finally:
+            self._symmetric = False
 
     def solve(self, step: float) -> None:
         """Have the bodies' velocities after an engine step obey joints and contacts."""

@@ -32,7 +32,7 @@ class Cost:
     error_estimate: float | None = None
 
 
-@dataclass(frozen=True, slots=True, repr=False, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Motion(EqualByValue):
     """The motion at instants of any shape (...), in SI units and radians.
 
