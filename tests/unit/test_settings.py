@@ -16,7 +16,17 @@ def test_defaults():
     assert settings.step is None
     assert settings.hub_turn == 1.5 * math.pi
     assert settings.maximum_steps == MAXIMUM_STEPS
-    assert settings.samples_per_period == 24
+    assert settings.samples_per_period is None
+    assert settings.samples == 24
+
+
+@pytest.mark.parametrize(("accuracy", "samples"), [(0.1, 8), (1e-3, 8), (1e-4, 15), (1e-6, 24), (1e-11, 24)])
+def test_as_many_samples_as_a_cubic_needs_for_the_accuracy(accuracy: float, samples: int):
+    # Between samples of sin(t) that are h apart a cubic is h^4/384 off.
+    assert Settings(accuracy).samples == samples
+    assert samples in (8, 24) or (math.tau / samples) ** 4 / 384.0 <= accuracy < (math.tau / (samples - 1)) ** 4 / 384.0
+    assert Settings(accuracy, samples_per_period=50).samples == 50
+    assert Settings(accuracy, step=1e-6).samples == 24
 
 
 @pytest.mark.parametrize(
@@ -26,7 +36,7 @@ def test_defaults():
         ("step", (None, 1e-12, 1e-6, 1.0)),
         ("hub_turn", (1e-3, 1e6)),
         ("maximum_steps", (1, 10**9)),
-        ("samples_per_period", (1, 100)),
+        ("samples_per_period", (None, 1, 100)),
     ],
 )
 def test_what_is_allowed(name: str, values: tuple[float | None, ...]):
@@ -41,7 +51,7 @@ def test_what_is_allowed(name: str, values: tuple[float | None, ...]):
         ("step", (0.0, 9e-13, -1e-6, 1.1, math.inf, "none")),
         ("hub_turn", (0.0, -1.0, 1.1e6, math.nan, None)),
         ("maximum_steps", (0, -1, 1.5, 10.0, True, None, "10", np.float64(10.0))),
-        ("samples_per_period", (0, -3, 2.5, True, None)),
+        ("samples_per_period", (0, -3, 2.5, True, "24")),
     ],
 )
 def test_what_is_refused(name: str, values: tuple[object, ...]):

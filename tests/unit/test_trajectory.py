@@ -120,7 +120,7 @@ def run() -> Trajectory:
 
 def test_motion_between_samples_is_as_accurate_as_the_samples(run: Trajectory):
     """Compared with a run of the same accuracy, 1e-6, that is sampled ten times as closely."""
-    fine = simulate(Tool(), Settings(samples_per_period=10 * Settings().samples_per_period))
+    fine = simulate(Tool(), Settings(samples_per_period=10 * Settings().samples))
     time = np.random.default_rng(1).uniform(0.0, fine.time[-1], 1000)
     found, expected = run.at(time), fine.at(time)
     np.testing.assert_allclose(found.angles, expected.angles, atol=1e-6)

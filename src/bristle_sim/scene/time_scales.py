@@ -88,7 +88,7 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
         ValueError: if the step is too long for this scene, or rounding would hide the accuracy of so small a motion.
     """
     if settings.step is not None:
-        return PlainSteps(_checked_step(scene, settings.step, settings.samples_per_period, units) / units.time)
+        return PlainSteps(_checked_step(scene, settings.step, settings.samples, units) / units.time)
     scale = motion_scale(scene, start)
     least = LEAST_NOISE / (LOCAL_FRACTION * scale)
     if settings.accuracy < least:
@@ -98,7 +98,7 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
         )
     fraction = _local_fraction(scene, end)
     return Extrapolation(
-        fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples_per_period)
+        fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples)
     )
 
 

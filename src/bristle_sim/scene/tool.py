@@ -210,7 +210,7 @@ def _plan(scene: Scene, settings: Settings, begin: Start, stop_after: str | None
         end=_end(settings, scene.mechanism),
         accuracy=settings.accuracy,
         stop_after=stop_after,
-        longest_interval=longest_interval(scene, settings.samples_per_period),
+        longest_interval=longest_interval(scene, settings.samples),
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),

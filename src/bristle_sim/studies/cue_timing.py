@@ -138,7 +138,7 @@ def _bare(tool: Tool) -> Tool:
 
 def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
     # An overdamped release is over in a small part of the period that samples are counted in.
-    samples = math.ceil(settings.samples_per_period * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
+    samples = math.ceil(settings.samples * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
     run = simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
     require_result(run, settings)

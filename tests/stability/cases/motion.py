@@ -50,7 +50,7 @@ def _oscillates(tool: Tool, part: float) -> Finding:
     """
     still = replace(tool, hub=Hub(speed=0.0))
     rate = _natural_rate(still)
-    radians = part * 2.0 * math.pi / Settings().samples_per_period
+    radians = part * 2.0 * math.pi / Settings().samples
     run = simulate(still, Settings(step=radians / rate), start_relative_angle=-RETRACTION_AT_RELEASE)
     angle = run.relative_angle
     energy = angle**2 + (run.relative_rate / rate) ** 2
@@ -137,7 +137,7 @@ def _decays(ratio: float, accuracy: float, turn: float) -> Finding:
 def _longest_step(tool: Tool) -> float:
     """Return the longest fixed step in s, by the samples in a period and by the damping about the bristle's centre."""
     fastest = max(_natural_rate(tool), tool.hub.speed, tool.belt_damping / tool.bristle.inertia_about_centre)
-    return 2.0 * math.pi / Settings().samples_per_period / fastest
+    return 2.0 * math.pi / Settings().samples / fastest
 
 
 def _refuses_damped_step(ratio: float) -> Finding:
