@@ -5,8 +5,8 @@ import math
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact_forces import ContactForces
-from bristle_sim.scene.engine_contact import EngineContacts, set_back
+from bristle_sim.scene.contact_forces import EngineForces
+from bristle_sim.scene.engine_contact import SustainedContacts, set_back
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
@@ -23,19 +23,19 @@ def gaps_at(angle: float, rate: float) -> tuple[Gaps, State]:
     return Gaps(ROD), state
 
 
-def on_workpart(angle: float, friction: float) -> EngineContacts:
+def on_workpart(angle: float, friction: float) -> SustainedContacts:
     """The rod's tip on the workpart."""
     obstacle = WorkpartObstacle(math.cos(angle), friction, friction, 0.5)
-    return EngineContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle])
+    return SustainedContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle])
 
 
-def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[EngineContacts, BarObstacle]:
+def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[SustainedContacts, BarObstacle]:
     """The rod, at an angle, against a bar of reach 0.1 at a distance along it, on the side of larger angles."""
     direction = (math.sin(angle), -math.cos(angle))
     across = (math.cos(angle), math.sin(angle))
     centre = (along * direction[0] + 0.1 * across[0], along * direction[1] + 0.1 * across[1])
     obstacle = BarObstacle(centre, 0.1, 0.0, friction, 0.5)
-    return EngineContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle]), obstacle
+    return SustainedContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle]), obstacle
 
 
 class TestGrip:
@@ -78,7 +78,7 @@ class TestGrip:
     def test_a_contact_only_pushes(self, force: float, impulse: float, fails: bool) -> None:
         """What counts is the force of the last step, not what was pushed before."""
         contact = on_workpart(0.7, 0.3)
-        assert ContactForces(contact.scene, contact.obstacles).fails([force, impulse, 0.0, 0.0]) is fails
+        assert EngineForces(contact.scene, contact.obstacles).fails([force, impulse, 0.0, 0.0]) is fails
 
 
 class TestEventFunctions:

@@ -99,21 +99,6 @@ def test_inverse_mass_of_both_chains() -> None:
     assert space.inverse_mass[0, 0] == pytest.approx(3.0 * sum(each**2 for each in levers), rel=1e-11)
 
 
-def test_the_engine_touches_one_end_only() -> None:
-    """A circle on the end and the other's flank, both added when they are engaged for the first time."""
-    scene, state = Scene(ROW, Effects(obstacles=(PAIR,))), touching()
-    assert len(scene.space.shapes) == 0
-    scene.place(State(0.0, state.angles, (0.0, 0.3)))
-    piece = PAIR.touch_between(ROW.poses(state), state.rates).piece
-    scene.contacts.engage(PAIR, friction=0.0, elasticity=0.0, iterations=200, piece=piece)
-    scene.step(1e-9, 1)
-    push, rub, _ = scene.contacts.totals(PAIR)
-    touch, space = contact_at(scene, State(0.0, state.angles, (0.0, 0.3)), PAIR)
-    # The impulse that stops the approach.
-    assert push == pytest.approx(-touch.velocity[0] / space.inverse_mass[0, 0], rel=1e-6)
-    assert rub == pytest.approx(0.0, abs=1e-9 * push)
-
-
 def test_pairs_are_of_different_wires() -> None:
     bent = Link(0.5, 0.01, (0.0, -0.2), (0.1, -0.5), ((0.0, -0.3),))
     row = Mechanism((Link.rod(0.5, 0.5), bent) * 2, wires=2, pitch=0.3, hub_radius=1.0)

@@ -14,6 +14,7 @@ from bristle_sim.scene.joint_projection import close_joints
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
 from bristle_sim.scene.tool import build_tool
+from bristle_sim.scene.wire_steps import WireSteps
 from bristle_sim.scene.wire_velocities import Held
 
 BENT = Link(0.7, 0.02, (0.05, -0.2), (0.1, -0.45), ((0.0, -0.2),))
@@ -113,6 +114,9 @@ def test_open_joints_are_closed_by_the_end_of_a_corrected_step() -> None:
 
 
 def test_no_wire_no_solver() -> None:
-    """A rigid bristle, and a chain without hinges, are left to the engine."""
-    assert build_tool(Tool(workpart=Workpart()))[0].wires is None
-    assert Scene(Mechanism(LINKS), Effects()).step_symmetrically is None
+    """A rigid bristle, and a chain without hinges in flight, are left to the engine."""
+    assert not isinstance(build_tool(Tool(workpart=Workpart()))[0].step.__self__, WireSteps)
+    chain = Scene(Mechanism(LINKS), Effects())
+    chain.step(1e-3, 2)
+    assert chain.step_symmetrically is None
+    assert "wires" not in vars(chain.step.__self__)

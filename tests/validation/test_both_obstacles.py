@@ -12,7 +12,7 @@ from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.contact_laws import contact_at
-from bristle_sim.scene.engine_contact import EngineContacts, opening_rate
+from bristle_sim.scene.engine_contact import SustainedContacts, opening_rate
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Touch
@@ -99,7 +99,7 @@ def test_grip_of_one_link_is_that_of_the_engines_bodies(angle: float, friction: 
         rub = friction * math.copysign(1.0, touch.velocity[1])
         expected = (space.inverse_mass[0, 0] - rub * space.inverse_mass[0, 1]) / free
         # Rounding, and cancellation of a free body's response against its joint's.
-        assert EngineContacts(scene, [obstacle]).grip(Gaps(scene.mechanism), state) == pytest.approx(
+        assert SustainedContacts(scene, [obstacle]).grip(Gaps(scene.mechanism), state) == pytest.approx(
             expected, rel=1e-12, abs=1e-12
         )
 

@@ -13,21 +13,21 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import pymunk
 from numpy.linalg import eigvalsh
 
 from bristle_sim.scene.contact_shapes import ContactShapes
-from bristle_sim.scene.engine import EngineSteps, Placer
+from bristle_sim.scene.engine import MOST_ITERATIONS, SOLVED, EngineSteps, Placer
 from bristle_sim.scene.joints import Connected
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import MARGIN, Obstacle
-from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.wire_velocities import WireVelocities
+    from bristle_sim.scene.wire_steps import WireSteps
+    from bristle_sim.scene.wire_velocities import Held, WireVelocities
 
 HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
@@ -135,9 +135,13 @@ class Scene:
         return self.contacts.in_flight < MOST_ITERATIONS
 
     @property
-    def wires(self) -> WireVelocities | None:
-        """The solver of joints and contacts of wires that bend."""
-        return self._engine.wires
+    def wires(self) -> WireVelocities:
+        """The solver of joints and sustained contacts of several links."""
+        return cast("WireSteps", self._engine).wires
+
+    def hold(self, contacts: Sequence[Held]) -> None:
+        """Have sustained contacts of several links solved for in the engine's steps; none leaves them as in flight."""
+        cast("WireSteps", self._engine).hold(contacts)
 
     @property
     def step_symmetrically(self) -> Callable[[float, int], list[float]] | None:
@@ -146,8 +150,8 @@ class Scene:
 
     def correct_joints(self, *, completely: bool) -> None:
         """Have the joints closed at every step, or leave them alone."""
-        if self._engine.wires is not None:
-            self._engine.wires.correct = completely
+        if self.effects.hinges:
+            self.wires.correct = completely
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 
@@ -160,16 +164,21 @@ def _engine_steps(
     links: Sequence[pymunk.Body],
     joints: Sequence[pymunk.Constraint],
 ) -> EngineSteps:
-    """Return what takes the engine's steps: wires that bend have their joints solved for, and their damping."""
-    if not effects.hinges:
+    """Return what takes the engine's steps: of several links with what solves for their joints, their damping and contacts."""
+    if len(links) == 1:
         return EngineSteps(space, hub, links, joints)
     from bristle_sim.scene.wire_steps import WireSteps
-    from bristle_sim.scene.wire_velocities import WireVelocities
 
-    belt = effects.damping if effects.stiffness is not None else 0.0
-    damping = [belt, *(each for _, each in effects.hinges[: mechanism.wire_links - 1])]
-    springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
-    return WireSteps(space, hub, links, joints, WireVelocities(mechanism, damping, springs, hub, links))
+    def solver() -> WireVelocities:
+        from bristle_sim.scene.wire_velocities import WireVelocities
+
+        belt = effects.damping if effects.stiffness is not None else 0.0
+        hinges = effects.hinges or ((0.0, 0.0),) * len(links)
+        damping = [belt, *(each for _, each in hinges[: mechanism.wire_links - 1])]
+        springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
+        return WireVelocities(mechanism, damping, springs, hub, links)
+
+    return WireSteps(space, hub, links, joints, solver, bending=bool(effects.hinges))
 
 
 class Placement:

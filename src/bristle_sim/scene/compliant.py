@@ -107,7 +107,7 @@ class CompliantLaw:
         duration = self.duration or self._shortest(scene, fastest, way_out)
         if -space.velocity[0] * duration * way_out < LEAST_DEPTH:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
-        if self.stiffness is None and scene.wires is not None:
+        if self.stiffness is None and scene.effects.hinges:
             # It is the workpart's: later touches meet the same.
             self.stiffness = rigid_stiffness(
                 scene.mechanism, state, touch, obstacle.link, duration, coefficients.restitution

@@ -1,13 +1,14 @@
-"""The forces of the engine's own contacts, as a load that adds them up."""
+"""The forces of sustained contacts, as a load that adds them up: the engine's own of a lone link, those solved for of several."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from bristle_sim.scene.arbiters import pushes
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.sustained_contact import Sustained
 
 if TYPE_CHECKING:
@@ -18,14 +19,16 @@ PULL = 1e-14
 """Impulse of a step, in the scene's unit, below which a pull is rounding."""
 
 
-class ContactForces:
-    """The engine's own contacts as a load: they act by themselves, and are lost once their forces are gone.
+class ContactForces(ABC):
+    """Forces of sustained contacts, which are lost once one of them is gone.
+
+    The totals are each contact's normal force in the last step, then its normal and tangential impulse and friction's work; of
+    several links, which friction may stop, the tangential forces in the last step follow.
 
     Attributes:
         scene: of the contacts.
         obstacles: the pairs in contact.
         reached: totals of the last interval.
-        held: the contacts of wires that bend, whose forces are solved for with their joints.
     """
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
@@ -33,68 +36,19 @@ class ContactForces:
         self.scene = scene
         self.obstacles = tuple(obstacles)
         self.reached: Sequence[float] = ()
-        self.held: Sequence[Held] = ()
-        self._last = [(0.0, 0.0, 0.0)] * len(self.obstacles)
-        self._pushes_back = any(each.partner is not None and each.friction for each in obstacles)
-        self._sums: list[float] = []
         self._step = 0.0
-        self._pulls: dict[int, float] = {}
+        self._sums: list[float] = []
         self._due = False
-        # A push alone, of one contact, is read once an interval.
-        alone = scene.wires is None and len(obstacles) == 1 and not obstacles[0].friction
-        self._record = scene.contacts.record(obstacles[0]) if alone else None
-        self._stale = 0
-
-    def hold(self, pieces: Sequence[int | None], slips: Sequence[int | None]) -> None:
-        """Have the wires' own solver keep the contacts closed, with these straight pieces and senses of slip."""
-        from bristle_sim.scene.wire_velocities import Held
-
-        self.held = tuple(Held(*each) for each in zip(self.obstacles, pieces, slips, strict=True))
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Forget what was added up; return what adds up, before each step, what the engine did in the step before."""
-        if step != self._step and not self.held:
-            self.scene.warm_up(step)
-        self._step = step
-        if self._record is not None:
-            # What was before it is noted here, and before the first step once more.
-            self._stale = 2 * self._record.begin()
-            return self._record.note
-        count = len(self.obstacles)
-        self._sums, self._last, self._due = [0.0] * (3 * count), [(0.0, 0.0, 0.0)] * count, False
-        self._pulls = {}
-        if self.scene.wires is not None:
-            self.scene.wires.contacts = self.held
+        """Forget what was added up; return what adds up, before each step, what was done in the step before."""
+        self._step, self._due = step, False
+        self._sums = [0.0] * (3 * len(self.obstacles))
         return self._apply
 
-    def _apply(self) -> None:
-        """Add up what the engine, which acts by itself, did in the step before."""
-        if self._due:
-            self._add()
-        self._due = True
-        if self._pushes_back and not self.held:
-            for obstacle, (_, rub, _) in zip(self.obstacles, self._last, strict=True):
-                if obstacle.partner is not None:
-                    # The partner's shape is larger than it, which lengthens the lever of friction on it.
-                    self.scene.links[obstacle.partner].torque -= MARGIN * rub / self._step
-
+    @abstractmethod
     def totals(self) -> list[float]:
-        """Return each contact's normal force in the last step, then its normal and tangential impulse and friction's work.
-
-        Where an earlier step pulled on a wire that bends, the normal force is that pull, so that the contact is released.
-        The tangential forces in the last step follow for several links, where friction may make a contact stick.
-        """
-        if self._record is not None:
-            self._record.note()
-            found = pushes(self._record.read()[self._stale :])
-            force = found[-1] / self._step if found else 0.0
-            return [force, sum(found)] + [0.0] * (2 if len(self.scene.links) == 1 else 3)
-        self._add()
-        if self.scene.wires is not None:
-            self.scene.wires.contacts = ()
-        step = self._step
-        found = [self._pulls.get(index, each[0]) / step for index, each in enumerate(self._last)] + self._sums
-        return found if len(self.scene.links) == 1 else found + [each[1] / step for each in self._last]
+        """Return what was added up, with the last step."""
 
     def fails(self, totals: list[float]) -> bool:
         """Return whether a contact would have to pull."""
@@ -118,14 +72,91 @@ class ContactForces:
         for index, each in enumerate(sustained):
             each.add(totals[index], totals[count + 3 * index : count + 3 * index + 3], length)
 
+    def _apply(self) -> None:
+        if self._due:
+            self._add()
+        self._due = True
+
+    @abstractmethod
     def _add(self) -> None:
-        sums, last, wires = self._sums, self._last, self.scene.wires
-        for index, obstacle in enumerate(self.obstacles):
-            found = self.scene.contacts.totals(obstacle) if wires is None else wires.impulses[index]
-            push, rub, slip = last[index] = found
+        """Add up what was done in the step before."""
+
+    def _add_up(self, index: int, push: float, rub: float, slip: float) -> None:
+        self._sums[3 * index] += push
+        self._sums[3 * index + 1] += rub
+        self._sums[3 * index + 2] += rub * slip
+
+
+class EngineForces(ContactForces):
+    """The engine's own contact of a lone link, which acts by itself."""
+
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
+        """Nothing has been added up yet."""
+        super().__init__(scene, obstacles)
+        (self._obstacle,) = obstacles
+        # A push alone is read once an interval.
+        self._record = None if self._obstacle.friction else scene.contacts.record(self._obstacle)
+        self._stale, self._push = 0, 0.0
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Forget what was added up; return what notes, before each step, what the engine did in the step before."""
+        if step != self._step:
+            self.scene.warm_up(step)
+        if self._record is None:
+            return super().begin(step)
+        self._step = step
+        # What was before it is noted here, and before the first step once more.
+        self._stale = 2 * self._record.begin()
+        return self._record.note
+
+    def totals(self) -> list[float]:
+        """Return what was added up, with the last step."""
+        if self._record is None:
+            self._add()
+            return [self._push / self._step, *self._sums]
+        self._record.note()
+        found = pushes(self._record.read()[self._stale :])
+        return [found[-1] / self._step if found else 0.0, sum(found), 0.0, 0.0]
+
+    def _add(self) -> None:
+        self._push, rub, slip = self.scene.contacts.totals(self._obstacle)
+        self._add_up(0, self._push, rub, slip)
+
+
+class SolvedForces(ContactForces):
+    """Contacts of several links, whose forces are solved for with their joints.
+
+    Attributes:
+        held: the contacts, as the solver takes them.
+    """
+
+    held: Sequence[Held] = ()
+
+    def hold(self, pieces: Sequence[int | None], slips: Sequence[int | None]) -> None:
+        """Have the contacts kept closed with these straight pieces and senses of slip."""
+        from bristle_sim.scene.wire_velocities import Held
+
+        self.held = tuple(Held(*each) for each in zip(self.obstacles, pieces, slips, strict=True))
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Forget what was added up, and have the contacts act."""
+        self.scene.hold(self.held)
+        self._pulls: dict[int, float] = {}
+        return super().begin(step)
+
+    def totals(self) -> list[float]:
+        """Return what was added up, with the last step, and leave the contacts.
+
+        Where an earlier step pulled, the normal force is that pull, so that the contact is released.
+        """
+        self._add()
+        last, step = self.scene.wires.impulses, self._step
+        self.scene.hold(())
+        normal = [self._pulls.get(index, push) / step for index, (push, _, _) in enumerate(last)]
+        return [*normal, *self._sums, *(rub / step for _, rub, _ in last)]
+
+    def _add(self) -> None:
+        for index, (push, rub, slip) in enumerate(self.scene.wires.impulses):
             if push < -PULL:
                 self._pulls[index] = push
-            sums[3 * index] += push
-            if obstacle.friction:
-                sums[3 * index + 1] += rub
-                sums[3 * index + 2] += rub * slip
+            self._add_up(index, push, rub, slip)

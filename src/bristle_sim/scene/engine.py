@@ -14,7 +14,7 @@ from array import array
 from collections.abc import Callable, Sequence
 from functools import partial
 from operator import attrgetter, sub
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 import pymunk
 
@@ -26,9 +26,6 @@ except ImportError:  # pragma: no cover - a pymunk built otherwise
 
 from bristle_sim.scene.mechanism import Vector
 
-if TYPE_CHECKING:
-    from bristle_sim.scene.wire_velocities import WireVelocities
-
 ITERATIONS_OF_A_STEP = 100
 """Solver iterations that take as long as the rest of an engine step: measured, 35 ns each and 3 to 5 us a step with what
 Python does around it."""
@@ -38,6 +35,13 @@ WARM, ALONE = 1e3, 2.0
 further would show. A step on its own bears less: the engine scales the impulse that it applies, by s, but not the one that
 it remembers, which becomes 1 - s times what it was. Further steps of the same length put that right; one short and one long
 step in turn would make it grow without bound."""
+
+
+SOLVED = math.log(1e-17)
+"""Iterations leave this fraction of the error: rounding."""
+
+MOST_ITERATIONS = 40_000
+"""Iterations of the engine's solver in a step; a link 1e-3 times as heavy as the next one takes them."""
 
 
 class Placer(Protocol):
@@ -108,11 +112,9 @@ class EngineSteps:
         steps: engine steps taken so far.
         work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
         place: puts the bodies somewhere.
-        wires: solver of joints and contacts of wires that bend; None where the engine's own acts.
         take_symmetric: takes steps symmetric in time, where there are such.
     """
 
-    wires: WireVelocities | None = None
     take_symmetric: Callable[[float, int], list[float]] | None = None
 
     def __init__(

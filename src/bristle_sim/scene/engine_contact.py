@@ -1,4 +1,4 @@
-"""The engine's own contacts keep links on what they touch: what lets them act, and the corrections that takes."""
+"""Sustained contacts keep links on what they touch: what lets them act, and the corrections that takes."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_forces import ContactForces
+from bristle_sim.scene.contact_forces import EngineForces, SolvedForces
+from bristle_sim.scene.engine import MOST_ITERATIONS, SOLVED
 from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State, Vector, cross
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.scene.solver_rounds import MOST_ITERATIONS, SOLVED, contact_rounds
 from bristle_sim.scene.sustained_contact import STILL
 
 MOMENT = 1e-6
@@ -33,8 +33,8 @@ NEWTON = 3
 """Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
 
 
-class EngineContacts:
-    """The engine's own contacts of some pairs, which act by themselves.
+class SustainedContacts:
+    """What keeps some pairs closed: of a lone link the engine's own contact, of several links the solver of their joints.
 
     Attributes:
         scene: of the contacts.
@@ -53,7 +53,7 @@ class EngineContacts:
         self.pieces: list[int | None] = [None] * len(obstacles)
         self.slips = list(slips)
         self.solvable = True
-        self.forces = ContactForces(scene, obstacles)
+        self.forces = (EngineForces if len(scene.links) == 1 else SolvedForces)(scene, obstacles)
 
     def grip(self, gaps: Gaps, state: State, index: int = 0) -> float:
         """Return the fraction of a free link's response that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
@@ -79,32 +79,24 @@ class EngineContacts:
         return (normal - obstacle.friction * slip * coupling) / free
 
     def engage(self, gaps: Gaps, state: State) -> float:
-        """Let the engine's contacts act, with as many iterations as the state needs; returns the least grip.
+        """Let the contacts act from a state on; returns the least grip.
 
-        On a single link each iteration corrects the contact as if the link were free, then the joint: it leaves 1 - grip of
-        the error.
+        On a single link each of the engine's iterations corrects the contact as if the link were free, then the joint: it
+        leaves 1 - grip of the error, and there are as many as the state needs.
         """
         grips = [self.grip(gaps, state, index) for index in range(len(self.obstacles))]
         self.pieces = [self._next_piece(each, state) for each in self.obstacles]
-        if self.scene.wires is not None:
+        if isinstance(self.forces, SolvedForces):
             self.forces.hold(self.pieces, self.slips)
             return min(grips)
-        if len(self.scene.links) == 1:
-            left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)
-            rounds = max(self.scene.contacts.in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
-            self.solvable = grips[0] <= MOST_GRIP
-        else:
-            touches = [gaps.touch(each, state, piece) for each, piece in zip(self.obstacles, self.pieces, strict=True)]
-            rounds, self.solvable = contact_rounds(
-                self.scene.mechanism, gaps.poses(state), self.obstacles, touches, self.slips
-            )
-        for index, (obstacle, piece) in enumerate(zip(self.obstacles, self.pieces, strict=True)):
-            self.scene.contacts.engage(
-                obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece or 0
-            )
-            if (slip := self.slips[index]) is not None:
-                self.scene.contacts.direct_friction(obstacle, slip, gaps.touch(obstacle, state).tangent)
-        return min(grips)
+        left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)
+        rounds = max(self.scene.contacts.in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
+        self.solvable = grips[0] <= MOST_GRIP
+        obstacle = self.obstacles[0]
+        self.scene.contacts.engage(
+            obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=self.pieces[0] or 0
+        )
+        return grips[0]
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
         """Return the piece that touches from now on: at a corner two do, a moment later one."""

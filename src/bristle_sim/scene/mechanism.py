@@ -75,6 +75,7 @@ class Mechanism:
     pitch: float = 0.0
     wire_links: int = field(init=False)
     _lengths: tuple[float, ...] = field(init=False, repr=False)
+    _alone: tuple[Mechanism, ...] = field(init=False, repr=False, compare=False)
     _kept: deque[tuple[State, list[Pose]]] = field(
         default_factory=lambda: deque(maxlen=3), init=False, repr=False, compare=False
     )
@@ -83,6 +84,8 @@ class Mechanism:
         """Count the links of a wire, and take down from joint to joint how long each is."""
         object.__setattr__(self, "wire_links", len(self.links) // self.wires)
         object.__setattr__(self, "_lengths", tuple(math.hypot(*link.tip) for link in self.links))
+        alone = () if self.wires == 1 else tuple(map(self.wire, range(self.wires)))
+        object.__setattr__(self, "_alone", alone)
 
     def hub_angle(self, time: float) -> float:
         """Return the angle of the first root, rad."""
@@ -112,7 +115,7 @@ class Mechanism:
             size = self.wire_links
             parts = (slice(first, first + size) for first in range(0, len(self.links), size))
             alone = (State(state.time, state.angles[part], state.rates[part]) for part in parts)
-            return [pose for wire, own in enumerate(alone) for pose in self.wire(wire).poses(own)]
+            return [pose for wire, own in zip(self._alone, alone, strict=True) for pose in wire.poses(own)]
         speed, angle = self.hub_speed, self.hub_angle(state.time)
         x, y = self.hub_radius * math.sin(angle), -self.hub_radius * math.cos(angle)
         joint, joint_velocity = (x, y), (-speed * y, speed * x)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from bristle_sim.scene.engine_contact import EngineContacts
+from bristle_sim.scene.engine_contact import SustainedContacts
 from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
@@ -52,7 +52,7 @@ class SmoothMotion:
         self.sustained, self.separating = tuple(sustained), tuple(separating)
         self.before: Advance | None = None
         self.limit = limit
-        self.contacts: EngineContacts | None = None
+        self.contacts: SustainedContacts | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
         self._extremes, self._at_work = extremes(progress, self.sustained), list[EventFunction]()
@@ -135,7 +135,7 @@ class SmoothMotion:
         """Let the engine's contacts act from here on, if they can; return the events that end them."""
         progress = self.progress
         obstacles, slips = [each.obstacle for each in self.sustained], [each.slip for each in self.sustained]
-        self.contacts = EngineContacts(progress.scene, obstacles, slips)
+        self.contacts = SustainedContacts(progress.scene, obstacles, slips)
         progress.state = self.contacts.set_back(progress.gaps, progress.state)
         for each in self.sustained:
             each.begin(progress.state)
@@ -179,7 +179,7 @@ class SmoothMotion:
         return None if function.act is None else function.act()
 
 
-def _engage(progress: Progress, contacts: EngineContacts) -> None:
+def _engage(progress: Progress, contacts: SustainedContacts) -> None:
     """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
     grip = contacts.engage(progress.gaps, progress.state)
     if grip <= 0.0:

@@ -30,7 +30,7 @@ from bristle_sim.trajectory import ContactRecord
 
 if TYPE_CHECKING:
     from bristle_sim.scene.contact_forces import ContactForces
-    from bristle_sim.scene.engine_contact import EngineContacts
+    from bristle_sim.scene.engine_contact import SustainedContacts
     from bristle_sim.scene.progress import Progress
 
 
@@ -183,7 +183,7 @@ def _out_of_dent(progress: Progress, number: int) -> EventFunction:
     return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
 
 
-def at_work(progress: Progress, contacts: EngineContacts) -> list[EventFunction]:
+def at_work(progress: Progress, contacts: SustainedContacts) -> list[EventFunction]:
     """Return what ends or changes sustained contacts besides their forces."""
     found = []
     for index, obstacle in enumerate(contacts.obstacles):
@@ -196,7 +196,7 @@ def at_work(progress: Progress, contacts: EngineContacts) -> list[EventFunction]
     return found
 
 
-def locking(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
+def locking(contacts: SustainedContacts, gaps: Gaps, index: int) -> EventFunction:
     """Watch the grip get too small: friction locks the link, or without it the link meets the obstacle end-on."""
     obstacle = contacts.obstacles[index]
     jams = obstacle.friction > 0.0
@@ -210,7 +210,7 @@ def locking(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
     return EventFunction(f"locking of {_label(obstacle)}", spare, True, event, final=final, wire=wire)
 
 
-def elbow(contacts: EngineContacts, gaps: Gaps, index: int) -> EventFunction:
+def elbow(contacts: SustainedContacts, gaps: Gaps, index: int) -> EventFunction:
     """Watch another piece of a bent link meet the obstacle that this one is on: it takes over by an impact."""
     obstacle = contacts.obstacles[index]
 
@@ -268,7 +268,7 @@ def _label(obstacle: Obstacle) -> str:
     return f"{obstacle.name} at link {obstacle.link}" + ("" if obstacle.partner is None else f" and {obstacle.partner}")
 
 
-def inner_states(progress: Progress, contacts: EngineContacts, start: State) -> list[State]:
+def inner_states(progress: Progress, contacts: SustainedContacts, start: State) -> list[State]:
     """Return states within an interval that has ended: those of a single link in touch follow from the geometry alone."""
     end = progress.state
     length = end.time - start.time

@@ -97,9 +97,7 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
             " whose rest rounding hides (dimensionless)"
         )
     fraction = _local_fraction(scene, end)
-    return Extrapolation(
-        fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples)
-    )
+    return Extrapolation(fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples))
 
 
 def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:

@@ -7,10 +7,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import pymunk
-
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
-from bristle_sim.scene.obstacles import MARGIN, Touch
+from bristle_sim.scene.obstacles import Touch
 
 Line = tuple[Vector, Vector]
 
@@ -71,22 +69,6 @@ class WirePair:
         """A touch at a joint is found by the pair of either link."""
         del pose
         return math.inf, 0.0
-
-    def shapes(self, bodies: Sequence[pymunk.Body], mechanism: Mechanism) -> list[pymunk.Shape]:
-        """Return the engine's shapes: flank, start and end of the partner's piece, then of the link's own."""
-        found: list[pymunk.Shape] = []
-        for link, number, margin in ((self.partner, self.partner_piece, MARGIN), (self.link, self.own_piece, 0.0)):
-            each, body, radius = mechanism.links[link], bodies[link], self.wire_radius + margin
-            corners = [(x - each.centre[0], y - each.centre[1]) for x, y in ((0.0, 0.0), *each.knees, each.tip)]
-            start, end = corners[number : number + 2]
-            found += [pymunk.Segment(body, start, end, radius)]
-            found += [pymunk.Circle(body, radius, start), pymunk.Circle(body, radius, end)]
-        return found
-
-    @staticmethod
-    def touching(shapes: Sequence[pymunk.Shape], piece: int) -> tuple[pymunk.Shape, pymunk.Shape]:
-        """Return the two shapes of a touch by one end, the partner's first: one that is parallel has one point of contact."""
-        return (shapes[0], shapes[4 + piece]) if piece < 2 else (shapes[piece - 1], shapes[3])
 
 
 def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restitution: float) -> Iterator[WirePair]:

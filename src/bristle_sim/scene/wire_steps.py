@@ -1,20 +1,22 @@
-"""Engine steps of wires that bend, whose joints and sustained contacts are solved for instead of the engine's iterations."""
+"""Engine steps of several links, whose joints and sustained contacts are solved for where the engine's iterations are dear."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import functools
+from collections.abc import Callable, Sequence
 from operator import sub
+from typing import TYPE_CHECKING
 
 import pymunk
 
 from bristle_sim.scene.engine import EngineSteps
-from bristle_sim.scene.wire_velocities import WireVelocities
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.wire_velocities import Held, WireVelocities
 
 
 class WireSteps(EngineSteps):
-    """Engine steps, each followed by a linear solve while the engine's solver takes a single iteration."""
-
-    wires: WireVelocities
+    """Engine steps, each followed by a linear solve: always of wires that bend, of rigid links in sustained contact only."""
 
     def __init__(
         self,
@@ -22,21 +24,35 @@ class WireSteps(EngineSteps):
         hub: pymunk.Body | None,
         links: Sequence[pymunk.Body],
         joints: Sequence[pymunk.Constraint],
-        wires: WireVelocities,
+        solver: Callable[[], WireVelocities],
+        *,
+        bending: bool,
     ) -> None:
-        """Leave the joints to the engine until the iterations are set."""
+        """Leave the joints to the engine until the iterations are set; the solver is made when it is first needed."""
         super().__init__(space, hub, links, joints)
-        self.wires = wires
+        self._solver, self._bending = solver, bending
         self._engine_step = self._step
 
+    @functools.cached_property
+    def wires(self) -> WireVelocities:
+        """The solver."""
+        return self._solver()
+
     def set_iterations(self, count: int) -> None:
-        """Have the engine's solver take this many iterations in every step; one alone leaves the joints to the wires' solver."""
+        """Have the engine's solver take this many iterations in every step; one leaves the joints of bending wires to theirs."""
         super().set_iterations(count)
-        active = count == 1
-        self.wires.take_over(active=active)
+        self.take_symmetric = self._take_symmetric if self._bending and count == 1 else None
+        self.hold(())
+        if self._bending:
+            self._last_length = 0.0
+
+    def hold(self, contacts: Sequence[Held]) -> None:
+        """Have these sustained contacts solved for from now on, together with the joints; none leaves them as in flight."""
+        active = bool(contacts) or self.take_symmetric is not None
         self._step = self._step_and_solve if active else self._engine_step
-        self.take_symmetric = self._take_symmetric if active else None
-        self._last_length = 0.0
+        if active or "wires" in self.__dict__:
+            self.wires.contacts = contacts
+            self.wires.take_over(active=active)
 
     def _step_and_solve(self, length: float) -> None:
         self._engine_step(length)

@@ -1,6 +1,6 @@
-"""Velocities of a wire's links that obey their joints, by one linear solve a step instead of the engine's iterations.
+"""Velocities of several links that obey joints and sustained contacts, by one linear solve a step.
 
-The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations. Whatever it has done to
+The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations, and more in contact. Whatever it has done to
 the joints so far is M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic
 energy, are the same without them. So an engine step with one iteration is enough, and the nearest velocities are those of
 
@@ -48,7 +48,7 @@ class Held(NamedTuple):
 
 
 class WireVelocities:
-    """The velocities of all wires of a mechanism.
+    """The velocities of all links of a mechanism, those of one wire after the other.
 
     Attributes:
         correct: whether a step closes what is open of the joints by its end, as the engine's own correction does.
@@ -72,11 +72,34 @@ class WireVelocities:
         has_hub = hub is not None
         self._bodies = placer([hub, *links] if hub is not None else links)
         rows = np.frombuffer(self._bodies.values)[: 6 * (len(links) + has_hub)].reshape(-1, 6)
-        self._hub, self._numbers = rows[0] if has_hub else np.zeros(6), rows[has_hub:]
-        self._velocities = self._numbers[:, 3:]
-        self._old = self._velocities.copy()
-        self._size = mechanism.wire_links
-        self._wires = [_Wire(mechanism, damping, number, self._numbers) for number in range(mechanism.wires)]
+        self._hub, numbers = rows[0] if has_hub else np.zeros(6), rows[has_hub:]
+        self._all_velocities = numbers[:, 3:]
+        self._places, self._velocities = (
+            numbers[:, :2].view(np.complex128)[:, 0],
+            numbers[:, 3:5].view(np.complex128)[:, 0],
+        )
+        self._angles, self._rates = numbers[:, 2], numbers[:, 5]
+        self._old = self._all_velocities.copy()
+        self._take_down(mechanism, damping)
+
+    def _take_down(self, mechanism: Mechanism, damping: Sequence[float]) -> None:
+        """Take down what does not change: arms, masses, damping, and where the roots are at the hub's angle 0."""
+        self._links = mechanism.links
+        count, size = len(self._links), mechanism.wire_links
+        wire = np.arange(count) // size
+        self._carriers = np.tri(count, k=-1, dtype=bool) & (wire[:, None] == wire)
+        self._tips, self._centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in self._links]).T
+        self._inertias = np.array([link.inertia for link in self._links])
+        self._arms = np.where(self._carriers, self._tips, 0.0) + np.diag(self._centres)
+        self._moments = np.conj(self._arms).T * np.array([link.mass for link in self._links])
+        self._products = self._moments @ self._arms + np.diag(self._inertias)
+        twists = np.eye(size) - np.eye(size, k=-1)
+        one = twists.T @ np.diag(damping) @ twists
+        self._damping = np.kron(np.eye(mechanism.wires), one) if any(damping) else None
+        self._belt_damping = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
+        self._roots = -1j * mechanism.hub_radius * np.exp(-1j * mechanism.pitch * wire)
+        self._turn = np.ones(count, complex)
+        self._matrix = np.eye(count)
 
     def take_over(self, *, active: bool) -> None:
         """Leave the damping to the solver here, or to the engine."""
@@ -87,7 +110,7 @@ class WireVelocities:
     def symmetric_steps(self) -> Iterator[None]:
         """Make the steps symmetric in time, from the bodies' velocities as they are."""
         self._bodies.keep()
-        self._old[:] = self._velocities
+        self._old[:] = self._all_velocities
         self._symmetric = True
         try:
             yield
@@ -97,13 +120,13 @@ class WireVelocities:
     def solve(self, step: float) -> None:
         """Have the bodies' velocities after an engine step obey joints and contacts."""
         self._bodies.keep()
-        velocities, old, time = self._velocities, self._old, step
+        velocities, old = self._all_velocities, self._old
         if self._symmetric:
             velocities += old
             velocities *= 0.5
-            time = 0.5 * step
-        for wire in self._wires:
-            wire.solve(self._hub, time, correct=self.correct)
+            self._close_joints(0.5 * step)
+        else:
+            self._close_joints(step)
         if self.contacts:
             self._push()
         if self._symmetric:
@@ -111,6 +134,22 @@ class WireVelocities:
             velocities -= old
             old[:] = velocities
         self._bodies(None)
+
+    def _close_joints(self, time: float) -> None:
+        """Set the velocities to those that obey the joints, with the damping over a time."""
+        self._turn = turn = np.exp(1j * self._angles)
+        back = turn.conj()
+        places = self._roots * cmath.exp(1j * self._hub[2])
+        carried = 1j * self._hub[5] * places
+        if self.correct:
+            carried = carried - (self._places - places - self._arms @ turn) / time
+        self._matrix = matrix = (back[:, None] * self._products * turn).real
+        momenta = (back * (self._moments @ (self._velocities - carried))).imag + self._inertias * self._rates
+        if self._damping is not None:
+            matrix += time * self._damping
+            momenta += time * self._hub[5] * self._belt_damping
+        self._rates[:] = rates = dposv(matrix, momenta)[1]
+        self._velocities[:] = carried + self._arms @ (1j * turn * rates)
 
     def _push(self) -> None:
         """Add the impulses of the contacts."""
@@ -125,14 +164,13 @@ class WireVelocities:
                 if held.slip:
                     pushes[index] = rows[index] - held.obstacle.friction * held.slip * along[index]
         stuck = [index for index in along if self.contacts[index].slip == 0]
-        parts = [*pushes, *(along[index] for index in stuck)]
-        response = np.concatenate([each.response(np.array(parts)[:, each.part]) for each in self._wires])
+        response = dposv(self._matrix, np.array([*pushes, *(along[index] for index in stuck)]).T)[1]
         rigid = np.array([*rows, *(along[index] for index in stuck)]) @ response
         speeds += [touches[index].velocity[1] for index in stuck]
         impulses = _solved(rigid, speeds)
         change = response @ impulses
-        for wire in self._wires:
-            wire.add(change[wire.part])
+        self._rates += change
+        self._velocities += self._arms @ (1j * self._turn * change)
         rubs = dict(zip(stuck, impulses[len(rows) :], strict=True))
         self.impulses = [
             (
@@ -147,81 +185,27 @@ class WireVelocities:
         """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
         links = [obstacle.link] if obstacle.partner is None else [obstacle.link, obstacle.partner]
         # Of the links only these are looked at.
-        poses: Any = {link: self._wires[link // self._size].pose(link % self._size) for link in links}
-        rates: Any = {link: float(self._numbers[link, 5]) for link in links}
+        poses: Any = {link: self._pose(link) for link in links}
+        rates: Any = {link: float(self._rates[link]) for link in links}
         return obstacle.touch_between(poses, rates, piece)
 
     def _row(self, obstacle: Obstacle, touch: Touch, direction: Vector) -> Array:
         """Return d(relative velocity of a contact along a direction)/d(rates)."""
-        row = np.zeros(len(self._numbers))
+        tips = self._tips * self._turn
+        levers = np.zeros(len(tips), complex)
         for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):
             if link is not None and arm is not None:
-                wire = self._wires[link // self._size]
-                row[wire.part] += sign * wire.row(link % self._size, complex(*arm), complex(*direction))
-        return row
+                levers += sign * self._carriers[link] * tips
+                levers[link] += sign * complex(*arm)
+        return np.asarray((1j * complex(*direction).conjugate() * levers).real, dtype=float)
 
-
-class _Wire:
-    """One wire, whose links' numbers (x, y, angle, u, v, rate) are rows ``part`` of those of all links."""
-
-    def __init__(self, mechanism: Mechanism, damping: Sequence[float], number: int, numbers: Array) -> None:
-        """Take down what does not change: arms, masses, damping, and where the root is at the hub's angle 0."""
-        self._own = mechanism.wire(number).links
-        size = len(self._own)
-        self.part = slice(number * size, (number + 1) * size)
-        self._tips, self._centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in self._own]).T
-        self._inertias = np.array([link.inertia for link in self._own])
-        self._arms = np.where(np.tri(size, k=-1, dtype=bool), self._tips, 0.0) + np.diag(self._centres)
-        self._moments = np.conj(self._arms).T * np.array([link.mass for link in self._own])
-        self._products = self._moments @ self._arms + np.diag(self._inertias)
-        twists = np.eye(size) - np.eye(size, k=-1)
-        self._damping = twists.T @ np.diag(damping) @ twists if any(damping) else None
-        self._belt_damping = damping[0]
-        self._root = -1j * mechanism.hub_radius * cmath.exp(-1j * number * mechanism.pitch)
-        links = numbers[self.part]
-        self._places, self._velocities = links[:, :2].view(np.complex128)[:, 0], links[:, 3:5].view(np.complex128)[:, 0]
-        self._angles, self._rates = links[:, 2], links[:, 5]
-        self._turn = np.ones(size, complex)
-        self._matrix = np.eye(size)
-
-    def solve(self, hub: Array, time: float, *, correct: bool) -> None:
-        """Set the velocities to those that obey the joints, with the damping over a time."""
-        self._turn = turn = np.exp(1j * self._angles)
-        back = turn.conj()
-        place = self._root * cmath.exp(1j * hub[2])
-        carried = 1j * hub[5] * place
-        if correct:
-            carried = carried - (self._places - place - self._arms @ turn) / time
-        self._matrix = matrix = (back[:, None] * self._products * turn).real
-        momenta = (back * (self._moments @ (self._velocities - carried))).imag + self._inertias * self._rates
-        if self._damping is not None:
-            matrix += time * self._damping
-            momenta[0] += time * self._belt_damping * hub[5]
-        self._rates[:] = rates = dposv(matrix, momenta)[1]
-        self._velocities[:] = carried + self._arms @ (1j * turn * rates)
-
-    def response(self, pushes: Array) -> Array:
-        """Return the change of the rates by each of these rows of generalized impulses, in columns."""
-        return np.asarray(dposv(self._matrix, pushes.T)[1])
-
-    def add(self, change: Array) -> None:
-        """Change the rates, and the velocities with them."""
-        self._rates += change
-        self._velocities += self._arms @ (1j * self._turn * change)
-
-    def row(self, link: int, arm: complex, direction: complex) -> Array:
-        """Return d(velocity of a link's point at ``arm`` from its joint, along a direction)/d(rates)."""
-        levers = self._tips * self._turn
-        levers[link], levers[link + 1 :] = arm, 0.0
-        return np.asarray((1j * direction.conjugate() * levers).real, dtype=float)
-
-    def pose(self, link: int) -> Pose:
+    def _pose(self, link: int) -> Pose:
         """Return the pose of a link as its body is."""
         turn, rate = complex(self._turn[link]), float(self._rates[link])
         centre, velocity = complex(self._places[link]), complex(self._velocities[link])
         to_centre = complex(self._centres[link]) * turn
         joint, carried = centre - to_centre, velocity - 1j * rate * to_centre
-        corners = [complex(*each) * turn for each in (*self._own[link].knees, self._own[link].tip)]
+        corners = [complex(*each) * turn for each in (*self._links[link].knees, self._links[link].tip)]
         *knees, tip = [joint + each for each in corners]
         return Pose(
             _vector(joint),
