@@ -69,6 +69,8 @@ class TestOrder:
 class Tally:
     """A load that does nothing, counts how often it is called, and fails below a step."""
 
+    symmetric = False
+
     def __init__(self, least: float = 0.0) -> None:
         self.least = least
         self.calls = 0

@@ -140,11 +140,15 @@ class Scene:
         return cast("WireSteps", self._engine).wires
 
     def hold(self, contacts: Sequence[Held]) -> None:
-        """Have sustained contacts of several links solved for in the engine's steps; none leaves them as in flight."""
+        """Have sustained contacts of several links solved for in the engine's steps from now on."""
         cast("WireSteps", self._engine).hold(contacts)
 
+    def release(self) -> None:
+        """Let nothing touch any more."""
+        self.contacts.release()
+
     @property
-    def step_symmetrically(self) -> Callable[[float, int], list[float]] | None:
+    def step_symmetrically(self) -> Callable[..., list[float]] | None:
         """Takes steps symmetric in time, from half a step behind, of wires that bend where the engine's contacts do not act."""
         return self._engine.take_symmetric
 

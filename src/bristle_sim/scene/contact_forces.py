@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from bristle_sim.scene.arbiters import pushes
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.sustained_contact import Sustained
-
-if TYPE_CHECKING:
-    from bristle_sim.scene.wire_velocities import Held
-
 
 PULL = 1e-14
 """Impulse of a step, in the scene's unit, below which a pull is rounding."""
@@ -30,6 +27,8 @@ class ContactForces(ABC):
         obstacles: the pairs in contact.
         reached: totals of the last interval.
     """
+
+    symmetric = True
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
         """Nothing has been added up yet."""
@@ -126,37 +125,32 @@ class EngineForces(ContactForces):
 class SolvedForces(ContactForces):
     """Contacts of several links, whose forces are solved for with their joints.
 
-    Attributes:
-        held: the contacts, as the solver takes them.
+    In steps symmetric in time the forces of odd and even ones differ by an error that the mean of two does not have.
     """
 
-    held: Sequence[Held] = ()
-
-    def hold(self, pieces: Sequence[int | None], slips: Sequence[int | None]) -> None:
-        """Have the contacts kept closed with these straight pieces and senses of slip."""
-        from bristle_sim.scene.wire_velocities import Held
-
-        self.held = tuple(Held(*each) for each in zip(self.obstacles, pieces, slips, strict=True))
-
     def begin(self, step: float) -> Callable[[], None]:
-        """Forget what was added up, and have the contacts act."""
-        self.scene.hold(self.held)
+        """Forget what was added up; return what adds up, before each step, what was done in the step before."""
         self._pulls: dict[int, float] = {}
+        self._last = self._mean = np.zeros((0, 2))
+        self._odd = False
         return super().begin(step)
 
     def totals(self) -> list[float]:
-        """Return what was added up, with the last step, and leave the contacts.
+        """Return what was added up, with the last step.
 
-        Where an earlier step pulled, the normal force is that pull, so that the contact is released.
+        Where earlier steps pulled, the normal force is that pull, so that the contact is released.
         """
         self._add()
-        last, step = self.scene.wires.impulses, self._step
-        self.scene.hold(())
-        normal = [self._pulls.get(index, push) / step for index, (push, _, _) in enumerate(last)]
-        return [*normal, *self._sums, *(rub / step for _, rub, _ in last)]
+        pushes, rubs = (self._mean / self._step).T.tolist()
+        normal = [self._pulls.get(index, push) for index, push in enumerate(pushes)]
+        return [*normal, *self._sums, *rubs]
 
     def _add(self) -> None:
-        for index, (push, rub, slip) in enumerate(self.scene.wires.impulses):
-            if push < -PULL:
-                self._pulls[index] = push
+        impulses = np.array(self.scene.wires.impulses)
+        self._odd = not self._odd
+        self._mean = impulses[:, :2] if self._odd else 0.5 * (self._last + impulses[:, :2])
+        self._last = impulses[:, :2]
+        for index, (push, rub, slip) in enumerate(impulses.tolist()):
+            if not self._odd and self._mean[index, 0] < -PULL:
+                self._pulls[index] = self._mean[index, 0] / self._step
             self._add_up(index, push, rub, slip)

@@ -125,7 +125,7 @@ class EngineLaw:
         )
         scene.step(INSTANT, 1)
         impulse = scene.contacts.totals(obstacle)[:2]
-        scene.contacts.release()
+        scene.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
         velocity = obstacle.touch_between(scene.mechanism.poses(after), after.rates).velocity

@@ -115,7 +115,7 @@ class EngineSteps:
         take_symmetric: takes steps symmetric in time, where there are such.
     """
 
-    take_symmetric: Callable[[float, int], list[float]] | None = None
+    take_symmetric: Callable[..., list[float]] | None = None
 
     def __init__(
         self,

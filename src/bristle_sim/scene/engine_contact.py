@@ -87,7 +87,9 @@ class SustainedContacts:
         grips = [self.grip(gaps, state, index) for index in range(len(self.obstacles))]
         self.pieces = [self._next_piece(each, state) for each in self.obstacles]
         if isinstance(self.forces, SolvedForces):
-            self.forces.hold(self.pieces, self.slips)
+            from bristle_sim.scene.wire_velocities import Held
+
+            self.scene.hold([Held(*each) for each in zip(self.obstacles, self.pieces, self.slips, strict=True)])
             return min(grips)
         left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)
         rounds = max(self.scene.contacts.in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))

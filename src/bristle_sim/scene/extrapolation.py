@@ -16,7 +16,7 @@ from operator import mul
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.repetitions import CLOSE, EVEN, LEAST_ROWS, Repetitions
-from bristle_sim.scene.stepping import Advance, Load, take_steps, unpack
+from bristle_sim.scene.stepping import Advance, Load, unpack
 
 CUT_SHORT = 0.25
 """Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
@@ -60,7 +60,7 @@ class Extrapolation:
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""
-        symmetric = scene.step_symmetrically if load is None else None
+        symmetric = scene.step_symmetrically if load is None or load.symmetric else None
         take = symmetric or scene.step
         if (table := EVEN if symmetric else self._given) is not self.repetitions:
             self._use(table)
@@ -71,7 +71,7 @@ class Extrapolation:
         for row, count in enumerate(table.counts[: self.most_rows]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
-            values = take(step, count) if load is None else take_steps(scene, step, count, load)
+            values = take(step, count) if load is None else take(step, count, load.begin(step)) + load.totals()
             if load is not None and load.fails(values[3 * size :]):
                 return unpack(scene, state, duration, values, math.inf, failed=True, errors=known)
             if row == 0:

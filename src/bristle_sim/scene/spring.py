@@ -116,6 +116,8 @@ class SpringLoad:
         spring: whose law acts.
     """
 
+    symmetric = False
+
     def __init__(
         self,
         scene: Scene,

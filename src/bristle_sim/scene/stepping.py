@@ -18,7 +18,13 @@ NONE: Mapping[int, float] = MappingProxyType({})
 
 
 class Load(Protocol):
-    """What acts on the links besides springs and joints, and what it adds up over an interval."""
+    """What acts on the links besides springs and joints, and what it adds up over an interval.
+
+    Attributes:
+        symmetric: whether it acts alike forwards and backwards in time, so that steps may be symmetric.
+    """
+
+    symmetric: bool
 
     def begin(self, step: float) -> Callable[[], None]:
         """Begin a run over an interval in steps of one length; return what acts on the bodies before each of them."""
@@ -123,20 +129,15 @@ class PlainSteps:
         if load is not None or not self._left_at(scene, state) or duration < self.step:
             scene.place(state)
         scene.correct_joints(completely=load is None and duration > INSTANT)
-        values = take_steps(scene, duration, 1, load)
+        values = (
+            scene.step(duration, 1) if load is None else scene.step(duration, 1, load.begin(duration)) + load.totals()
+        )
         scene.correct_joints(completely=False)
         size = len(scene.links)
         failed = load is not None and load.fails(values[3 * size :])
         result = unpack(scene, state, duration, values, 0.0, failed)
         self._left = (result.state, scene.motions)
         return result
-
-
-def take_steps(scene: Scene, step: float, count: int, load: Load | None) -> list[float]:
-    """Return angles, rates, accelerations and the load's totals after ``count`` engine steps from where the bodies are."""
-    if load is None:
-        return scene.step(step, count)
-    return scene.step(step, count, load.begin(step)) + load.totals()
 
 
 def unpack(
@@ -148,7 +149,7 @@ def unpack(
     failed: bool = False,
     errors: Mapping[int, float] = NONE,
 ) -> Advance:
-    """Return the values of :func:`take_steps` as the result of an interval."""
+    """Return the angles, rates, accelerations and totals as the result of an interval."""
     size, turned = len(scene.links), scene.turned
     angles = tuple([angle + turned for angle in values[:size]])
     end = State(state.time + duration, angles, tuple(values[size : 2 * size]))

@@ -72,7 +72,7 @@ def contact_at_end(motion: SmoothMotion) -> ContactAtEnd:
 def end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None = None) -> None:
     """End sustained contacts, all or those of some obstacles, and record them."""
     progress = motion.progress
-    progress.scene.contacts.release()
+    progress.scene.release()
     for each in motion.sustained:
         if obstacles is None or each.obstacle in obstacles:
             record = each.record(progress.gaps, progress.state, outcome)
@@ -107,7 +107,7 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
         return _next(progress, [*motion.sustained, Sustained(obstacle)], others)
     left = least_opening_rate(progress, obstacle)
     first = not progress.touched(obstacle)
-    progress.scene.contacts.release()
+    progress.scene.release()
     try:
         record = _resolve(progress, obstacle, rests=touch.rests or left <= STILL)
     except ValueError as error:

@@ -15,6 +15,10 @@ if TYPE_CHECKING:
     from bristle_sim.scene.wire_velocities import Held, WireVelocities
 
 
+def _nothing() -> None:
+    """Do nothing before a step."""
+
+
 class WireSteps(EngineSteps):
     """Engine steps, each followed by a linear solve: always of wires that bend, of rigid links in sustained contact only."""
 
@@ -41,15 +45,16 @@ class WireSteps(EngineSteps):
     def set_iterations(self, count: int) -> None:
         """Have the engine's solver take this many iterations in every step; one leaves the joints of bending wires to theirs."""
         super().set_iterations(count)
-        self.take_symmetric = self._take_symmetric if self._bending and count == 1 else None
+        self._always = self._bending and count == 1
         self.hold(())
         if self._bending:
             self._last_length = 0.0
 
     def hold(self, contacts: Sequence[Held]) -> None:
         """Have these sustained contacts solved for from now on, together with the joints; none leaves them as in flight."""
-        active = bool(contacts) or self.take_symmetric is not None
+        active = bool(contacts) or self._always
         self._step = self._step_and_solve if active else self._engine_step
+        self.take_symmetric = self._take_symmetric if active else None
         if active or "wires" in self.__dict__:
             self.wires.contacts = contacts
             self.wires.take_over(active=active)
@@ -58,7 +63,7 @@ class WireSteps(EngineSteps):
         self._engine_step(length)
         self.wires.solve(length)
 
-    def _take_symmetric(self, length: float, count: int) -> list[float]:
+    def _take_symmetric(self, length: float, count: int, act: Callable[[], None] = _nothing) -> list[float]:
         """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does.
 
         After odd numbers of steps the links have an error of their own. The accelerations are those of the last two steps.
@@ -66,11 +71,11 @@ class WireSteps(EngineSteps):
         self.steps += count
         self.work += count * self._price
         with self.wires.symmetric_steps():
-            for _ in range(count - 2):
+            for left in range(count, 0, -1):
+                if left == 2:
+                    before = self.rates()
+                act()
                 self._step(length)
-            before = self.rates()
-            self._step(length)
-            self._step(length)
         after = self.rates()
         angles = [angle + 0.5 * length * rate for angle, rate in zip(self.angles(), after, strict=True)]
         return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]

@@ -32,7 +32,7 @@ from scipy.linalg.lapack import dposv
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.engine import placer
-from bristle_sim.scene.mechanism import Mechanism, Pose, Vector
+from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 from bristle_sim.scene.obstacles import Obstacle, Touch
 
 DEPENDENT = 1e-12
@@ -85,12 +85,12 @@ class WireVelocities:
     def _take_down(self, mechanism: Mechanism, damping: Sequence[float]) -> None:
         """Take down what does not change: arms, masses, damping, and where the roots are at the hub's angle 0."""
         self._links = mechanism.links
-        count, size = len(self._links), mechanism.wire_links
-        wire = np.arange(count) // size
-        self._carriers = np.tri(count, k=-1, dtype=bool) & (wire[:, None] == wire)
+        count, self._size = len(self._links), mechanism.wire_links
+        wire, size = np.arange(count) // self._size, self._size
+        carriers = np.tri(count, k=-1, dtype=bool) & (wire[:, None] == wire)
         self._tips, self._centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in self._links]).T
         self._inertias = np.array([link.inertia for link in self._links])
-        self._arms = np.where(self._carriers, self._tips, 0.0) + np.diag(self._centres)
+        self._arms = np.where(carriers, self._tips, 0.0) + np.diag(self._centres)
         self._moments = np.conj(self._arms).T * np.array([link.mass for link in self._links])
         self._products = self._moments @ self._arms + np.diag(self._inertias)
         twists = np.eye(size) - np.eye(size, k=-1)
@@ -98,7 +98,7 @@ class WireVelocities:
         self._damping = np.kron(np.eye(mechanism.wires), one) if any(damping) else None
         self._belt_damping = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
         self._roots = -1j * mechanism.hub_radius * np.exp(-1j * mechanism.pitch * wire)
-        self._turn = np.ones(count, complex)
+        self._turn, self._reaches = np.ones(count, complex), self._tips
         self._matrix = np.eye(count)
 
     def take_over(self, *, active: bool) -> None:
@@ -138,6 +138,7 @@ class WireVelocities:
     def _close_joints(self, time: float) -> None:
         """Set the velocities to those that obey the joints, with the damping over a time."""
         self._turn = turn = np.exp(1j * self._angles)
+        self._reaches = self._tips * turn
         back = turn.conj()
         places = self._roots * cmath.exp(1j * self._hub[2])
         carried = 1j * self._hub[5] * places
@@ -171,6 +172,8 @@ class WireVelocities:
         change = response @ impulses
         self._rates += change
         self._velocities += self._arms @ (1j * self._turn * change)
+        # A mean of old and new velocities takes half of an impulse.
+        impulses = impulses * (2.0 if self._symmetric else 1.0)
         rubs = dict(zip(stuck, impulses[len(rows) :], strict=True))
         self.impulses = [
             (
@@ -191,13 +194,13 @@ class WireVelocities:
 
     def _row(self, obstacle: Obstacle, touch: Touch, direction: Vector) -> Array:
         """Return d(relative velocity of a contact along a direction)/d(rates)."""
-        tips = self._tips * self._turn
-        levers = np.zeros(len(tips), complex)
+        row = np.zeros(len(self._links))
         for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):
             if link is not None and arm is not None:
-                levers += sign * self._carriers[link] * tips
-                levers[link] += sign * complex(*arm)
-        return np.asarray((1j * complex(*direction).conjugate() * levers).real, dtype=float)
+                carriers = slice(link - link % self._size, link)
+                row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * self._reaches[carriers]).real
+                row[link] += sign * cross(arm, direction)
+        return row
 
     def _pose(self, link: int) -> Pose:
         """Return the pose of a link as its body is."""
