@@ -205,8 +205,9 @@ def quantity(
     known = KEYS.get(key, Key())
     lowest = next(each for each in (above, at_least, known.lowest) if each is not None)
     highest = known.highest if at_most is None else at_most
+    allowed = above is None and (known.lowest_allowed or at_least is not None)
     words = (source, default is None, meaning or known.meaning, usual, needs, whole)
-    return _declared(default, Range(key, unit or known.unit, lowest, highest, above is None, *words))
+    return _declared(default, Range(key, unit or known.unit, lowest, highest, allowed, *words))
 
 
 count = functools.partial(quantity, unit="1", usual=ANY, whole=True)

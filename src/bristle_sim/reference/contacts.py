@@ -10,15 +10,16 @@ slides around the bar. With the velocities of the wire's surface in contact,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.reference.mechanics import Chain, Kinematics
-from bristle_sim.reference.row import Row
+from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
+
+if TYPE_CHECKING:
+    from bristle_sim.reference.row import Row
 
 
 class Point(NamedTuple):
@@ -180,7 +181,7 @@ class Workpart:
         return touch_of(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
 
     @staticmethod
-    def _tips(chain: Chain | Row, motion: Kinematics) -> NDArray[np.complex128]:
+    def _tips(chain: Chain | Row, motion: Kinematics) -> Complexes:
         links = [chain.pieces[each].link for each in chain.tips]
         return np.asarray(motion.joint[..., links] + chain.ends[links] * motion.turn[..., links])
 
