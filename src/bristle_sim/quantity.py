@@ -7,6 +7,7 @@ value that enters a parameter object and is what the scenario scripts list and p
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import functools
 import math
 import re
@@ -71,7 +72,8 @@ class Range:
         if typed is not None and typed["unit"]:
             factor = conversion(typed["unit"], self.unit)
             if factor is None:
-                raise self.refusal(text, f", to which {typed['unit']} cannot be converted")
+                why = f", to which {typed['unit']} cannot be converted{_likely_unit(typed['unit'], self.unit)}"
+                raise self.refusal(text, why)
             number *= factor
         return self._checked(number, text)
 
@@ -119,6 +121,14 @@ TYPED = re.compile(
 scripts, which nobody types on purpose here."""
 
 
+TYPICAL_UNITS = (
+    *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
+    *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
+    *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
+)  # fmt: skip
+"""Units that a mistyped one is compared with."""
+
+
 def conversion(unit: str, to: str) -> float | None:
     """Return the factor that converts a number from one unit to another; None where there is none.
 
@@ -129,6 +139,13 @@ def conversion(unit: str, to: str) -> float | None:
     except Exception:  # pint passes on whatever its parser meets: TokenError, ZeroDivisionError, AssertionError, ...
         return None
     return factor if math.isfinite(factor) and factor > 0.0 else None
+
+
+def _likely_unit(unit: str, to: str) -> str:
+    """Advise the unit with the most similar name, if one is similar, of those that can be converted."""
+    fitting = [name for name in TYPICAL_UNITS if conversion(name, to) is not None]
+    likely = difflib.get_close_matches(unit, fitting, n=1)
+    return f"; did you mean {likely[0]}?" if likely else ""
 
 
 @functools.cache

@@ -97,8 +97,8 @@ class Record:
         given = {
             "impulse": (hit.impulse_normal, hit.impulse_tangential),
             "compressive_impulse": (hit.compressive_impulse_normal, hit.compressive_impulse_tangential),
-            "compressive_work": (hit.compressive_work_normal, hit.compressive_work_tangential),
-            "restitutive_work": (hit.restitutive_work_normal, hit.restitutive_work_tangential),
+            "compressive_work": hit.compressive_work,
+            "restitutive_work": hit.restitutive_work,
             "velocity_before": velocity,
             "velocity_after": (hit.velocity_normal, hit.velocity_tangential),
         }

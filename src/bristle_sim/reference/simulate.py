@@ -19,7 +19,7 @@ from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.row import Row, Wires
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import Obstacles, State, System
-from bristle_sim.stop_reason import EVENTS, checked_event
+from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Cost, Trajectory
 
 METHOD = "scipy DOP853"
@@ -60,7 +60,7 @@ class Request:
     def __post_init__(self) -> None:
         validate(self)
         if self.stop_after is not None:
-            checked_event("stop_after", self.stop_after, EVENTS)
+            checked_name("stop_after", self.stop_after, EVENTS)
 
 
 def simulate_reference(

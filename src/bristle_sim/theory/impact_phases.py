@@ -4,8 +4,6 @@ Within a phase of constant slip direction (or stick) the velocities are linear a
 impulse, so that each phase ends in closed form: slip where v_t = 0, compression where v_n = 0, restitution where a
 function of the velocity, the compliance and what is left to reach says. The same lines serve floats, for speed in a
 scene, and arrays.
-
-See ``impact`` for the law, its sources and the functions to call.
 """
 
 from __future__ import annotations

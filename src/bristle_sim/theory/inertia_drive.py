@@ -8,7 +8,6 @@ whips it back, and it passes the radial direction again. Undamped and without gr
 
 is kept (g is the rotating root's field, see ``cueing``), so that it is radial again with alpha' = +omega, whatever the belt:
 its rate is 2 omega and its tip's speed (2 L + r_h) omega. The energy gives the largest retraction, and its quadrature the time.
-
 Arguments are single numbers in SI units and rad.
 """
 

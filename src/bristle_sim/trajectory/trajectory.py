@@ -11,7 +11,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
+from bristle_sim.stop_reason import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
@@ -71,7 +71,7 @@ class Trajectory(Motion):
             ValueError: if no run has an event of that name.
         """
         recorded = [event.name for event in self.events]
-        name = checked_event("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
+        name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
         times = [event.time for event in self.events if event.name == name and event.time <= before]
         return (times[-1] if last else times[0]) if times else None
 
@@ -97,7 +97,12 @@ class Trajectory(Motion):
         return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
-        """The first contact with ``bar`` or ``workpart``, or None."""
+        """Return the first contact with ``bar``, ``workpart`` or ``wire``; None if there is none.
+
+        Raises:
+            ValueError: for any other name.
+        """
+        checked_name("obstacle", obstacle, OBSTACLES)
         return next((each for each in self.contacts if each.obstacle == obstacle), None)
 
     def columns(self) -> dict[str, Array]:
