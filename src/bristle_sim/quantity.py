@@ -142,7 +142,9 @@ def conversion(unit: str, to: str) -> float | None:
 
 
 def _likely_unit(unit: str, to: str) -> str:
-    """Advise the unit with the most similar name, if one is similar, of those that can be converted."""
+    """Advise the unit with the most similar name of those that can be converted, where nothing is called so."""
+    if conversion(unit, unit) is not None:
+        return ""
     fitting = [name for name in TYPICAL_UNITS if conversion(name, to) is not None]
     likely = difflib.get_close_matches(unit, fitting, n=1)
     return f"; did you mean {likely[0]}?" if likely else ""
