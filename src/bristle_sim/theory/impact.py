@@ -29,10 +29,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import numbers
 from bristle_sim.theory.impact_phases import End, Target, isfinite, quotient, select, square_root, walk
-from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact, Number
+from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact
 
 __all__ = [
     "LAWS",

@@ -16,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Array
-from bristle_sim.theory.impact_result import JAM, NO_CONTACT, NO_REBOUND, REBOUND, STICTION, Impact, Number
+from bristle_sim.arrays import Array, Number
+from bristle_sim.theory.impact_result import JAM, NO_CONTACT, NO_REBOUND, REBOUND, STICTION, Impact
 
 INFINITE = math.inf
 
