@@ -138,8 +138,7 @@ def finite(value: float | None) -> float | None:
 WIDTH = 100
 """Columns that a table fits in."""
 
-WIDEST = ("reference", "within")
-"""Columns that are left out, in this order, where a table would be too wide with them."""
+WIDEST = ("reference", "within")  # columns that are left out, in this order, where a table would be too wide with them
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 

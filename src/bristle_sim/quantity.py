@@ -22,8 +22,7 @@ from bristle_sim.glossary import KEYS, Key
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
 
-FAR = 100.0
-"""A value this many times its default, or less than the default by this factor, is unusual."""
+FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
 
 
 @dataclass(frozen=True, slots=True)
@@ -186,8 +185,7 @@ class Choice:
     parse = check
 
 
-LONGEST_SHOWN = 100
-"""Characters of a value in a message."""
+LONGEST_SHOWN = 100  # characters of a value in a message
 
 
 def shown(value: Any) -> str:

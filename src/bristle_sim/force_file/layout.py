@@ -27,8 +27,7 @@ WORDS = {
 BRACKETED = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 LAST = re.compile(r"(?:^|[\s_/,])([^\s_/,\[\]()]+)\s*$")
 
-SAMPLED_LINES = 200
-"""Lines at the beginning, and as many spread over the file, from which its layout is read."""
+SAMPLED_LINES = 200  # lines at the beginning, and as many spread over the file, from which its layout is read
 
 LAYOUTS = (("\t", "."), ("\t", ","), (";", "."), (";", ","), (",", "."), (",", ","), (None, "."), (None, ","))
 """Separators (None: blanks) and decimal signs; of two that explain a file equally well the first counts."""

@@ -17,11 +17,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.force_file import layout as layouts
 from bristle_sim.force_file.layout import FORCE, TIME, VOLTAGE, Column, Layout
 
-FEWEST_POINTS = 4
-"""A file with fewer points than this determines no curve: one term has three unknowns."""
-
-FEWEST_TICKS = 8
-"""Distinct times that show by which step a clock was rounded."""
+FEWEST_POINTS = 4  # a file with fewer points than this determines no curve: one term has three unknowns
+FEWEST_TICKS = 8  # distinct times that show by which step a clock was rounded
 
 TIME_NAME = re.compile(r"^(t|time|x|x-axis|zeit)\b", re.IGNORECASE)
 FORCE_NAME = re.compile(r"^(f|force|kraft)\b", re.IGNORECASE)

@@ -20,8 +20,7 @@ LOWEST_REBOUND = 1e-10
 MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
 """The number of impacts in a run after which it gives up, and at one instant after which a lone wire is wedged."""
 
-AT_ONCE = 1e-10
-"""Impacts are at one instant within this fraction of a radian of the fastest motion."""
+AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
 
 
 def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:

@@ -15,11 +15,8 @@ from bristle_sim.reference.system import Instant, State, System
 Motion = Callable[[Array], list[State]]
 """Times, s -> states."""
 
-ROUNDING = 1e-13
-"""Rounding of a rate, as a fraction of the fastest one."""
-
-IDLE = 1e-12
-"""A highest relative rate below this fraction of the fastest one is no motion."""
+ROUNDING = 1e-13  # rounding of a rate, as a fraction of the fastest one
+IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
 
 def note_extremes(

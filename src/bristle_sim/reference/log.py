@@ -17,8 +17,7 @@ from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
 STRIKE, PEAK, LARGEST_RETRACTION = "strike", "highest relative speed", "largest retraction"
 
-Sample = tuple[State, tuple[float, float]]
-"""A state, and the sums of normal and of tangential force, N."""
+Sample = tuple[State, tuple[float, float]]  # a state, and the sums of normal and of tangential force, N
 
 
 class Finished(Exception):

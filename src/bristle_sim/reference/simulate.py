@@ -28,13 +28,11 @@ METHOD = "scipy DOP853"
 PERIODS_AT_REST = 3.0
 SAMPLES_PER_PERIOD = 64
 
-FINEST = 1e-13
-"""Least relative tolerance of the integrator: five hundred roundings."""
+FINEST = 1e-13  # least relative tolerance of the integrator: five hundred roundings
 
 MOST_SAMPLES = 2e6
 
-LONGEST = 1e5
-"""Radians of the fastest motion that a run may last."""
+LONGEST = 1e5  # radians of the fastest motion that a run may last
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,8 +17,7 @@ from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-AT_SURFACE = 1e-9
-"""The wire's end must be at the workpart's surface to this fraction of hub radius and length."""
+AT_SURFACE = 1e-9  # the wire's end must be at the workpart's surface to this fraction of hub radius and length
 
 
 class TooStiffError(ValueError):

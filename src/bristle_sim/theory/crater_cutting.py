@@ -40,11 +40,8 @@ _RULE = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]
 """Gauss-Legendre rule on (0, 1); the width is smooth in the substituted path up to the full depth and constant beyond."""
 
-NEWTON_STEPS = 60
-"""At most; from the start values given, about ten suffice."""
-
-LEAST_ANGLE = 1e-60
-"""Least angle, rad: a path that descends by less has no depth that is a float."""
+NEWTON_STEPS = 60  # at most; from the start values given, about ten suffice
+LEAST_ANGLE = 1e-60  # least angle, rad: a path that descends by less has no depth that is a float
 
 
 @dataclass(frozen=True, slots=True)

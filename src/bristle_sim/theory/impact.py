@@ -48,8 +48,7 @@ __all__ = [
     "poisson_impact",
 ]
 
-MOST_FRICTION = 1e150
-"""More makes impulses that overflow."""
+MOST_FRICTION = 1e150  # more makes impulses that overflow
 
 BLOCK = 1 << 13
 

@@ -73,8 +73,7 @@ class _Phase(NamedTuple):
     unfinished: Number
 
 
-_NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)
-"""A phase that a single impact does not have."""
+_NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # a phase that a single impact does not have
 
 End = Callable[[Number, Number, Target], Number]
 """Normal impulse from (velocity, compliance) at which restitution ends."""

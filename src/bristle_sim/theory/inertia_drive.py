@@ -19,8 +19,7 @@ import numpy as np
 
 from bristle_sim.theory.checks import checked_arguments, require
 
-LEAST_SPEED = 1e-100
-"""Least speed, rad/s: the squares of smaller speeds vanish beside the least inertia."""
+LEAST_SPEED = 1e-100  # least speed, rad/s: the squares of smaller speeds vanish beside the least inertia
 
 _RULE = np.polynomial.legendre.leggauss(60)
 NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]

@@ -36,8 +36,7 @@ Surface = Literal["parallel", "inclined"]
 API_5L = 1.2e8
 """Shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)."""
 
-RAKE_OFFSET = math.radians(11.5)
-"""Rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36)."""
+RAKE_OFFSET = math.radians(11.5)  # rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
 
 
 class ShearAngleError(ValueError):

@@ -35,8 +35,7 @@ from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import RANGES, checked_arguments, checked_numbers, require
 from bristle_sim.theory.monofilament import LEAST_ANGLE
 
-_ROUNDING = 1e-12
-"""Fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero."""
+_ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
 
 _PARALLEL = 1e-8
 """Rods whose angles differ by less (rad) count as parallel: their tip moves along one line, up to rounding."""

@@ -15,8 +15,7 @@ from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, Contact
 if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
-FORMAT = 2
-"""Number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines."""
+FORMAT = 2  # number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines.
 
 INNER, HISTORY = (tuple(each.name for each in dataclasses.fields(kind)) for kind in (InnerSamples, ContactHistory))
 ARRAYS = ("time", "hub_angle", *INNER[1:], "kinetic_energy", "potential_energy", "normal_force")
