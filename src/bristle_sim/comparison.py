@@ -79,9 +79,10 @@ def rows(
 ) -> tuple[Quantity, ...]:
     """Return a quantity for each name that has a unit, from what each side gives by name."""
     within = tolerance if callable(tolerance) else lambda _: tolerance
-    sides = (simulated, theory, reference, printed)
+    sides = dict(zip(SIDES, (simulated, theory, reference, printed), strict=True))
     return tuple(
-        Quantity(name, unit, *(side.get(name) for side in sides), within(name)) for name, unit in units.items()
+        Quantity(name, unit, tolerance=within(name), **{side: values.get(name) for side, values in sides.items()})
+        for name, unit in units.items()
     )
 
 
@@ -171,17 +172,11 @@ def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right:
 def _cells(each: Quantity, digits: int) -> list[str]:
     values = [getattr(each, side) for side in SIDES]
     unit, factor = _readable_unit(each.unit, values)
-    numbers = ["-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values]  # type: ignore[operator]
+    numbers = ["-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values]
     difference = _relative(each.relative_difference, "+")
     difference += "" if difference == "-" else f" {each.judge_name}"
-    return [
-        each.name,
-        unit,
-        *numbers,
-        difference,
-        _relative(each.tolerance),
-        {True: "yes", False: "NO"}.get(each.ok, "-"),
-    ]
+    ok = {True: "yes", False: "NO", None: "-"}[each.ok]
+    return [each.name, unit, *numbers, difference, _relative(each.tolerance), ok]
 
 
 def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:

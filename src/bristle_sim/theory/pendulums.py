@@ -1,7 +1,6 @@
 """Stronge's single and double pendulum against a rough surface, in generalized speeds (Zhang 2020, sec. 2.4).
 
-Single (2.4.1): a slender rod of mass m and length L hinged at O, inclined at gamma to the normal of the surface that its
-tip strikes; the monofilament with r_h = 0.
+Single (2.4.1): a slender rod hinged at O, inclined at gamma to the normal of the surface that its tip strikes.
 
 Double (2.4.2): slender rods OB of mass m_1 = n m_2 and BC of mass m_2, both of length L, hinged at O and B, inclined at
 theta_1 and theta_2 to the normal of the surface that C strikes. In the generalized speeds q_1 = L phi'_1 and
@@ -19,8 +18,8 @@ after the end of compression; then C sticks, or slips the other way if mu < mu_b
 work of restitution is W_r = -e*^2 W_c (2.87). The rods here are followed in q; ``impact.energetic_impact`` solves the
 same impact in the velocities of C, and each is the other's test.
 
-Rates are negative where they bring the tip of a rod of positive inclination to the surface. Source beside Zhang: W. J. Stronge,
-*Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990) 169-181.
+Rates are negative where they bring the tip of a rod of positive inclination to the surface. ValueError is raised for an
+argument out of its range. Source beside Zhang: W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169-181.
 """
 
 from __future__ import annotations
@@ -61,9 +60,6 @@ def single_pendulum_impact(
         phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >= tan gamma
 
     The rate, in rad/s, is negative where the tip (kg, m, 0 < gamma <= pi/2 rad) approaches the surface.
-
-    Raises:
-        ValueError: for an argument outside its range.
     """
     mass, length = checked_numbers(rod_mass=rod_mass, rod_length=rod_length)
     angle, rate = checked_numbers(impact_angle=impact_angle, rate=rate)
@@ -114,9 +110,6 @@ def double_pendulum_impact(
 
     m_2 in kg, n = m_1/m_2, L of either rod in m, theta_1 and theta_2 within a right angle in rad, phi'_1 and phi'_2 before
     the impact in rad/s; the friction in restitution is equal to the other one by default, as in the dissertation.
-
-    Raises:
-        ValueError: for an argument outside its range.
     """
     mass, ratio, *angles = checked_numbers(rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2)
     length, mu, e = checked_numbers(rod_length=rod_length, friction=friction, restitution=restitution)
