@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Surface, Tool
 from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
 
 if TYPE_CHECKING:
@@ -38,15 +38,6 @@ class Touch(NamedTuple):
     tangential_row: Array
     velocity: tuple[float, float]
     bias: tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Surface:
-    """Friction in compression and in restitution, and the energetic coefficient of restitution."""
-
-    friction: float
-    friction_in_restitution: float
-    restitution: float
 
 
 @dataclass(slots=True)
@@ -190,11 +181,10 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
     """Return a tool's obstacles by name."""
     found: dict[str, Bar | Workpart] = {}
     if (bar := tool.bar) is not None:
-        surface = Surface(bar.friction, bar.friction, bar.restitution)
+        surface = Surface(friction=bar.friction, restitution=bar.restitution)
         found["bar"] = Bar(complex(*bar.centre), bar.radius, tool.bristle.wire_diameter / 2.0, surface)
-    if (part := tool.workpart) is not None:
-        surface = Surface(part.friction, part.friction_in_restitution, part.restitution)
-        found["workpart"] = Workpart(tool.workpart_depth, surface)
+    if tool.workpart is not None:
+        found["workpart"] = Workpart(tool.workpart_depth, tool.workpart)
     return found
 
 

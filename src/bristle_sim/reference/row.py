@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Tool
-from bristle_sim.reference.contacts import Point, Surface, Touch, dot, touch_of
+from bristle_sim.parameters import Surface, Tool
+from bristle_sim.reference.contacts import Point, Touch, dot, touch_of
 from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
 
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Surface, Tool
 from bristle_sim.quantity import quantity, validate
-from bristle_sim.reference.contacts import Bar, Surface, Workpart, obstacles_of
+from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.row import Row, Wires
@@ -163,7 +163,7 @@ def simulate_row_reference(
         stop_after=stop_after,
     )
     _check_row(tool, bristles, pitch, stop_after)
-    surface = Surface(neighbour_friction, neighbour_friction, neighbour_restitution)
+    surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
     row = Row(tool, [request.start_hub_angle - number * pitch for number in range(bristles)])
     wires = Wires(row, tool.bristle.wire_diameter, surface)
     return _simulate(tool, request, row, row.bristles, wires, bristles=bristles, pitch=pitch)

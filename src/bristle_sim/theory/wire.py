@@ -106,11 +106,8 @@ def chain_modes(
     number = np.arange(1, links + 1)
     inertia = each * link**2 * (links - np.maximum.outer(number, number) + 0.5)
     np.fill_diagonal(inertia, each * link**2 * (links - number + 1.0 / 3.0))
-    spring = hinge_stiffness(diameter, length, modulus, links)
-    stiffness = np.zeros((links, links))
-    stiffness[0, 0] = root_stiffness
-    for hinge in range(links - 1):
-        pair = slice(hinge, hinge + 2)
-        stiffness[pair, pair] += spring * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    squares, shapes = eigh(stiffness, inertia)
+    springs = np.full((links, 1), hinge_stiffness(diameter, length, modulus, links))
+    springs[0] = root_stiffness
+    twists = np.eye(links) - np.eye(links, k=-1)
+    squares, shapes = eigh(twists.T @ (springs * twists), inertia)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / math.tau), np.asarray(shapes)
