@@ -15,8 +15,7 @@ from bristle_sim.stop_reason import ABSENCES, EVENTS, OBSTACLES, StopReason, che
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
-from bristle_sim.trajectory.storage import read, write
-from bristle_sim.trajectory.tables import to_dataframe, to_xarray
+from bristle_sim.trajectory.storage import read, to_dataframe, to_xarray, write
 
 NOTABLE = 0.01
 """Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""
