@@ -38,28 +38,20 @@ class Quantity:
     tolerance: float | None = None
 
     @property
-    def judge(self) -> float | None:
-        """The value that the simulated one is compared with: the reference if there is one, else theory, else print."""
-        return self._judged[0]
-
-    @property
     def judge_name(self) -> str | None:
-        """Which side that is: ``reference``, ``theory`` or ``print``."""
-        return self._judged[1]
+        """What the simulated value is compared with: ``reference`` if there is one, else ``theory``, else ``print``."""
+        sides = {"reference": self.reference, "theory": self.theory, "print": self.printed}
+        return next((name for name, value in sides.items() if value is not None), None)
 
     @property
-    def _judged(self) -> tuple[float | None, str | None]:
-        for side, name in ((self.reference, "reference"), (self.theory, "theory"), (self.printed, "print")):
-            if side is not None:
-                return side, name
-        return None, None
+    def judge(self) -> float | None:
+        """The value that the simulated one is compared with."""
+        return next((each for each in (self.reference, self.theory, self.printed) if each is not None), None)
 
     @property
     def relative_difference(self) -> float | None:
         """(simulated - judge) / |judge|; None where it has no meaning."""
-        if self.simulated is None or self.judge is None or self.judge == 0.0:
-            return None
-        return (self.simulated - self.judge) / abs(self.judge)
+        return (self.simulated - self.judge) / abs(self.judge) if self.simulated is not None and self.judge else None
 
     @property
     def ok(self) -> bool | None:
@@ -68,9 +60,7 @@ class Quantity:
             return None
         if self.simulated is None:
             return False
-        if self.judge == 0.0:
-            return bool(abs(self.simulated) <= self.tolerance)
-        difference = self.relative_difference
+        difference = self.relative_difference if self.judge else self.simulated
         return difference is not None and bool(abs(difference) <= self.tolerance)
 
     def as_dict(self) -> dict[str, Any]:
@@ -88,12 +78,12 @@ def rows(
     tolerance: float | Callable[[str], float | None] | None = None,
 ) -> tuple[Quantity, ...]:
     """Return a quantity for each name that has a unit, from what each side gives by name."""
-    found = []
-    for name, unit in units.items():
-        one, other, third, fourth = (side.get(name) for side in (simulated, theory, reference, printed))
-        within = tolerance(name) if callable(tolerance) else tolerance
-        found.append(Quantity(name, unit, one, other, third, fourth, within))
-    return tuple(found)
+    within = tolerance if callable(tolerance) else lambda _: tolerance
+    sides = dict(zip(SIDES, (simulated, theory, reference, printed), strict=True))
+    return tuple(
+        Quantity(name, unit, tolerance=within(name), **{side: values.get(name) for side, values in sides.items()})
+        for name, unit in units.items()
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,8 +128,7 @@ def finite(value: float | None) -> float | None:
 WIDTH = 100
 """Columns that a table fits in."""
 
-WIDEST = ("reference", "within")
-"""Columns that are left out, in this order, where a table would be too wide with them."""
+WIDEST = ("reference", "within")  # columns that are left out, in this order, where a table would be too wide with them
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}
 
@@ -154,10 +143,12 @@ def table(quantities: Sequence[Quantity]) -> str:
     reference's own column is left out first, then the tolerance.
     """
     for digits, left_out in ((6, ()), (5, ()), (6, WIDEST[:1]), (5, WIDEST[:1]), (4, WIDEST[:1]), (4, WIDEST)):
-        found = _table(quantities, digits, left_out)
-        if max(map(len, found)) <= WIDTH:
+        found = cells(quantities, digits, left_out)
+        widths = [max(map(len, column)) for column in zip(*found, strict=True)]
+        lines = [side_by_side([[cell] for cell in row], widths, range(2, len(row)))[0] for row in found]
+        if (width := max(map(len, lines))) <= WIDTH:
             break
-    return "\n".join(found)
+    return "\n".join([lines[0], "-" * width, *lines[1:]])
 
 
 def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
@@ -166,13 +157,6 @@ def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[st
     lines = [head, *(_cells(each, digits) for each in quantities)]
     kept = [i for i, title in enumerate(head) if title in head[:3] or any(line[i] != "-" for line in lines[1:])]
     return [[line[i] for i in kept if head[i] not in left_out] for line in lines]
-
-
-def _table(quantities: Sequence[Quantity], digits: int, left_out: Sequence[str]) -> list[str]:
-    found = cells(quantities, digits, left_out)
-    widths = [max(map(len, column)) for column in zip(*found, strict=True)]
-    lines = [side_by_side([[cell] for cell in row], widths, range(2, len(row)))[0] for row in found]
-    return [lines[0], "-" * max(map(len, lines)), *lines[1:]]
 
 
 def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right: Container[int] = ()) -> list[str]:
@@ -188,18 +172,11 @@ def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right:
 def _cells(each: Quantity, digits: int) -> list[str]:
     values = [getattr(each, side) for side in SIDES]
     unit, factor = _readable_unit(each.unit, values)
+    numbers = ["-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values]
     difference = _relative(each.relative_difference, "+")
-    if difference != "-":
-        difference += f" {each.judge_name}"
+    difference += "" if difference == "-" else f" {each.judge_name}"
     ok = {True: "yes", False: "NO", None: "-"}[each.ok]
-    return [
-        each.name,
-        unit,
-        *(_number(value, factor, digits) for value in values),
-        difference,
-        _relative(each.tolerance),
-        ok,
-    ]
+    return [each.name, unit, *numbers, difference, _relative(each.tolerance), ok]
 
 
 def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
@@ -215,16 +192,10 @@ def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, floa
     return "n" + base, 1e-9 * own
 
 
-def _number(value: float | None, factor: float, digits: int) -> str:
-    return "-" if value is None or not math.isfinite(value) else f"{value / factor:.{digits}g}"
-
-
 def _relative(value: float | None, sign: str = "") -> str:
     """A relative number in per cent, or as a power of ten where it is small and as a multiple where it is large."""
-    if value is None or not math.isfinite(value):
-        return "-"
-    if value == 0.0:
-        return "0"
+    if not value or not math.isfinite(value):
+        return "0" if value == 0.0 else "-"
     if 1e-4 <= abs(value) < 10.0:
         return f"{100.0 * value:{sign}.3g} %"
     return f"{value:{sign}.0e}" if abs(value) < 1.0 else f"{value:{sign}.2g} times"

@@ -7,12 +7,16 @@ from typing import NamedTuple
 
 
 class Key(NamedTuple):
-    """What a key stands for: its unit, its meaning in a few words, and the range it must be in, ends included."""
+    """What a key stands for: its unit, its meaning in a few words, and the range it must be in.
+
+    The range includes its upper end, and its lower one where ``lowest_allowed``.
+    """
 
     unit: str = ""
     meaning: str = ""
     highest: float = math.inf
     lowest: float = 0.0
+    lowest_allowed: bool = True
 
 
 KEYS: dict[str, Key] = {
@@ -20,8 +24,18 @@ KEYS: dict[str, Key] = {
     "hub_radius": Key("m", "distance of the bristle's root from the hub's centre", 1e3),
     "belt_stiffness": Key("N m/rad", "torsional stiffness of the belt at the bristle's root", 1e9),
     "belt_damping_ratio": Key("1", "damping ratio of the bristle on its belt; 1 is critical", 1e3),
+    "bristle_length": Key("m", "length of the wire from root to tip, along its centre line", 1e3, 1e-9),
+    "bristle_mass": Key("kg", "mass of one bristle", 1e6, 1e-30),
+    "wire_diameter": Key("m", "thickness of the wire, half of which touches the bar", 1e2),
+    "knee_position": Key("1", "distance of the knee from the root, as a fraction of the length", 0.99, 0.01),
+    "knee_angle_deg": Key("deg", "bend at the knee; positive bends the tip forward, in the hub's sense", 90.0, -90.0),
+    "wire_links": Key("1", "number of equal rigid links of the wire; 1 is a rigid bristle", 64, 1),
+    "wire_modulus": Key(
+        "Pa", "Young's modulus of the wire, which stiffens the hinges between its links", 1e15, 0.0, False
+    ),
+    "wire_damping_ratio": Key("1", "damping ratio of the wire's first bending mode", 1e3),
     "gravity": Key("m/s^2", "acceleration of gravity, towards the workpart", 1e6),
-    "bar_radius": Key("m", "radius of the accelerator bar"),
+    "bar_radius": Key("m", "radius of the accelerator bar", 1e3, 0.0, False),
     "bar_horizontal": Key(
         "m", "distance of the bar's centre from the hub's, along the workpart, on the incoming side", 1e3
     ),
@@ -51,7 +65,7 @@ KEYS: dict[str, Key] = {
     "rate_1": Key("rad/s", "rate of the first rod before the impact; negative approaches", 1e9, -1e9),
     "rate_2": Key("rad/s", "rate of the second rod before the impact; negative approaches", 1e9, -1e9),
     "bristles": Key("1", "number of bristles in the row; the quantities at a pitch are those of the last one", 12, 2),
-    "pitch_deg": Key("deg", "angle about the hub from one bristle to the next"),
+    "pitch_deg": Key("deg", "angle about the hub from one bristle to the next", 180.0, 0.0, False),
     "neighbour_friction": Key("1", "coefficient of friction between two wires", 1e6),
     "neighbour_restitution": Key("1", "energetic coefficient of restitution between two wires", 1.0),
     "search": Key("word", "whether the least pitches are also searched on simulated rows"),

@@ -18,8 +18,7 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import Choice, Range, declarations, shown
 
-ABSENT = "false"
-"""What ``read_keys`` returns for a part that the file says is absent."""
+ABSENT = "false"  # what ``read_keys`` returns for a part that the file says is absent
 
 MAY_BE_ABSENT = ("bar", "workpart")
 

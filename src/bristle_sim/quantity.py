@@ -7,6 +7,7 @@ value that enters a parameter object and is what the scenario scripts list and p
 from __future__ import annotations
 
 import dataclasses
+import difflib
 import functools
 import math
 import re
@@ -21,8 +22,7 @@ from bristle_sim.glossary import KEYS, Key
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
 
-FAR = 100.0
-"""A value this many times its default, or less than the default by this factor, is unusual."""
+FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +71,8 @@ class Range:
         if typed is not None and typed["unit"]:
             factor = conversion(typed["unit"], self.unit)
             if factor is None:
-                raise self.refusal(text, f", to which {typed['unit']} cannot be converted")
+                why = f", to which {typed['unit']} cannot be converted{_likely_unit(typed['unit'], self.unit)}"
+                raise self.refusal(text, why)
             number *= factor
         return self._checked(number, text)
 
@@ -119,6 +120,14 @@ TYPED = re.compile(
 scripts, which nobody types on purpose here."""
 
 
+TYPICAL_UNITS = (
+    *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
+    *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
+    *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
+)  # fmt: skip
+"""Units that a mistyped one is compared with."""
+
+
 def conversion(unit: str, to: str) -> float | None:
     """Return the factor that converts a number from one unit to another; None where there is none.
 
@@ -129,6 +138,15 @@ def conversion(unit: str, to: str) -> float | None:
     except Exception:  # pint passes on whatever its parser meets: TokenError, ZeroDivisionError, AssertionError, ...
         return None
     return factor if math.isfinite(factor) and factor > 0.0 else None
+
+
+def _likely_unit(unit: str, to: str) -> str:
+    """Advise the unit with the most similar name of those that can be converted, where nothing is called so."""
+    if conversion(unit, unit) is not None:
+        return ""
+    fitting = [name for name in TYPICAL_UNITS if conversion(name, to) is not None]
+    likely = difflib.get_close_matches(unit, fitting, n=1)
+    return f"; did you mean {likely[0]}?" if likely else ""
 
 
 @functools.cache
@@ -167,8 +185,7 @@ class Choice:
     parse = check
 
 
-LONGEST_SHOWN = 100
-"""Characters of a value in a message."""
+LONGEST_SHOWN = 100  # characters of a value in a message
 
 
 def shown(value: Any) -> str:
@@ -205,8 +222,9 @@ def quantity(
     known = KEYS.get(key, Key())
     lowest = next(each for each in (above, at_least, known.lowest) if each is not None)
     highest = known.highest if at_most is None else at_most
+    allowed = above is None and (known.lowest_allowed or at_least is not None)
     words = (source, default is None, meaning or known.meaning, usual, needs, whole)
-    return _declared(default, Range(key, unit or known.unit, lowest, highest, above is None, *words))
+    return _declared(default, Range(key, unit or known.unit, lowest, highest, allowed, *words))
 
 
 count = functools.partial(quantity, unit="1", usual=ANY, whole=True)

@@ -22,6 +22,9 @@ EVENTS = (
 )
 """Events that a run records and that can end it, by name."""
 
+OBSTACLES = ("bar", "workpart", "wire")
+"""What a wire touches, by name."""
+
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
 """Events recorded at the end of a run in which the other event never happened."""
 
@@ -78,11 +81,11 @@ class StopReason(StrEnum):
         return self.remedy.format(friction="bar_friction" if obstacle == "bar" else "friction")
 
 
-def checked_event(key: str, name: object, known: Iterable[str]) -> str:
-    """Return an event's name.
+def checked_name(key: str, name: object, known: Iterable[str]) -> str:
+    """Return a name that is known.
 
     Raises:
-        ValueError: if no event is called so; the message says which name is likely meant.
+        ValueError: if nothing is called so; the message says which name is likely meant.
     """
     names = tuple(known)
     if isinstance(name, str) and name in names:

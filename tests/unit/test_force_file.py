@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bristle_sim.force_file.layout import split_unit
-from bristle_sim.force_file.read import read_force_csv
+from bristle_sim.force_file import read_force_csv, split_unit
 
 TIME = np.array([-2e-5, -1e-5, 0.0, 1e-5, 2e-5, 3e-5])
 FORCE = np.array([0.0, 0.25, 12.5, 40.0, 12.5, -0.5])

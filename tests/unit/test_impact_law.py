@@ -276,7 +276,7 @@ def test_energetic_work_rule_and_no_energy_gained(same_friction):
     impacts = random_impacts(17, 120_000)
     impacts = impacts if same_friction else with_other_friction(impacts, 18)
     result = energetic_impact(**impacts)
-    compressive, restitutive = result.compressive_work_normal, result.restitutive_work_normal
+    compressive, restitutive = result.compressive_work[0], result.restitutive_work[0]
     # W_r = -e*^2 W_c by two phases of restitution: the second is what the first leaves.
     np.testing.assert_allclose(restitutive, -(impacts["restitution"] ** 2) * compressive, rtol=1e-13)
     before = kinetic_energy(impacts["inverse_mass"], impacts["velocity"])
@@ -380,8 +380,8 @@ def test_any_contact_ends_without_energy_gain(normal, tangential, correlation, a
     assert abs(impulse[1]) <= max(mu_1, mu_2) * impulse[0] * (1 + 1e-12)
     if result.outcome_name != "jam":
         assert result.velocity_normal >= 0.0
-        wanted = -(e**2) * result.compressive_work_normal if result.outcome_name == "rebound" else 0.0
-        assert result.restitutive_work_normal == pytest.approx(wanted, rel=1e-11, abs=1e-300)
+        wanted = -(e**2) * result.compressive_work[0] if result.outcome_name == "rebound" else 0.0
+        assert result.restitutive_work[0] == pytest.approx(wanted, rel=1e-11, abs=1e-300)
     else:
         # Only a contact of one degree of freedom, or one like it to the last digits.
         assert abs(correlation) > 1 - 1e-13
@@ -723,7 +723,7 @@ class TestEdges:
         result = energetic_impact(matrix, 2.0 * along + np.array([0.0, 2e-3]), 0.7, 0.5)
         assert result.velocity_normal == pytest.approx(2e-3 * math.tan(0.5), rel=1e-9)
         assert result.outcome_name == "rebound"
-        needed = -0.25 * result.compressive_work_normal - result.phase_work_normal[2]
+        needed = -0.25 * result.compressive_work[0] - result.phase_work_normal[2]
         assert result.phase_impulse[3] == pytest.approx(needed / result.velocity_normal, rel=1e-9)
 
     def test_poissons_impulse_spent_in_slip_at_rest_parts_nothing(self) -> None:
@@ -772,8 +772,8 @@ class TestByHand:
         before, after = slip - 0.3, max(slip - 0.45, 0.0)
         # A few roundings of numbers of order slip^2.
         small = 1e-15 * slip**2
-        assert result.compressive_work_tangential == pytest.approx(0.5 * (before**2 - slip**2), rel=1e-14, abs=small)
-        assert result.restitutive_work_tangential == pytest.approx(0.5 * (after**2 - before**2), rel=1e-13, abs=small)
+        assert result.compressive_work[1] == pytest.approx(0.5 * (before**2 - slip**2), rel=1e-14, abs=small)
+        assert result.restitutive_work[1] == pytest.approx(0.5 * (after**2 - before**2), rel=1e-13, abs=small)
 
     def test_work_of_friction_after_slip_that_reverses_in_restitution(self) -> None:
         """K = ((1, 0.8), (0.8, 1)), v = (-1, -1.2), mu = 0.1, e* = 1: by hand.
@@ -791,7 +791,7 @@ class TestByHand:
         friction = -0.1 * 0.5 * (left_slip * backwards + 0.7 * forwards**2)
         assert result.phases == ("compression slip", "restitution slip", "restitution reverse slip")
         # A few roundings, of differences that keep one digit less.
-        assert result.restitutive_work_tangential == pytest.approx(friction, rel=1e-13)
+        assert result.restitutive_work[1] == pytest.approx(friction, rel=1e-13)
 
     @pytest.mark.parametrize("matrix", [((-1.0, 0.0), (0.0, 0.0)), ((0.0, 0.0), (0.0, -1.0))])
     def test_negative_mass_beside_none_is_refused(self, matrix: tuple[tuple[float, float], ...]) -> None:

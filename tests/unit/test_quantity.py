@@ -121,7 +121,10 @@ def test_a_number_may_carry_a_unit(text: str, unit: str, value: float):
     ("text", "unit", "why"),
     [
         ("27kg", "m", "in m, to which kg cannot be converted"),
-        ("27 xyz", "m", "in m, to which xyz cannot be converted"),
+        ("27 xyz", "m", r"in m, to which xyz cannot be converted"),
+        ("3000rmp", "rad/s", r"in rad/s, to which rmp cannot be converted; did you mean rpm\?"),
+        ("27milimeter", "m", r"in m, to which milimeter cannot be converted; did you mean millimetre\?"),
+        ("200GPA", "Pa", r"in Pa, to which GPA cannot be converted; did you mean GPa\?"),
         ("27m^2", "m", r"in m, to which m\^2 cannot be converted"),
         ("250Hz", "rad/s", "in rad/s, to which Hz cannot be converted"),
         ("0.4 N m", "N m/rad", "in N m/rad, to which N m cannot be converted"),

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Surface, Tool
 from bristle_sim.reference import simulate_reference, simulate_row_reference
-from bristle_sim.reference.contacts import Point, Surface
-from bristle_sim.reference.row import Row
-from bristle_sim.reference.wires import Wires
+from bristle_sim.reference.contacts import Point
+from bristle_sim.reference.row import Row, Wires
 from bristle_sim.studies.least_pitch import least_pitch
 
 DIAMETER = Tool().bristle.wire_diameter

@@ -322,7 +322,11 @@ def test_the_advice_names_the_friction_of_the_obstacle_touched_last(trajectory: 
 def test_first_contact(trajectory: Trajectory):
     assert trajectory.first_contact("workpart") is trajectory.contacts[1]
     assert trajectory.first_contact("bar") is trajectory.contacts[0]
-    assert trajectory.first_contact("floor") is None
+    assert trajectory.first_contact("wire") is None
+    with pytest.raises(ValueError, match=r"^obstacle = 'bench': must be one of bar, workpart, wire$"):
+        trajectory.first_contact("bench")
+    with pytest.raises(ValueError, match=r"; did you mean 'workpart'\?$"):
+        trajectory.first_contact("work part")
 
 
 def test_runs_are_equal_by_value(trajectory: Trajectory):

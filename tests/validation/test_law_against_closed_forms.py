@@ -157,8 +157,8 @@ def test_monofilaments_at_random():
     for computed, expected in (
         (law.compressive_impulse_normal, closed.normal_compressive_impulse),
         (law.compressive_impulse_tangential, closed.tangential_compressive_impulse),
-        (law.compressive_work_normal, closed.normal_compressive_work),
-        (law.compressive_work_tangential, closed.tangential_compressive_work),
+        (law.compressive_work[0], closed.normal_compressive_work),
+        (law.compressive_work[1], closed.tangential_compressive_work),
     ):
         np.testing.assert_allclose(computed, expected, rtol=1e-13)
     error = np.abs(law.impulse_normal - closed.normal_final_impulse)
@@ -169,7 +169,7 @@ def test_monofilaments_at_random():
     after = np.stack([law.velocity_normal, law.velocity_tangential], axis=-1)
     assert np.all(np.abs(after - lever * tip[:, None]) <= 1e-13 * (near * speed)[:, None])
     # Identity of eqs. 2.40 and 2.58: all of the approach's energy goes into compression, m v_C^2/6.
-    spent = law.compressive_work_normal + law.compressive_work_tangential
+    spent = law.compressive_work[0] + law.compressive_work[1]
     np.testing.assert_allclose(spent, -mass * speed**2 / 6, rtol=1e-13)
 
 

@@ -175,7 +175,7 @@ def test_orders_of_events_of_a_published_program(velocity, friction, phases):
     assert contact_velocity[0] < 0.0
     result = energetic_impact(matrix, contact_velocity, friction, 0.95)
     assert result.phases == phases
-    assert result.restitutive_work_normal == pytest.approx(-(0.95**2) * result.compressive_work_normal, rel=1e-13)
+    assert result.restitutive_work[0] == pytest.approx(-(0.95**2) * result.compressive_work[0], rel=1e-13)
 
 
 # Sphere and rod

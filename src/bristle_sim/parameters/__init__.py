@@ -8,7 +8,6 @@ workpart's outward normal. Angles of hub and bristle are measured from the direc
 positive in the hub's sense of rotation; a bristle at angle phi points from its root along (sin phi, -cos phi).
 """
 
-from bristle_sim.parameters.bristle import WIRE_KEYS, Bristle
 from bristle_sim.parameters.experiments import (
     Comparison,
     ContactStiffness,
@@ -18,8 +17,21 @@ from bristle_sim.parameters.experiments import (
     SinglePendulum,
     Strike,
 )
-from bristle_sim.parameters.surroundings import RETRACTION_AT_RELEASE, Bar, Contact, Surface, Workpart
-from bristle_sim.parameters.tool import PARTS, PRINTED_BELT_STIFFNESS, Belt, Hub, Tool, operating_point
+from bristle_sim.parameters.tool import (
+    PARTS,
+    PRINTED_BELT_STIFFNESS,
+    RETRACTION_AT_RELEASE,
+    WIRE_KEYS,
+    Bar,
+    Belt,
+    Bristle,
+    Contact,
+    Hub,
+    Surface,
+    Tool,
+    Workpart,
+    operating_point,
+)
 
 __all__ = [
     "PARTS",

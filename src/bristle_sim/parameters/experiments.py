@@ -90,11 +90,7 @@ class Neighbours(Declared):
 
     bristles: int = count(2, "bristles", source="chosen: one bristle and its follower")
     pitch_deg: float = quantity(
-        15.0,
-        "pitch_deg",
-        above=0.0,
-        at_most=180.0,
-        source="chosen: the wires touch at the bar, and again before the last one strikes",
+        15.0, "pitch_deg", source="chosen: the wires touch at the bar, and again before the last one strikes"
     )
     friction: float = quantity(0.31, "neighbour_friction", source=STEEL_ON_STEEL)
     restitution: float = quantity(0.42, "neighbour_restitution", source=STEEL_ON_STEEL)

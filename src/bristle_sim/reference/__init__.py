@@ -6,12 +6,11 @@ With the scene it shares the parameters, the result's type and the impact law, a
 Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch, ``forces`` forces of sustained contacts and
 impacts, ``system`` a state with its contacts, ``crossing`` where a function of time changes sign, ``events`` what ends an
 interval of smooth motion, ``decisions`` what follows, ``extremes`` largest retraction and highest speed, ``run`` the loop,
-``log`` the record, ``simulate`` the entry, ``strike`` one compliant strike, ``row`` bristles of one hub, ``wires`` their
-contacts with each other, ``simulate_row`` their pass.
+``log`` the record, ``row`` bristles of one hub and their contacts with each other, ``simulate`` the entry, ``strike`` one
+compliant strike.
 """
 
-from bristle_sim.reference.simulate import simulate_reference
-from bristle_sim.reference.simulate_row import simulate_row_reference
+from bristle_sim.reference.simulate import simulate_reference, simulate_row_reference
 from bristle_sim.reference.strike import TooStiffError, strike_reference
 
 __all__ = ["TooStiffError", "simulate_reference", "simulate_row_reference", "strike_reference"]

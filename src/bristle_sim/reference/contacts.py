@@ -10,15 +10,16 @@ slides around the bar. With the velocities of the wire's surface in contact,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Tool
-from bristle_sim.reference.mechanics import Chain, Kinematics
-from bristle_sim.reference.row import Row
+from bristle_sim.parameters import Surface, Tool
+from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
+
+if TYPE_CHECKING:
+    from bristle_sim.reference.row import Row
 
 
 class Point(NamedTuple):
@@ -37,15 +38,6 @@ class Touch(NamedTuple):
     tangential_row: Array
     velocity: tuple[float, float]
     bias: tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Surface:
-    """Friction in compression and in restitution, and the energetic coefficient of restitution."""
-
-    friction: float
-    friction_in_restitution: float
-    restitution: float
 
 
 @dataclass(slots=True)
@@ -180,7 +172,7 @@ class Workpart:
         return touch_of(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
 
     @staticmethod
-    def _tips(chain: Chain | Row, motion: Kinematics) -> NDArray[np.complex128]:
+    def _tips(chain: Chain | Row, motion: Kinematics) -> Complexes:
         links = [chain.pieces[each].link for each in chain.tips]
         return np.asarray(motion.joint[..., links] + chain.ends[links] * motion.turn[..., links])
 
@@ -189,11 +181,10 @@ def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:
     """Return a tool's obstacles by name."""
     found: dict[str, Bar | Workpart] = {}
     if (bar := tool.bar) is not None:
-        surface = Surface(bar.friction, bar.friction, bar.restitution)
+        surface = Surface(friction=bar.friction, restitution=bar.restitution)
         found["bar"] = Bar(complex(*bar.centre), bar.radius, tool.bristle.wire_diameter / 2.0, surface)
-    if (part := tool.workpart) is not None:
-        surface = Surface(part.friction, part.friction_in_restitution, part.restitution)
-        found["workpart"] = Workpart(tool.workpart_depth, surface)
+    if tool.workpart is not None:
+        found["workpart"] = Workpart(tool.workpart_depth, tool.workpart)
     return found
 
 

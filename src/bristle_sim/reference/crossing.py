@@ -15,16 +15,14 @@ from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
 
-Function = Callable[[Array], Array]
-"""Times of shape (n,) -> values of shape (n,)."""
+Function = Callable[[Array], Array]  # times of shape (n,) -> values of shape (n,)
 
 DEGREE = 16
 NODES = chebyshev.chebpts1(DEGREE + 1)
 WEIGHTS = 2.0 / (DEGREE + 1) * chebyshev.chebvander(NODES, DEGREE).T
 WEIGHTS[0] *= 0.5
 
-DEEPEST = 24
-"""Halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over."""
+DEEPEST = 24  # halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over
 
 MOST_PIECES = 400
 """Pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding would take them all."""

@@ -10,8 +10,8 @@ import numpy as np
 from bristle_sim.reference.contacts import Point, Spring, Workpart, follows
 from bristle_sim.reference.forces import Acting, acting, closed, resolve
 from bristle_sim.reference.log import Finished, Log
+from bristle_sim.reference.row import Wires
 from bristle_sim.reference.system import State, Sustained, System
-from bristle_sim.reference.wires import Wires
 from bristle_sim.stop_reason import StopReason
 
 LOWEST_REBOUND = 1e-10
@@ -20,8 +20,7 @@ LOWEST_REBOUND = 1e-10
 MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
 """The number of impacts in a run after which it gives up, and at one instant after which a lone wire is wedged."""
 
-AT_ONCE = 1e-10
-"""Impacts are at one instant within this fraction of a radian of the fastest motion."""
+AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
 
 
 def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:
@@ -165,7 +164,7 @@ def _hit(system: System, log: Log, state: State, point: Point) -> State:
         own.impact(point, state, after, touch.velocity, hit)
     if hit.outcome_name == "jam":
         jam(log, after)
-    most = MOST_AT_ONCE * len(log.of()) ** 2  # wires in a row pass on impacts to each other
+    most = MOST_AT_ONCE * len(log.records) ** 2  # wires in a row pass on impacts to each other
     recent = log.impacts[-most:]
     fastest = max(system.fastest, float(np.abs(after.rates).max()))
     if len(recent) == most and (recent[-1] - recent[0]) * fastest < AT_ONCE:

@@ -15,7 +15,7 @@ from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
 from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
 from bristle_sim.reference.forces import freedom
-from bristle_sim.reference.log import Finished, Log
+from bristle_sim.reference.log import Finished, Log, Record
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
@@ -54,12 +54,12 @@ class Event(NamedTuple):
 def events_of(system: System, log: Log, state: State) -> list[Event]:
     """Return the events that can end the interval which begins at a state."""
 
-    def upright(own: Log, instant: Instant) -> float:
+    def upright(own: Record, instant: Instant) -> float:
         lean = float(instant.state.angles[own.first] - own.chain.hub_angle(instant.state.time))
         return (0.5 * math.pi) ** 2 - lean**2
 
     found = _touch_events(system, log, state)
-    for own in log.of():
+    for own in log.records:
         found.append(Event(partial(upright, own), -1, ROUNDING, partial(_retraction_limit, own)))
     for number, each in enumerate(system.sustained):
         found += _force_events(system, log, state, number)
@@ -68,8 +68,9 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
     return found
 
 
-def _retraction_limit(log: Log, state: State) -> State:
-    log.event("retraction limit", state.time)
+def _retraction_limit(own: Record, state: State) -> State:
+    """A wire leans over by 90 degrees, where it meets the hub."""
+    own.event("retraction limit", state.time)
     raise Finished(StopReason.RETRACTION_LIMIT, state)
 
 

@@ -9,28 +9,25 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar
 from bristle_sim.reference.crossing import crossings, of_one_sign
-from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
+from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log, Record
 from bristle_sim.reference.system import Instant, State, System
 
 Motion = Callable[[Array], list[State]]
 """Times, s -> states."""
 
-ROUNDING = 1e-13
-"""Rounding of a rate, as a fraction of the fastest one."""
-
-IDLE = 1e-12
-"""A highest relative rate below this fraction of the fastest one is no motion."""
+ROUNDING = 1e-13  # rounding of a rate, as a fraction of the fastest one
+IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
 
 def note_extremes(
-    system: System, log: Log, motion: Motion, instants: list[Instant], step: tuple[float, float]
+    system: System, log: Log, own: Record, motion: Motion, instants: list[Instant], step: tuple[float, float]
 ) -> float | None:
     """Note where a wire's first link lags most and its highest relative rate; return the time at which the run ends there.
 
-    ``log`` is that of the wire. The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    ``own`` is the wire's record. The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
     ``instants`` are those at the nodes of the integrator's step; the motion is looked at in ``step``, s.
     """
-    chain, link = log.chain, log.first
+    chain, link = own.chain, own.first
 
     def rate(at: Instant) -> float:
         return float(at.state.rates[link] - chain.speed)
@@ -46,23 +43,24 @@ def note_extremes(
 
     for time, direction in changes(rate, ROUNDING * system.fastest):
         if direction > 0:
-            log.turned(motion(np.array([time]))[0])
+            own.turned(motion(np.array([time]))[0])
+            log.mark(time)
             if log.stop_after == LARGEST_RETRACTION:
                 return time
     touched = any(each.touch.normal_row[link] for each in instants[0].contacts)
-    if chain.links > 1 or touched or log.seen(PEAK) or log.seen(STRIKE) or _bar_ahead(system, log, step[0]):
+    if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE) or _bar_ahead(system, own, step[0]):
         return None
     for time, direction in changes(acceleration, ROUNDING * system.fastest**2):
         if direction < 0 and rate(system.at(motion(np.array([time]))[0])) > IDLE * system.fastest:
-            log.event(PEAK, time)
+            own.event(PEAK, time)
             log.mark(time)
             return time if log.stop_after == PEAK else None
     return None
 
 
-def _bar_ahead(system: System, log: Log, time: float) -> bool:
+def _bar_ahead(system: System, own: Record, time: float) -> bool:
     """Whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
     bar = system.obstacles.get("bar")
-    if not isinstance(bar, Bar) or log.seen("bar touch") or not log.chain.speed:
+    if not isinstance(bar, Bar) or own.seen("bar touch") or not own.chain.speed:
         return False
-    return bool((bar.centre / log.chain.root(time)).imag > 0.0)
+    return bool((bar.centre / own.chain.root(time)).imag > 0.0)

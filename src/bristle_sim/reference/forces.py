@@ -23,8 +23,7 @@ from bristle_sim.theory.impact import Impact, energetic_impact
 
 STICK = 0
 
-EDGE = 1e-10
-"""At the edge of the friction cone both stick and slip are consistent but for rounding; slip is then taken."""
+EDGE = 1e-10  # at the edge of the friction cone both stick and slip are consistent but for rounding; slip is then taken
 
 
 class Acting(NamedTuple):

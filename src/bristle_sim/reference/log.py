@@ -1,4 +1,4 @@
-"""What a run of a chain records: samples, events and contact records."""
+"""What a run records: samples, events and contacts of each wire."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from bristle_sim.trajectory import ContactRecord, Cost, Event, Trajectory
 
 STRIKE, PEAK, LARGEST_RETRACTION = "strike", "highest relative speed", "largest retraction"
 
+Sample = tuple[State, tuple[float, float]]  # a state, and the sums of normal and of tangential force, N
+
 
 class Finished(Exception):
     """Ends a run at a state."""
@@ -28,57 +30,28 @@ class Finished(Exception):
         self.state = state
 
 
-class Log:
-    """The record of a wire's run; ``interval`` is the time between samples, s, ``first`` the number of its first link."""
+class Record:
+    """The record of one wire; ``first`` is the number of its first link."""
 
-    def __init__(self, chain: Chain, interval: float, stop_after: str | None, first: int = 0) -> None:
+    def __init__(self, chain: Chain, first: int) -> None:
         self.chain = chain
         self.first = first
-        self.interval = interval
-        self.stop_after = stop_after
         self.events: list[Event] = []
         self.contacts: list[ContactRecord] = []
-        self.impacts: list[float] = []
-        self.samples: list[tuple[State, tuple[float, float]]] = []
+        self.samples: list[Sample] = []
         self._turned: list[State] = []
-        self._marks: list[float] = []
-
-    # Samples
-
-    def of(self, point: Point | None = None) -> Sequence[Log]:
-        """Return the logs of the wires that touch in a contact, of all wires without one."""
-        del point
-        return [self]
 
     def own(self, state: State) -> State:
         """Return the state of the wire's own links."""
         links = slice(self.first, self.first + self.chain.links)
         return State(state.time, state.angles[links], state.rates[links])
 
-    def sample(self, instant: Instant) -> None:
-        """Store a state with its normal and tangential force, N, unless it was stored last."""
-        if self.differs(instant.state, instant.total_forces):
-            self.samples.append((instant.state, instant.total_forces))
-
     def differs(self, state: State, forces: tuple[float, float]) -> bool:
         """Whether a state or its forces differ from those stored last."""
-        last = self.samples[-1] if self.samples else None
-        return (
-            last is None
-            or (last[0].time, last[1]) != (state.time, forces)
-            or bool((last[0].rates != state.rates).any())
-        )
-
-    def times(self, start: float, end: float) -> list[float]:
-        """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
-        count = np.arange(math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float)
-        return [each for each in np.union1d(count * self.interval, self._marks).tolist() if start < each < end]
-
-    def mark(self, time: float) -> None:
-        """Request a sample at an instant of the motion that is stored next."""
-        self._marks.append(time)
-
-    # Events
+        if not self.samples:
+            return True
+        last, pushed = self.samples[-1]
+        return (last.time, pushed) != (state.time, forces) or bool((last.rates != state.rates).any())
 
     def event(self, name: str, time: float) -> None:
         """Note an event."""
@@ -87,15 +60,6 @@ class Log:
     def seen(self, name: str) -> bool:
         """Whether an event of that name has been noted."""
         return any(each.name == name for each in self.events)
-
-    def check_stop(self, state: State) -> None:
-        """End the run if the event that it was to stop after has happened.
-
-        Raises:
-            Finished: if it has.
-        """
-        if self.stop_after is not None and self.seen(self.stop_after):
-            raise Finished(StopReason.EVENT, state)
 
     def touch(self, point: Point, state: State) -> None:
         """Note a touch; the first one of the workpart is the strike."""
@@ -109,7 +73,6 @@ class Log:
     def turned(self, state: State) -> None:
         """Note a state at which retraction may be largest: the relative rate rises through zero."""
         self._turned.append(self.own(state))
-        self.mark(state.time)
 
     def note_largest_retraction(self) -> None:
         """Note where retraction is largest before the strike, if that is at an instant of no relative rate."""
@@ -125,55 +88,50 @@ class Log:
         if angle < 0.0 and angle <= lowest:
             self.event(LARGEST_RETRACTION, time)
 
-    # Contacts
-
     def impact(self, point: Point, state: State, after: State, velocity: tuple[float, float], hit: Impact) -> None:
         """Record an impact between the states before and after it."""
-        state, after = self.own(state), self.own(after)
-        if state.rates[0] < self.chain.speed < after.rates[0]:
+        first, last = self.own(state), self.own(after)
+        if first.rates[0] < self.chain.speed < last.rates[0]:
             self.turned(state)
-        self.contacts.append(
-            ContactRecord(
-                obstacle=point.obstacle,
-                law="energetic",
-                outcome=hit.outcome_name,
-                time=state.time,
-                duration=0.0,
-                impulse=_pair(hit.impulse_normal, hit.impulse_tangential),
-                compressive_impulse=_pair(hit.compressive_impulse_normal, hit.compressive_impulse_tangential),
-                compressive_work=_pair(hit.compressive_work_normal, hit.compressive_work_tangential),
-                restitutive_work=_pair(hit.restitutive_work_normal, hit.restitutive_work_tangential),
-                velocity_before=velocity,
-                velocity_after=_pair(hit.velocity_normal, hit.velocity_tangential),
-                angles=tuple(state.angles.tolist()),
-                rates_before=tuple(state.rates.tolist()),
-                rates_after=tuple(after.rates.tolist()),
-                phases=hit.phases,
-            )
-        )
+        given = {
+            "impulse": (hit.impulse_normal, hit.impulse_tangential),
+            "compressive_impulse": (hit.compressive_impulse_normal, hit.compressive_impulse_tangential),
+            "compressive_work": hit.compressive_work,
+            "restitutive_work": hit.restitutive_work,
+            "velocity_before": velocity,
+            "velocity_after": (hit.velocity_normal, hit.velocity_tangential),
+        }
+        self._contact(point, first, last, given, law="energetic", outcome=hit.outcome_name, phases=hit.phases)
 
     def lasting(self, each: Sustained, last: State, velocity: tuple[float, float], outcome: str) -> None:
         """Record a sustained contact that ends in a state with a velocity, (normal, tangential) in m/s."""
-        first, last, sums = self.own(each.since), self.own(last), each.sums
-        if last.time <= first.time:
+        if last.time <= each.since.time:
             return
-        compression = sums if each.compression is None else each.compression
+        compression = each.sums if each.compression is None else each.compression
+        given = {
+            "impulse": each.sums[:2],
+            "compressive_impulse": compression[:2],
+            "compressive_work": compression[2:],
+            "restitutive_work": (each.sums - compression)[2:],
+            "velocity_before": each.velocity_before,
+            "velocity_after": velocity,
+        }
+        law = "sustained" if each.spring is None else "compliant"
+        self._contact(each.point, self.own(each.since), self.own(last), given, law=law, outcome=outcome)
+
+    def _contact(self, point: Point, first: State, last: State, given: dict[str, Any], **words: Any) -> None:
+        """Record a contact between two states with its (normal, tangential) pairs."""
+        pairs: dict[str, Any] = {name: (float(normal), float(along)) for name, (normal, along) in given.items()}
         self.contacts.append(
             ContactRecord(
-                obstacle=each.point.obstacle,
-                law="sustained" if each.spring is None else "compliant",
-                outcome=outcome,
+                obstacle=point.obstacle,
                 time=first.time,
                 duration=last.time - first.time,
-                impulse=_pair(*sums[:2]),
-                compressive_impulse=_pair(*compression[:2]),
-                compressive_work=_pair(*compression[2:]),
-                restitutive_work=_pair(*(sums - compression)[2:]),
-                velocity_before=each.velocity_before,
-                velocity_after=velocity,
                 angles=tuple(first.angles.tolist()),
                 rates_before=tuple(first.rates.tolist()),
                 rates_after=tuple(last.rates.tolist()),
+                **pairs,
+                **words,
             )
         )
 
@@ -201,5 +159,66 @@ class Log:
         )
 
 
-def _pair(normal: float, tangential: float) -> tuple[float, float]:
-    return float(normal), float(tangential)
+class Log:
+    """The records of all wires of a run; ``interval`` is the time between samples, s.
+
+    ``pairs`` are the wires of which each contact of two wires consists, by its number.
+    """
+
+    def __init__(
+        self, wires: Sequence[Chain], interval: float, stop_after: str | None, pairs: Sequence[tuple[int, int]] = ()
+    ) -> None:
+        self.records = [Record(each, number * each.links) for number, each in enumerate(wires)]
+        self.interval = interval
+        self.stop_after = stop_after
+        self.pairs = pairs
+        self.impacts: list[float] = []
+        self._marks: list[float] = []
+
+    def of(self, point: Point) -> Sequence[Record]:
+        """Return the records of the wires that touch in a contact."""
+        if len(self.records) == 1:
+            return self.records
+        wires = self.pairs[point.piece] if point.obstacle == "wire" else (point.piece,)
+        return [self.records[each] for each in wires]
+
+    def sample(self, instant: Instant) -> None:
+        """Store a state with the contacts' forces, for all wires or for none: unless it was stored last."""
+        forces = np.zeros((len(self.records), 2))
+        if sustained := instant.system.sustained:
+            pushes = np.column_stack([instant.balance.normal, instant.balance.tangential])
+            for each, push in zip(sustained, pushes, strict=True):
+                for record in self.of(each.point):
+                    forces[self.records.index(record)] += push
+        pairs = zip(self.records, forces.tolist(), strict=True)
+        new = [(each.own(instant.state), (normal, along)) for each, (normal, along) in pairs]
+        if any(record.differs(*one) for record, one in zip(self.records, new, strict=True)):
+            for record, one in zip(self.records, new, strict=True):
+                record.samples.append(one)
+
+    def times(self, start: float, end: float) -> list[float]:
+        """Return the multiples of the sampling interval and the marked instants after a start and before an end."""
+        count = np.arange(math.floor(start / self.interval), math.ceil(end / self.interval) + 1, dtype=float)
+        return [each for each in np.union1d(count * self.interval, self._marks).tolist() if start < each < end]
+
+    def mark(self, time: float) -> None:
+        """Request a sample at an instant of the motion that is stored next."""
+        self._marks.append(time)
+
+    def event(self, name: str, time: float) -> None:
+        """Note an event that concerns every wire."""
+        for record in self.records:
+            record.event(name, time)
+
+    def seen(self, name: str) -> bool:
+        """Whether every wire has had an event of that name."""
+        return all(record.seen(name) for record in self.records)
+
+    def check_stop(self, state: State) -> None:
+        """End the run if the event that it was to stop after has happened.
+
+        Raises:
+            Finished: if it has.
+        """
+        if self.stop_after is not None and self.seen(self.stop_after):
+            raise Finished(StopReason.EVENT, state)

@@ -228,12 +228,8 @@ class Chain:
 
 def _coupling(springs: Array) -> Array:
     """Return the stiffness matrix of torsion springs between each link and the one before it, the first one on the hub."""
-    matrix = np.diag(springs)
-    for hinge in range(1, len(springs)):
-        pair = slice(hinge - 1, hinge + 1)
-        matrix[hinge, hinge] -= springs[hinge]
-        matrix[pair, pair] += springs[hinge] * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    return matrix
+    twists = np.eye(len(springs)) - np.eye(len(springs), k=-1)
+    return np.asarray(twists.T @ (springs[:, None] * twists))
 
 
 def _twists(values: Array, first: Any) -> Array:

@@ -83,7 +83,10 @@ class Run:
             instants = [self.system.at(each) for each in motion(nodes(*step))]
             first = first_event(self.system, events, motion, instants, step)
             until = step[1] if first is None else first[0]
-            extremes = (note_extremes(self.system, log, motion, instants, (step[0], until)) for log in self.log.of())
+            extremes = [
+                note_extremes(self.system, self.log, each, motion, instants, (step[0], until))
+                for each in self.log.records
+            ]
             stop = min((each for each in extremes if each is not None), default=None)
             until = until if stop is None else stop
             *between, self.state = motion(np.array([*self.log.times(step[0], until), until]))

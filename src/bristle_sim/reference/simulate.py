@@ -1,24 +1,25 @@
-"""The entry: checks what was requested, runs the pass and writes the result."""
+"""Simulate a pass of one wire, or of a row of straight rigid bristles: check what was requested, run, return the results."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 import time as clock
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Surface, Tool
 from bristle_sim.quantity import quantity, validate
 from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
-from bristle_sim.reference.log import PEAK, STRIKE, Log
+from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
+from bristle_sim.reference.row import Row, Wires
 from bristle_sim.reference.run import Run
-from bristle_sim.reference.system import State, System
-from bristle_sim.stop_reason import EVENTS, checked_event
+from bristle_sim.reference.system import Obstacles, State, System
+from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Cost, Trajectory
 
 METHOD = "scipy DOP853"
@@ -27,13 +28,11 @@ METHOD = "scipy DOP853"
 PERIODS_AT_REST = 3.0
 SAMPLES_PER_PERIOD = 64
 
-FINEST = 1e-13
-"""Least relative tolerance of the integrator: five hundred roundings."""
+FINEST = 1e-13  # least relative tolerance of the integrator: five hundred roundings
 
 MOST_SAMPLES = 2e6
 
-LONGEST = 1e5
-"""Radians of the fastest motion that a run may last."""
+LONGEST = 1e5  # radians of the fastest motion that a run may last
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +58,7 @@ class Request:
     def __post_init__(self) -> None:
         validate(self)
         if self.stop_after is not None:
-            checked_event("stop_after", self.stop_after, EVENTS)
+            checked_name("stop_after", self.stop_after, EVENTS)
 
 
 def simulate_reference(
@@ -104,7 +103,6 @@ def simulate_reference(
         ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
             fastest motion.
     """
-    wall, cpu = clock.perf_counter(), clock.process_time()
     request = Request(
         start_hub_angle,
         start_relative_angle,
@@ -117,23 +115,93 @@ def simulate_reference(
         stop_after,
     )
     chain = Chain.of(tool, request.start_hub_angle)
-    obstacles = obstacles_of(tool)
-    start = State(
-        0.0,
-        np.full(chain.links, request.start_hub_angle + request.start_relative_angle),
-        np.full(chain.links, chain.speed + request.start_relative_rate),
+    return _simulate(tool, request, chain, [chain])[0]
+
+
+def simulate_row_reference(
+    tool: Tool,
+    *,
+    bristles: int,
+    pitch: float,
+    neighbour_friction: float = 0.0,
+    neighbour_restitution: float = 1.0,
+    start_hub_angle: float = -0.5 * math.pi,
+    hub_turn: float = 1.5 * math.pi,
+    accuracy: float = 1e-10,
+    stop_after: str | None = None,
+    sample_interval: float | None = None,
+) -> tuple[Trajectory, ...]:
+    """Simulate a row of bristles that touch each other, bar and workpart.
+
+    All start together, radial and turning with the hub, each a pitch behind the one before it. A touch of two wires obeys
+    the energetic impact law with both wires' inverse mass; taps that die out become a sustained contact, which lasts as long
+    as it pushes, with Coulomb friction.
+
+    Args:
+        tool: hub, belt, bristle, bar and workpart; the bristle must be straight and rigid.
+        bristles: at least 1.
+        pitch: angle between neighbours' roots, rad.
+        neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
+        start_hub_angle: of the foremost bristle, rad.
+        hub_turn: after which the last bristle's pass ends, from its own passage through the foremost one's start, rad.
+        accuracy, sample_interval: as for ``simulate_reference``.
+        stop_after: name of a touch or release; the run ends when every bristle has had one.
+
+    Returns:
+        One trajectory for each bristle, the foremost in the sense of rotation first, at common instants. A touch of a
+        neighbour is the event ``wire touch`` of both; its contact records name the obstacle ``wire``.
+
+    Raises:
+        ValueError: for settings out of range, a bristle that is not straight and rigid, wires that touch each other at the
+            start, or one inside an obstacle.
+    """
+    request = Request(
+        start_hub_angle,
+        hub_turn=hub_turn + (bristles - 1) * pitch,
+        accuracy=accuracy,
+        sample_interval=sample_interval,
+        stop_after=stop_after,
     )
-    check_start(chain, obstacles, start)
-    end, interval = span(chain, request)
-    log = Log(chain, interval, request.stop_after)
-    one_run = Run(System(chain, obstacles, contact_stiffness), log, start, end, max(request.accuracy / 100.0, FINEST))
-    reason = one_run.run()
-    note_absences(obstacles, log, one_run.state.time)
-    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, one_run.evaluations)
-    return log.trajectory(reason, cost, parameters(tool, request))
+    _check_row(tool, bristles, pitch, stop_after)
+    surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
+    row = Row(tool, [request.start_hub_angle - number * pitch for number in range(bristles)])
+    wires = Wires(row, tool.bristle.wire_diameter, surface)
+    return _simulate(tool, request, row, row.bristles, wires, bristles=bristles, pitch=pitch)
 
 
-def check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
+def _simulate(
+    tool: Tool,
+    request: Request,
+    links: Chain | Row,
+    wires: Sequence[Chain],
+    touches: Wires | None = None,
+    **shared: Any,
+) -> tuple[Trajectory, ...]:
+    """Run all links, those of one wire or of several that touch each other; return a trajectory for each wire."""
+    wall, cpu = clock.perf_counter(), clock.process_time()
+    fixed = obstacles_of(tool)
+    root_angles = np.repeat([each.start_hub_angle for each in wires], wires[0].links)
+    rates = np.full(links.links, links.speed + request.start_relative_rate)
+    start = State(0.0, root_angles + request.start_relative_angle, rates)
+    end, interval = _span(wires[0], request)
+    log = Log(wires, interval, request.stop_after, touches.pairs if touches else ())
+    for record in log.records:
+        _check_start(record.chain, fixed, record.own(start))
+    obstacles: Obstacles = {**fixed, Wires.name: touches} if touches and touches.pairs else fixed
+    system = System(links, obstacles, request.contact_stiffness)
+    run = Run(system, log, start, end, max(request.accuracy / 100.0, FINEST))
+    reason = run.run()
+    cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, run.evaluations)
+    for record in log.records:
+        record.note_largest_retraction()
+        if "bar" in fixed and not record.seen("bar touch"):
+            record.event("bar not touched", run.state.time)
+        if "workpart" in fixed and not record.seen(STRIKE) and request.stop_after != PEAK:
+            record.event("workpart not reached", run.state.time)
+    return tuple(each.trajectory(reason, cost, _parameters(tool, request) | shared) for each in log.records)
+
+
+def _check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State) -> None:
     """Refuse a start inside an obstacle."""
     motion = chain.kinematics(*start)
     for name, each in obstacles.items():
@@ -146,9 +214,26 @@ def check_start(chain: Chain, obstacles: dict[str, Bar | Workpart], start: State
             )
 
 
-def span(chain: Chain, request: Request) -> tuple[float, float]:
+def _check_row(tool: Tool, bristles: int, pitch: float, stop_after: str | None) -> None:
+    """Refuse bristles that are not rigid and straight, a row that does not fit the hub, and events that do not stop it."""
+    if tool.bristle.links != 1 or len(tool.bristle.path) != 1:
+        raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, without a knee, in a row (dimensionless)")
+    if bristles < 1 or bristles != int(bristles):
+        raise ValueError(f"bristles = {bristles!r}: must be a whole number of at least 1 (dimensionless)")
+    apart = 2.0 * tool.hub.radius * math.sin(min(pitch, math.pi) / 2.0)
+    if not (apart > tool.bristle.wire_diameter and (bristles - 1) * pitch < 2.0 * math.pi - pitch):
+        raise ValueError(
+            f"pitch = {pitch:g}: must be one at which the roots are more than wire_diameter apart, and the row less than a"
+            " turn (in rad)"
+        )
+    if stop_after in (PEAK, LARGEST_RETRACTION):
+        raise ValueError(f"stop_after = {stop_after!r}: must be a touch or a release in a row")
+
+
+def _span(chain: Chain, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
-    period = _period(chain)
+    moving = max(chain.swing_rate, chain.speed)
+    period = 2.0 * math.pi / moving if moving else math.inf  # of the rigid rod or the hub; infinite if nothing moves it
     end = request.duration
     if end is None:
         end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
@@ -166,22 +251,7 @@ def span(chain: Chain, request: Request) -> tuple[float, float]:
     return end, interval
 
 
-def _period(chain: Chain) -> float:
-    """Return the period of the bristle as a rigid rod or of the hub, whichever is shorter; infinite if nothing moves it."""
-    fastest = max(chain.swing_rate, chain.speed)
-    return 2.0 * math.pi / fastest if fastest else math.inf
-
-
-def note_absences(obstacles: Iterable[str], log: Log, last: float) -> None:
-    """Note what never happened up to the last instant."""
-    log.note_largest_retraction()
-    if "bar" in obstacles and not log.seen("bar touch"):
-        log.event("bar not touched", last)
-    if "workpart" in obstacles and not log.seen(STRIKE) and log.stop_after != PEAK:
-        log.event("workpart not reached", last)
-
-
-def parameters(tool: Tool, request: Request) -> dict[str, Any]:
+def _parameters(tool: Tool, request: Request) -> dict[str, Any]:
     """What the run depends on: method, tool and settings, as the scene's trajectories have them."""
     given = dataclasses.asdict(request)
     start = {name.removeprefix("start_"): given.pop(name) for name in tuple(given) if name.startswith("start_")}

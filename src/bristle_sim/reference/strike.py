@@ -10,15 +10,14 @@ import numpy as np
 from bristle_sim.parameters import Tool
 from bristle_sim.reference.contacts import Point, obstacles_of
 from bristle_sim.reference.decisions import meet
-from bristle_sim.reference.log import Log
+from bristle_sim.reference.log import Log, Record
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import State, System
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-AT_SURFACE = 1e-9
-"""The wire's end must be at the workpart's surface to this fraction of hub radius and length."""
+AT_SURFACE = 1e-9  # the wire's end must be at the workpart's surface to this fraction of hub radius and length
 
 
 class TooStiffError(ValueError):
@@ -63,7 +62,7 @@ def strike_reference(
             f"stiffness = {stiffness:g}: must be larger than 0, and the tool must have a workpart (in N/m)"
         )
     start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
-    system, log = System(chain, obstacles, stiffness), Log(chain, longest / samples, "workpart release")
+    system, log = System(chain, obstacles, stiffness), Log([chain], longest / samples, "workpart release")
     tip = len(chain.pieces) - 1
     touch = system.at(start).touch(Point("workpart", tip, True))
     if abs(touch.gap) > AT_SURFACE * system.size or touch.velocity[0] >= 0.0:
@@ -76,17 +75,18 @@ def strike_reference(
         raise TooStiffError(f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)")
     if not log.seen("workpart release"):
         raise ValueError(f"longest = {longest:g}: must be longer; the contact has not ended (in s)")
-    return dataclasses.replace(log.contacts[0], history=_history(system, log))
+    (record,) = log.records
+    return dataclasses.replace(record.contacts[0], history=_history(system, record))
 
 
-def _history(system: System, log: Log) -> ContactHistory:
+def _history(system: System, record: Record) -> ContactHistory:
     """Return the contact in time, from the samples."""
     place = Point("workpart", len(system.chain.pieces) - 1, True)
-    touches = [system.at(state).touch(place) for state, _ in log.samples]
+    touches = [system.at(state).touch(place) for state, _ in record.samples]
     return ContactHistory(
-        time=np.array([state.time for state, _ in log.samples]),
-        normal_force=np.array([forces[0] for _, forces in log.samples]),
-        tangential_force=np.array([forces[1] for _, forces in log.samples]),
+        time=np.array([state.time for state, _ in record.samples]),
+        normal_force=np.array([forces[0] for _, forces in record.samples]),
+        tangential_force=np.array([forces[1] for _, forces in record.samples]),
         penetration=np.array([-each.gap for each in touches]),
         normal_velocity=np.array([each.velocity[0] for each in touches]),
         tangential_velocity=np.array([each.velocity[1] for each in touches]),

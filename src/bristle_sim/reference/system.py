@@ -8,14 +8,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, Workpart
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
-from bristle_sim.reference.mechanics import Chain, Kinematics
-from bristle_sim.reference.row import Row
-from bristle_sim.reference.wires import Wires
+from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
+from bristle_sim.reference.row import Row, Wires
 
 Obstacles = Mapping[str, Bar | Workpart | Wires]
 
@@ -98,7 +96,7 @@ class Instant:
         self._gaps: dict[str, Array] = {}
 
     @cached_property
-    def turn(self) -> NDArray[np.complex128]:
+    def turn(self) -> Complexes:
         """Directions of the links, e^{i theta}."""
         return np.asarray(np.exp(1j * self.state.angles))
 
@@ -152,10 +150,3 @@ class Instant:
         bar = self.system.obstacles["bar"]
         assert isinstance(bar, Bar)
         return bar.feet(self.system.chain, self.motion)[0]
-
-    @property
-    def total_forces(self) -> tuple[float, float]:
-        """Sum of all normal forces and of all tangential ones, N."""
-        if not self.system.sustained:
-            return 0.0, 0.0
-        return float(self.balance.normal.sum()), float(self.balance.tangential.sum())

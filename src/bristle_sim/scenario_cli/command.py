@@ -14,8 +14,7 @@ from pathlib import Path
 
 import bristle_sim
 from bristle_sim.parameter_file import likely_key
-from bristle_sim.scenario_cli import output
-from bristle_sim.scenario_cli.main import BAD_INPUT
+from bristle_sim.scenario_cli.main import BAD_INPUT, say, tell
 from bristle_sim.scenario_cli.main import main as run
 from bristle_sim.scenario_cli.scenario import Scenario
 
@@ -30,19 +29,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the scenario that the first argument names, or list all; return the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
     if given and given[0] == "--version":
-        output.say(f"{PROGRAM} {bristle_sim.__version__}")
+        say(f"{PROGRAM} {bristle_sim.__version__}")
         return 0
     if not given or given[0] in ("-h", "--help"):
-        output.say("\n\n".join([overview(), *([HELP] if given else [])]))
+        say("\n\n".join([overview(), *([HELP] if given else [])]))
         return 0
     known = scripts()
     name = given[0].removesuffix(".py")
     if name.startswith("-"):
-        output.tell(f"{PROGRAM}: error: {name}: must come after the name of a scenario; {PROGRAM} alone lists them")
+        tell(f"{PROGRAM}: error: {name}: must come after the name of a scenario; {PROGRAM} alone lists them")
         return BAD_INPUT
     if name not in known:
         advice = likely_key(name, known, f"{PROGRAM} alone lists the scenarios")
-        output.tell(f"{PROGRAM}: error: unknown scenario {given[0]!r}; {advice}")
+        tell(f"{PROGRAM}: error: unknown scenario {given[0]!r}; {advice}")
         return BAD_INPUT
     return run(load(known[name]), given[1:], program=f"{PROGRAM} {name}")
 

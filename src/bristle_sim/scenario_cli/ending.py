@@ -10,11 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
-TERMINATED = 143
-"""Exit status of a shell whose command was ended by SIGTERM."""
-
-LATER = 1e-3
-"""Seconds after which a signal that came at a bad moment is tried again."""
+TERMINATED = 143  # exit status of a shell whose command was ended by SIGTERM
+LATER = 1e-3  # seconds after which a signal that came at a bad moment is tried again
 
 
 @contextmanager

@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Sequence
 from typing import Any
 
 from bristle_sim import parameter_file
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.quantity import Range
+from bristle_sim.quantity import TYPICAL_UNITS, Range, conversion
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
 WIDTH = 100
 """Columns of the list of keys."""
-
-LIKELY_UNITS = {
-    "m": {"mm": 1e-3, "um": 1e-6},
-    "kg": {"g": 1e-3, "mg": 1e-6},
-    "s": {"ms": 1e-3, "us": 1e-6},
-    "rad/s": {"rpm": math.pi / 30.0},
-    "deg": {"rad": math.degrees(1.0)},
-    "N m/rad": {"N m/deg": math.degrees(1.0)},
-    "Pa": {"MPa": 1e6, "GPa": 1e9},
-}
-"""Units in which a bare number may have been meant, by the unit that it has, and their sizes in it."""
 
 
 def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
@@ -120,8 +108,8 @@ def _likely_unit(declared: Range, text: str, default: float | None) -> str:
         number = float(text)
     except ValueError:  # it has a unit already
         return ""
-    for unit, size in LIKELY_UNITS.get(declared.unit, {}).items():
-        if default and 0.1 <= abs(number * size / default) <= 10.0:
+    for unit in TYPICAL_UNITS:
+        if default and 0.1 <= abs(number * (conversion(unit, declared.unit) or 0.0) / default) <= 10.0:
             return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
     return ""
 

@@ -15,7 +15,7 @@ from bristle_sim.quantity import shown
 from bristle_sim.scene.starts import Start
 from bristle_sim.scene.tool import METHOD, simulate_from
 from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import ABSENCES, EVENTS, checked_event
+from bristle_sim.stop_reason import ABSENCES, EVENTS, checked_name
 from bristle_sim.trajectory import ContactRecord, Cost, Event, InnerSamples, Trajectory
 from bristle_sim.trajectory.storage import ARRAYS, INNER
 
@@ -80,7 +80,7 @@ def _check(trajectory: Trajectory, stop_after: str | None) -> None:
             " stop after, at its end or when its steps were spent"
         )
     if stop_after is not None:
-        checked_event("stop_after", stop_after, EVENTS)
+        checked_name("stop_after", stop_after, EVENTS)
 
 
 def _turn_left(trajectory: Trajectory, settings: Settings) -> float:

@@ -22,7 +22,7 @@ from bristle_sim.scene.units import Units
 from bristle_sim.scene.wire_links import wire_hinges, wire_links
 from bristle_sim.scene.wire_pair import wire_pairs
 from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import EVENTS, checked_event
+from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Trajectory
 
 METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
@@ -201,7 +201,7 @@ def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Se
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
     if not isinstance(settings, Settings | None):
         raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
-    name = None if stop_after is None else checked_event("stop_after", stop_after, EVENTS)
+    name = None if stop_after is None else checked_name("stop_after", stop_after, EVENTS)
     return settings or Settings(), name
 
 

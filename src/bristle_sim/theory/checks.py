@@ -18,8 +18,7 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
-SINGLE = ("float", "int", "float | None")
-"""Annotations of arguments that must be single numbers."""
+SINGLE = ("float", "int", "float | None")  # annotations of arguments that must be single numbers
 
 
 def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:

@@ -4,19 +4,14 @@ Merchant's sum adds, ply by ply, the depth that the growth of the cutting force 
 
     depth = cos(gamma) sum_i [F_c(t_i) - F_c(t_{i-1})] sin(eta) cos(eta + beta - alpha)/(b(t_i) tau_s cos(beta - alpha)).
 
-As n grows this is the integral of F_c'(t)/b(t). The width starts like sqrt(t), so the integrand has an inverse square
-root at t = 0 and the sum, a rule of right end points, falls short of the limit by -zeta(1/2) = 1.4604 times the
-coefficient of 1/sqrt(t) times sqrt(t_c/n) (Navot 1961): order one half, not one.
+As n grows this is the integral of F_c'(t)/b(t). The width starts like sqrt(t), so that the sum, a rule of right end points,
+falls short of the limit like 1/sqrt(n) (Navot 1961): order one half, not one.
 
-The work-energy estimate divides, ply by ply, the kinetic energy given up by the force, d_i = [E(t_{i-1}) - E(t_i)]/R(t_i)
-(4.62), and adds the d_i up. It fails for three reasons: the postulated motion brakes hardest at t = 0, where the force of
-(3.19) begins near zero, so that as written the sum is 9.65 mm at 300 plies, and with F(0) = 0, as (3.3) has it, it grows by
-cos(gamma) |E'(0)|/F'(0) ln 10 = 6.9 mm for each tenfold n; read as a ratio of two sums, as (4.66) is set in print, the divisor
-grows with n and the depth tends to zero; and over the printed path the printed force does 4.05 mJ of work, while the kinetic
-energy falls by 15.6 mJ, since force and motion belong to two different events.
-
-Of these 15.6 mJ only 12.6 mJ are work at the tip. The hub keeps its speed, so the root's bearing brakes the bristle
-too: its work, m r_h w (L/6) times the change of the rate, is the 3.0 mJ of the term in e^(-lambda t).
+The work-energy estimate adds up, ply by ply, the kinetic energy given up over the force, d_i = [E(t_{i-1}) - E(t_i)]/R(t_i)
+(4.62). It fails: the postulated motion brakes hardest at t = 0, where the force of (3.19) begins near zero, so that as written
+the sum is 9.65 mm at 300 plies and grows with n; read as a ratio of two sums, as (4.66) is set in print, it tends to zero; and
+over the printed path the force does 4.05 mJ of work, while the kinetic energy falls by 15.6 mJ (of which 3.0 mJ, the term in
+e^(-lambda t), are work of the root's bearing): force and motion belong to two different events.
 """
 
 from __future__ import annotations
@@ -44,11 +39,10 @@ CUTTING_FRICTION = 0.5
 PLIES = 300
 """Number of plies of the dissertation's depths (Zhang 2020, below eq. 4.56)."""
 
+ROUNDING = 1e-12  # relative error that must not refuse the depth at the end of its range
+
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression; 20 nodes would reach rounding."""
-
-ROUNDING = 1e-12
-"""Relative error that must not refuse the depth at the end of its range."""
 
 
 @checked_arguments
@@ -68,7 +62,6 @@ def merchant_crater_depth(
 
     Raises:
         ShearAngleError: where mu < tan(gamma), by default angles.
-        ValueError: for any other argument out of its range.
     """
     counts = np.asarray(plies)
     sums = np.reshape([_ply_sum(int(n), compression_time) for n in counts.flat], counts.shape)

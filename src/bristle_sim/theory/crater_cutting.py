@@ -10,16 +10,14 @@ b(S sin(gamma)). So
 
 ``depth_from_force`` solves the first for a force, ``depth_from_energy`` the second for an energy, and ``cutting_stroke``
 lets cutting alone stop the tip. The sum over plies of (4.50) differs from the first: it adds up dF_c/b with the width at
-the time, although (4.31) ties the whole force to the width that is there last. The work-energy estimate (4.62) has the
-energy right in kind, but divides it by the force of another event.
+the time, although (4.31) ties the whole force to the width that is there last.
 
-A contact resolved in time gives both: its compression ends where the tip is deepest; up to there the force along the path,
-N sin(gamma) + |T| cos(gamma), is F_c, and the work of both forces on the tip is W. The two depths agree only if the contact is
-as stiff as the chip is: the energy does not depend on how long the contact lasts, but a force is inversely proportional to
-it. A bristle on a hub that keeps its speed gives up m v^2/6 whatever gamma and mu (Zhang 2020, eqs. 2.40, 2.58 added).
+A contact resolved in time gives both: up to its deepest penetration the force along the path, N sin(gamma) + |T| cos(gamma),
+is F_c, and the work of both forces on the tip is W. The two depths agree only if the contact is as stiff as the chip is: the
+energy does not depend on how long the contact lasts, a force is inversely proportional to it.
 
 Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back, compression only, and a
-face longer than the cut is deep.
+face longer than the cut is deep. Arguments out of range raise ValueError.
 """
 
 from __future__ import annotations
@@ -40,11 +38,8 @@ _RULE = np.polynomial.legendre.leggauss(40)
 NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]
 """Gauss-Legendre rule on (0, 1); the width is smooth in the substituted path up to the full depth and constant beyond."""
 
-NEWTON_STEPS = 60
-"""At most; from the start values given, about ten suffice."""
-
-LEAST_ANGLE = 1e-60
-"""Least angle, rad: a path that descends by less has no depth that is a float."""
+NEWTON_STEPS = 60  # at most; from the start values given, about ten suffice
+LEAST_ANGLE = 1e-60  # least angle, rad: a path that descends by less has no depth that is a float
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,10 +89,7 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
 def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
-    W in J is the work that the tip does on the workpart along its path, u in J/m^3, gamma in rad.
-
-    Raises:
-        ValueError: if energy is negative, u not positive or gamma not within 0 < gamma < pi/2.
+    W in J is the work that the tip does on the workpart along its path, u in J/m^3, 0 < gamma < pi/2 in rad.
     """
     _check_angle(impact_angle)
     volume, slope = np.divide(energy, specific_energy), np.tan(impact_angle)
@@ -116,7 +108,7 @@ def depth_from_force(
 ) -> Number:
     """Return the crater depth at which the chip resists with the force, u b(depth) depth/cos(gamma) = F_c, m.
 
-    There are no plies and no b(t). Arguments and errors are those of depth_from_energy; the force is that along the path, N.
+    Arguments are those of depth_from_energy; the force is that along the path, N.
     """
     _check_angle(impact_angle)
     area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / specific_energy
@@ -140,10 +132,7 @@ def cutting_stroke(
     """Stop a tip by cutting alone, (effective_mass) dv/dt = -u b d_u.
 
     v in m/s is the tip's speed along its path when it touches; the effective mass at the tip along the path, kg, is m/3 for
-    a bristle on a hub that keeps its speed; u in J/m^3, gamma in rad.
-
-    Raises:
-        ValueError: if speed, mass or u is not positive or gamma not within 0 < gamma < pi/2.
+    a bristle on a hub that keeps its speed; u in J/m^3, 0 < gamma < pi/2 in rad.
     """
     depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle))
     path = depth / math.sin(impact_angle)
@@ -190,13 +179,11 @@ def crater_depth_from_contact(
     """Return the craters that follow from a contact resolved in time, up to its deepest penetration.
 
     Times in s, forces on the tip in N, penetration, positive inside the workpart, in m, velocities of the tip in m/s, all
-    of shape (n,), n >= 2; gamma in rad, tau_s in Pa. mu while cutting is by default the contact's own at its peak: chapter 4
-    of the dissertation cuts with 0.5 where chapter 2 strikes with 0.31. ``surface`` says where the shear plane ends,
-    ``parallel`` or ``inclined``.
+    of shape (n,), n >= 2; gamma in rad, tau_s in Pa. mu while cutting is by default the contact's own at its peak.
+    ``surface`` says where the shear plane ends, ``parallel`` or ``inclined``.
 
     Raises:
-        ValueError: for arrays of unequal length, values that are not finite, times that do not increase, or a contact
-            without a pressing force.
+        ValueError: for arrays of unequal length, times that do not increase, or a contact without a pressing force.
     """
     _check_angle(impact_angle)
     forces = {"normal_force": normal_force, "tangential_force": tangential_force}

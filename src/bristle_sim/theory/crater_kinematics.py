@@ -90,25 +90,20 @@ class CraterKinematics:
 
 @dataclass(frozen=True, slots=True)
 class TipFace:
-    """The cutting face: an ellipse where a plane cuts the wire of diameter d, m (Zhang 2020, eqs. 4.9-4.13).
+    """The cutting face: an ellipse where a plane cuts the wire of diameter d, its short axis a_2, m (Zhang 2020, eqs. 4.9-4.13).
 
     Its normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5), and (4.10) puts it at 28 deg to the surface.
     The rake angle gamma + 11.5 deg (4.36) puts it at 55.1 deg instead; both are kept as printed. Angles in rad.
     """
 
-    wire_diameter: float = 7.1e-4
+    short_axis: float = 7.1e-4
     tilt: float = math.radians(39.5)
     face_angle: float = math.radians(28.0)
 
     @property
-    def short_axis(self) -> float:
-        """Return a_2 = d (4.11), m."""
-        return self.wire_diameter
-
-    @property
     def long_axis(self) -> float:
         """Return a_1 = d/cos(tilt) (4.12), m."""
-        return self.wire_diameter / math.cos(self.tilt)
+        return self.short_axis / math.cos(self.tilt)
 
     @property
     def full_depth(self) -> float:

@@ -9,13 +9,11 @@ Between contacts, with alpha the bristle's angle relative to the radial directio
 
     I alpha'' + c alpha' + k alpha + g sin alpha = 0,    g = m r_h (L/2) omega^2.
 
-The dissertation has c = g = 0. The centrifugal stiffness g comes from the rotating root: the moment about the root, with
-lever (L/2) sin alpha, of the force m r_h omega^2 that acts on the centre of mass in the root's frame (its part that is
-radial from the root has no moment). Here are the plain oscillator, the damped one, and the stiffened one, the latter for
-small angles and exactly.
+The dissertation has c = g = 0. The centrifugal stiffness g is the moment about the root, with lever (L/2) sin alpha, of the
+force m r_h omega^2 that acts on the centre of mass in the rotating root's frame.
 
 Arguments are floats or arrays that broadcast, in SI units and rad. Functions raise ValueError where no such geometry or
-motion exists.
+motion exists, and where the tool lacks a part.
 """
 
 from __future__ import annotations
@@ -110,7 +108,7 @@ def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Numbe
         np.asarray(each)[..., np.newaxis] for each in (retraction, stiffness, centrifugal, inertia)
     )
     alpha = amplitude * np.sin(np.pi / 4.0 * (_NODES + 1.0))
-    shape = _sinc(0.5 * (amplitude + alpha)) * _sinc(0.5 * (amplitude - alpha))
+    shape = np.sinc(0.5 * (amplitude + alpha) / np.pi) * np.sinc(0.5 * (amplitude - alpha) / np.pi)
     return np.pi / 4.0 * np.sum(_WEIGHTS * np.sqrt(heavy) / np.sqrt(stiff + extra * shape), axis=-1)
 
 
@@ -156,10 +154,6 @@ def _phase(damping_ratio: Number) -> Number:
     return np.where(root > 0.0, angle / np.where(root > 0.0, root, 1.0), 1.0)[()]
 
 
-def _sinc(angle: Number) -> Number:
-    return np.sinc(angle / np.pi)
-
-
 @dataclass(frozen=True, slots=True)
 class Cue:
     """Where the bar of a tool must stand; rad, m, s, rad/s.
@@ -183,11 +177,7 @@ class Cue:
 
 @checked_arguments
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad.
-
-    Raises:
-        ValueError: if the tool lacks bar, workpart or belt stiffness.
-    """
+    """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad."""
     _check_tool(tool)
     rate, damping = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root), tool.belt.damping_ratio
     speed = damped_highest_speed(retraction, rate, damping)
@@ -196,11 +186,7 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
 
 @checked_arguments
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
-    """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad.
-
-    Raises:
-        ValueError: if the tool lacks bar or workpart, or nothing drives the bristle.
-    """
+    """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad."""
     _check_tool(tool)
     swing = (retraction, tool.belt.stiffness, field_stiffness(tool), tool.bristle.inertia_about_root)
     return placed_cue(tool, retraction, stiffened_cue_time(*swing), stiffened_highest_speed(*swing))
@@ -224,9 +210,6 @@ def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float
 
     S is the tip's distance from the hub's centre and the bar's reach, its radius and half of the wire's, which the
     dissertation neglects. Retraction in rad, time in s, highest speed in rad/s.
-
-    Raises:
-        ValueError: if the tool lacks bar or workpart.
     """
     _check_tool(tool)
     if tool.bar is None or tool.workpart is None:

@@ -28,11 +28,8 @@ AROUND = 0.5
 """Part of the duration before and after the contact that the fit of a record takes in: what lies farther off (ringing,
 another contact) says nothing about this one."""
 
-ENDS = 0.05
-"""Part of the duration by which the start found may be late and the end early."""
-
-FEWEST_OUTSIDE = 4
-"""Samples from outside the contact that a baseline needs."""
+ENDS = 0.05  # part of the duration by which the start found may be late and the end early
+FEWEST_OUTSIDE = 4  # samples from outside the contact that a baseline needs
 
 MOST_CHANCE = 0.01
 """Probability that noise alone, independent and normal, shows as good a contact somewhere in the record."""
@@ -50,23 +47,12 @@ MISSING_START = 0.1
 BINS = 16
 """Averages in a duration: the start is located to D/16, which is close enough for a least-squares fit to converge."""
 
-LEVEL_BINS = 8
-"""Averages before and after the pulse that fix the level on which it stands."""
-
-RATIO = 1.2
-"""Ratio of successive durations: the best one is at most 10 % off."""
-
-LEAST_BINS = 7
-"""Averages of the pulse that the record must hold, i.e. nearly up to its peak."""
-
-SHORTEST = 3.0
-"""Shortest duration, in median sampling intervals."""
-
-FLAT = 1e-12
-"""Rounding of a force, as a fraction of the largest."""
-
-MOST_BINS = 1 << 20
-"""Averages in a record; a record of unequal sampling intervals could ask for any number."""
+LEVEL_BINS = 8  # averages before and after the pulse that fix the level on which it stands
+RATIO = 1.2  # ratio of successive durations: the best one is at most 10 % off
+LEAST_BINS = 7  # averages of the pulse that the record must hold, i.e. nearly up to its peak
+SHORTEST = 3.0  # shortest duration, in median sampling intervals
+FLAT = 1e-12  # rounding of a force, as a fraction of the largest
+MOST_BINS = 1 << 20  # averages in a record; a record of unequal sampling intervals could ask for any number
 
 
 @checked_arguments

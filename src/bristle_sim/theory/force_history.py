@@ -6,8 +6,8 @@ The dissertation fits a measured impact of a steel ball on a plate with (3.3)
 
 and carries its shape over to the bristle by sharing out the impulse. The bracket vanishes at t = 0 and t = t_f, and its
 constant part is fixed by the swing: offset = swing cos(2 pi t_o/T) = 0.866025 swing, since t_o/T = 1/12 whatever t_f.
-So the printed 145 and 26 N are 167.5 and 30 N (F*/2) times cos 30 deg, rounded from 145.059 and 25.981; the rounding
-leaves the printed curves with F(0) = -0.083 N (ball) and +0.020 N (bristle) where (3.3) has zero.
+The printed 145 and 26 N are 145.059 and 25.981, rounded, which leaves the printed curves with F(0) = -0.083 N (ball) and
++0.020 N (bristle) where (3.3) has zero.
 
 Derivatives and integral come from one form, F = Re sum_i c_i [offset e^(-lambda_i t) - swing e^(z_i t + i w t_o)] with
 z_i = -lambda_i + i w and w = 2 pi/T: each derivative multiplies by the exponent, the integral divides by it.
@@ -25,8 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import checked_arguments, finite, positive
 
-LEAD_SHARE = 0.1
-"""t_o/t_f (Zhang 2020, below eq. 3.3)."""
+LEAD_SHARE = 0.1  # t_o/t_f (Zhang 2020, below eq. 3.3).
 
 PRINTED_BRISTLE_IMPULSE = 1.619e-3
 """Compressive impulse of the bristle, p_c, N s (Zhang 2020, eq. 3.9)."""
@@ -34,8 +33,7 @@ PRINTED_BRISTLE_IMPULSE = 1.619e-3
 TABLE_3_1 = ("0.13", "0.43", "0.79", "1.18", "1.56", "1.93", "2.24", "2.49", "2.67", "2.76")
 """Ten-segment impulses of the bristle, 1e-4 N s, with the digits they have in print (Zhang 2020, table 3.1)."""
 
-SCAN = 512
-"""Grid on which a peak is located before it is refined; the curve turns once or twice in a contact."""
+SCAN = 512  # grid on which a peak is located before it is refined; the curve turns once or twice in a contact
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,9 +115,6 @@ class ForceCurve:
 
         Equal shares of the compression time carry equal shares of the impulse (3.14), so with k the ratio of the
         compression times F_new(t) = (impulse / (k p_c)) F(t/k): times grow by k, rates shrink by it.
-
-        Raises:
-            ValueError: if an argument is not positive and finite.
         """
         positive("impulse", impulse, "N s")
         positive("compression_time", compression_time, "s")
@@ -187,9 +182,6 @@ def segment_impulses(
     p_c, shape (...), N s, is that of the impact that takes the curve's shape over; the compression time, s, is by default the
     curve's peak time, which the dissertation rounds to 2.328 ms. Returns p_i, shape (..., segments), N s, for equal parts of
     the compression time; their sum is the impulse.
-
-    Raises:
-        ValueError: if segments is not a positive whole number or impulse is not finite.
     """
     end = curve.peak_time() if compression_time is None else compression_time
     edges = np.linspace(0.0, end, segments + 1)

@@ -23,8 +23,7 @@ INDISTINCT_WORDS = "force: no contact found in the record; there must be more po
 TRUSTED_SHARE = 0.2
 """Points whose bracket in (3.3) is below this fraction of its largest value say little about the exponential."""
 
-STEEPEST = 3.0
-"""Largest decay times duration from which the search begins in a record."""
+STEEPEST = 3.0  # largest decay times duration from which the search begins in a record
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,10 +12,9 @@ direction (or stick) the velocities are linear and the works are quadratic in p_
   restitution is W_r = -e*^2 W_c, Poisson's when the normal impulse in restitution is e times that of compression,
   Newton's when v_n is -e times its value before the impact.
 
-So compression and restitution have two phases each: the slip that is there, and what follows after it stops.
-
-Where restitution's friction is larger than compression's, slip can drive the point back into compression as soon as
-v_n > 0; the only motion that obeys both coefficients then keeps v_n = 0 until slip stops ("slip at rest").
+So compression and restitution have two phases each: the slip that is there, and what follows after it stops. Where
+restitution's friction is larger than compression's, slip can drive the point back into compression as soon as v_n > 0; the
+only motion that obeys both coefficients then keeps v_n = 0 until slip stops ("slip at rest").
 
 Sources: W. J. Stronge, *Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990) 169-181;
 J. Zhang (2020), eqs. 2.4-2.18, 2.46; Wang and Mason, J. Appl. Mech. 59 (1992) 635-642 for the three coefficients.
@@ -30,10 +29,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Array
+from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import numbers
 from bristle_sim.theory.impact_phases import End, Target, isfinite, quotient, select, square_root, walk
-from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact, Number
+from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact
 
 __all__ = [
     "LAWS",
@@ -49,8 +48,7 @@ __all__ = [
     "poisson_impact",
 ]
 
-MOST_FRICTION = 1e150
-"""More makes impulses that overflow."""
+MOST_FRICTION = 1e150  # more makes impulses that overflow
 
 BLOCK = 1 << 13
 
@@ -83,9 +81,8 @@ def energetic_impact(
         ValueError: for values that are not finite, a K that is not symmetric positive semidefinite, mu < 0, e*
             outside [0, 1], a stick_compliance < 0, and where impulses or works are too large for a float.
     """
-    return _resolve(
-        _energetic_end, inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance
-    )
+    given = (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
+    return _resolve(_energetic_end, *given)
 
 
 def poisson_impact(
@@ -98,9 +95,8 @@ def poisson_impact(
 ) -> Impact:
     """Resolve an impact with Poisson's coefficient e: restitution ends at p_r = e p_c (Wang and Mason 1992).
 
-    Arguments, result and errors are those of ``energetic_impact``. Where slip stops or reverses, restitution can give
-    back more normal work than compression took. With one coefficient of friction the impact as a whole gains no energy;
-    with a ``restitution_friction`` of its own it can.
+    Arguments, result and errors are those of ``energetic_impact``. With one coefficient of friction no energy is gained;
+    with a ``restitution_friction`` of its own it can be.
     """
     return _resolve(_poisson_end, inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
 
@@ -128,8 +124,7 @@ LAWS: dict[str, Callable[..., Impact]] = {
 }
 """The impact laws by name; each takes the same arguments, so that one can stand for another.
 
-They differ in one function, the normal impulse at which restitution ends. To add a law, write that function and name it here.
-"""
+To add a law, write the normal impulse at which restitution ends, in which they differ, and name it here."""
 
 
 def _energetic_end(velocity: Number, compliance: Number, target: Target) -> Number:

@@ -4,8 +4,6 @@ Within a phase of constant slip direction (or stick) the velocities are linear a
 impulse, so that each phase ends in closed form: slip where v_t = 0, compression where v_n = 0, restitution where a
 function of the velocity, the compliance and what is left to reach says. The same lines serve floats, for speed in a
 scene, and arrays.
-
-See ``impact`` for the law, its sources and the functions to call.
 """
 
 from __future__ import annotations
@@ -18,8 +16,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from bristle_sim.arrays import Array
-from bristle_sim.theory.impact_result import JAM, NO_CONTACT, NO_REBOUND, REBOUND, STICTION, Impact, Number
+from bristle_sim.arrays import Array, Number
+from bristle_sim.theory.impact_result import JAM, NO_CONTACT, NO_REBOUND, REBOUND, STICTION, Impact
 
 INFINITE = math.inf
 
@@ -75,8 +73,7 @@ class _Phase(NamedTuple):
     unfinished: Number
 
 
-_NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)
-"""A phase that a single impact does not have."""
+_NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # a phase that a single impact does not have
 
 End = Callable[[Number, Number, Target], Number]
 """Normal impulse from (velocity, compliance) at which restitution ends."""

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
-Number = Any
-"""A float or an array of floats: the same lines serve both, floats for speed in a scene, arrays for sweeps."""
+from bristle_sim.arrays import Number
 
 NO_CONTACT, REBOUND, NO_REBOUND, STICTION, JAM = range(5)
 OUTCOMES = ("no contact", "rebound", "no rebound", "stiction", "jam")
@@ -54,24 +52,18 @@ class Impact:
     outcome: Number
 
     @property
-    def compressive_work_normal(self) -> Number:
-        """Return W_c, normal work of compression, J (negative)."""
-        return self.phase_work_normal[..., 0] + self.phase_work_normal[..., 1]
+    def compressive_work(self) -> tuple[Number, Number]:
+        """Return normal (W_c, negative) and tangential work of compression, J."""
+        return self._works(0)
 
     @property
-    def compressive_work_tangential(self) -> Number:
-        """Work of friction during compression, J."""
-        return self.phase_work_tangential[..., 0] + self.phase_work_tangential[..., 1]
+    def restitutive_work(self) -> tuple[Number, Number]:
+        """Return normal (W_r, positive) and tangential work of restitution, J."""
+        return self._works(2)
 
-    @property
-    def restitutive_work_normal(self) -> Number:
-        """Return W_r, normal work of restitution, J (positive)."""
-        return self.phase_work_normal[..., 2] + self.phase_work_normal[..., 3]
-
-    @property
-    def restitutive_work_tangential(self) -> Number:
-        """Work of friction during restitution, J."""
-        return self.phase_work_tangential[..., 2] + self.phase_work_tangential[..., 3]
+    def _works(self, first: int) -> tuple[Number, Number]:
+        normal, tangential = self.phase_work_normal, self.phase_work_tangential
+        return normal[..., first] + normal[..., first + 1], tangential[..., first] + tangential[..., first + 1]
 
     @property
     def energy_change(self) -> Number:

@@ -8,7 +8,6 @@ whips it back, and it passes the radial direction again. Undamped and without gr
 
 is kept (g is the rotating root's field, see ``cueing``), so that it is radial again with alpha' = +omega, whatever the belt:
 its rate is 2 omega and its tip's speed (2 L + r_h) omega. The energy gives the largest retraction, and its quadrature the time.
-
 Arguments are single numbers in SI units and rad.
 """
 
@@ -20,8 +19,7 @@ import numpy as np
 
 from bristle_sim.theory.checks import checked_arguments, require
 
-LEAST_SPEED = 1e-100
-"""Least speed, rad/s: the squares of smaller speeds vanish beside the least inertia."""
+LEAST_SPEED = 1e-100  # least speed, rad/s: the squares of smaller speeds vanish beside the least inertia
 
 _RULE = np.polynomial.legendre.leggauss(60)
 NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]

@@ -11,10 +11,9 @@ gamma). ``surface="inclined"`` takes that: least work then gives eta - gamma = p
 
     R = 2 tau_s b depth/(1 - sin(arccot mu)),    u = 2 tau_s cos(gamma) cos(arccot(mu) - gamma)/(1 - sin(arccot mu)),
 
-and the shear plane comes out of the surface for every mu > 0: the contradiction between mu >= tan(gamma) for the chip and
-mu < tan(gamma) for the rebound (4.43) is one of where the shear plane ends.
+and the shear plane comes out of the surface for every mu > 0, where (4.43) asks mu >= tan(gamma) of the chip.
 
-Forces in N, widths and depths in m, stresses in Pa, angles in rad; everything broadcasts.
+Stresses in Pa, angles in rad; everything broadcasts, and ValueError is raised for arguments out of range.
 """
 
 from __future__ import annotations
@@ -36,8 +35,7 @@ Surface = Literal["parallel", "inclined"]
 API_5L = 1.2e8
 """Shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)."""
 
-RAKE_OFFSET = math.radians(11.5)
-"""Rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36)."""
+RAKE_OFFSET = math.radians(11.5)  # rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
 
 
 class ShearAngleError(ValueError):
@@ -79,14 +77,11 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True) -> CuttingAngles:
     """Return the modified circle's angles: alpha = gamma + offset, beta = offset + arccot(mu), eta = pi/4 - (beta - alpha)/2.
 
-    The shear angle is that of least work (4.25), (4.45) with C = pi/2.
-    mu is the ratio of tangential to normal force on the workpart; the rake offset cancels from what it gives. ``check``
-    refuses eta < gamma, that is mu < tan(gamma) (4.42), where the formulas still give numbers but the shear plane
-    does not come out of the surface. Gamma in rad.
+    The shear angle is that of least work (4.25), (4.45) with C = pi/2. mu > 0 is the ratio of tangential to normal force on
+    the workpart, 0 <= gamma < pi/2 in rad.
 
     Raises:
-        ShearAngleError: where eta < gamma and check is set.
-        ValueError: if friction <= 0 or gamma is not within 0 <= gamma < pi/2.
+        ShearAngleError: where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
     """
     gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
@@ -111,12 +106,7 @@ def specific_cutting_energy(
     shear_yield_stress: ArrayLike = API_5L,
     surface: Surface = "parallel",
 ) -> Number:
-    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path or inclined to it.
-
-    Raises:
-        ValueError: if friction <= 0, gamma is not within 0 <= gamma < pi/2, the stress is not positive, or surface is not
-            one of the two words.
-    """
+    """Return the specific cutting energy u = F_c/(b d_u), J/m^3, for a surface parallel to the path or inclined to it."""
     angles = oblique_angles(friction, impact_angle, check=False)
     if surface == "parallel":
         return shear_yield_stress / angles.cutting_ratio

@@ -11,8 +11,7 @@ compression and -L s_2 dp_y in restitution, with
 
     s_1 = sin gamma + mu_1 cos gamma,    s_2 = sin gamma - mu_2 cos gamma.
 
-All else is the integral of that. The dissertation's kappa omega L = (R + r_h/L) omega L is the tip's speed v_C before
-the impact, ``tip_speed`` below.
+All else is the integral of that. The dissertation's kappa omega L = (R + r_h/L) omega L is the tip's speed v_C.
 
 Arguments broadcast; the functions return floats for floats. Angles are in rad with 1e-150 <= gamma <= pi/2, friction mu_1 and
 restitution_friction mu_2 are >= 0 and equal by default (case 2, eq. 2.59), restitution is the energetic coefficient e*

@@ -1,7 +1,6 @@
 """Stronge's single and double pendulum against a rough surface, in generalized speeds (Zhang 2020, sec. 2.4).
 
-Single (2.4.1): a slender rod of mass m and length L hinged at O, inclined at gamma to the normal of the surface that its
-tip strikes; the monofilament with r_h = 0.
+Single (2.4.1): a slender rod hinged at O, inclined at gamma to the normal of the surface that its tip strikes.
 
 Double (2.4.2): slender rods OB of mass m_1 = n m_2 and BC of mass m_2, both of length L, hinged at O and B, inclined at
 theta_1 and theta_2 to the normal of the surface that C strikes. In the generalized speeds q_1 = L phi'_1 and
@@ -19,13 +18,14 @@ after the end of compression; then C sticks, or slips the other way if mu < mu_b
 work of restitution is W_r = -e*^2 W_c (2.87). The rods here are followed in q; ``impact.energetic_impact`` solves the
 same impact in the velocities of C, and each is the other's test.
 
-Rates are negative where they bring the tip of a rod of positive inclination to the surface. Source beside Zhang: W. J. Stronge,
-*Rigid body collisions with friction*, Proc. R. Soc. Lond. A 431 (1990) 169-181.
+Rates are negative where they bring the tip of a rod of positive inclination to the surface. ValueError is raised for an
+argument out of its range. Source beside Zhang: W. J. Stronge, Proc. R. Soc. Lond. A 431 (1990) 169-181.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,8 +35,7 @@ from bristle_sim.arrays import Array, Number
 from bristle_sim.theory.checks import RANGES, checked_arguments, checked_numbers, require
 from bristle_sim.theory.monofilament import LEAST_ANGLE
 
-_ROUNDING = 1e-12
-"""Fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero."""
+_ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
 
 _PARALLEL = 1e-8
 """Rods whose angles differ by less (rad) count as parallel: their tip moves along one line, up to rounding."""
@@ -61,9 +60,6 @@ def single_pendulum_impact(
         phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >= tan gamma
 
     The rate, in rad/s, is negative where the tip (kg, m, 0 < gamma <= pi/2 rad) approaches the surface.
-
-    Raises:
-        ValueError: for an argument outside its range.
     """
     mass, length = checked_numbers(rod_mass=rod_mass, rod_length=rod_length)
     angle, rate = checked_numbers(impact_angle=impact_angle, rate=rate)
@@ -114,20 +110,17 @@ def double_pendulum_impact(
 
     m_2 in kg, n = m_1/m_2, L of either rod in m, theta_1 and theta_2 within a right angle in rad, phi'_1 and phi'_2 before
     the impact in rad/s; the friction in restitution is equal to the other one by default, as in the dissertation.
-
-    Raises:
-        ValueError: for an argument outside its range.
     """
-    rods = _Rods(*checked_numbers(rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2))
+    mass, ratio, *angles = checked_numbers(rod_mass=rod_mass, mass_ratio=mass_ratio, angle_1=angle_1, angle_2=angle_2)
     length, mu, e = checked_numbers(rod_length=rod_length, friction=friction, restitution=restitution)
     later = mu if restitution_friction is None else RANGES["restitution_friction"].check(restitution_friction)
     first, second = checked_numbers(rate_1=rate_1, rate_2=rate_2)
     speeds = np.array([length * first, length * second / 2.0])
-    impact = _RodImpact(rods, speeds)
+    impact = _RodImpact(mass, ratio, angles, speeds)
     outcome = "no contact"
     if impact.tip[1] < 0.0:
         outcome = impact.restitute(later, e) if impact.compress(mu) else "jam"
-    before, after = rods.kinetic_energy(speeds), rods.kinetic_energy(impact.speeds)
+    before, after = impact.kinetic_energy(speeds), impact.kinetic_energy(impact.speeds)
     return DoublePendulumImpact(
         final_rate_1=float(impact.speeds[0]) / length,
         final_rate_2=2.0 * float(impact.speeds[1]) / length,
@@ -156,70 +149,58 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
     return np.abs(driven) / (2.0 * resisted)
 
 
-@dataclass(frozen=True, slots=True)
-class _Rods:
-    """Inertia and geometry: mass of the second rod, kg, ratio of the masses, angles, rad; q are (q_1, q_2), m/s."""
+class _RodImpact:
+    """The rods during an impact: q = (q_1, q_2), m/s, normal impulse and normal work so far; a change is dq/dp_y."""
 
-    mass: float
-    ratio: float
-    angle_1: float
-    angle_2: float
-
-    @property
-    def parallel(self) -> bool:
-        """Tell whether C moves along one line, so that it cannot lift off while it sticks."""
-        return abs(self.angle_1 - self.angle_2) < _PARALLEL
+    def __init__(self, mass: float, ratio: float, angles: Sequence[float], speeds: Array) -> None:
+        self.mass, self.ratio, self.speeds = mass, ratio, speeds
+        (self.cos_1, self.cos_2), (self.sin_1, self.sin_2) = map(math.cos, angles), map(math.sin, angles)
+        self.angles, between = angles, angles[0] - angles[1]
+        self.c, self.sine = math.cos(between), math.sin(between)
+        # C of parallel rods moves along one line, so that it cannot lift off while it sticks.
+        self.parallel = abs(between) < _PARALLEL
+        self.impulse, self.compressive_impulse, self.work = 0.0, 0.0, 0.0
+        self.phases: list[str] = []
+        across = 2.0 * _PARALLEL if self.parallel else 0.0
+        self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
+        self.first_slip = self.slip
+        self.slip_stop = math.inf if self.first_slip else 0.0
 
     def kinetic_energy(self, q: Array) -> float:
         """Return T (2.93), J."""
-        coupled = math.cos(self.angle_1 - self.angle_2) * q[0] * q[1]
+        coupled = self.c * q[0] * q[1]
         own = (self.ratio / 6.0 + 0.5) * q[0] ** 2 + 2.0 / 3.0 * q[1] ** 2
         return self.mass * float(own + coupled)
 
     def tip_velocity(self, q: Array) -> tuple[float, float]:
         """Return v_C (2.95), m/s."""
-        along = -q[0] * math.cos(self.angle_1) - 2.0 * q[1] * math.cos(self.angle_2)
-        away = q[0] * math.sin(self.angle_1) + 2.0 * q[1] * math.sin(self.angle_2)
-        return float(along), float(away)
+        along = -q[0] * self.cos_1 - 2.0 * q[1] * self.cos_2
+        return float(along), float(q[0] * self.sin_1 + 2.0 * q[1] * self.sin_2)
 
     def response(self, along: float, away: float) -> Array:
         """Return the change of q by an impulse on C: eqs. 2.94 and 2.96 solved for it."""
-        first = -along * math.cos(self.angle_1) + away * math.sin(self.angle_1)
-        second = -2.0 * along * math.cos(self.angle_2) + 2.0 * away * math.sin(self.angle_2)
-        c, own = math.cos(self.angle_1 - self.angle_2), self.ratio / 3.0 + 1.0
-        solved = np.array([4.0 / 3.0 * first - c * second, own * second - c * first])
-        return solved / (self.mass * (4.0 / 3.0 * own - c * c))
+        first = -along * self.cos_1 + away * self.sin_1
+        second = -2.0 * along * self.cos_2 + 2.0 * away * self.sin_2
+        own = self.ratio / 3.0 + 1.0
+        solved = np.array([4.0 / 3.0 * first - self.c * second, own * second - self.c * first])
+        return solved / (self.mass * (4.0 / 3.0 * own - self.c * self.c))
 
     def sticking(self) -> Array:
         """Return dq/dp_y while C sticks: one freedom is left, q proportional to (2 cos theta_2, -cos theta_1)."""
-        freedom = np.array([2.0 * math.cos(self.angle_2), -math.cos(self.angle_1)])
-        lift = 0.0 if self.parallel else 2.0 * math.sin(self.angle_1 - self.angle_2)
+        freedom = np.array([2.0 * self.cos_2, -self.cos_1])
+        lift = 0.0 if self.parallel else 2.0 * self.sine
         return freedom * lift / (2.0 * self.kinetic_energy(freedom))
 
     def sliding_at_rest(self) -> Array:
         """Return dq/dp_y while C slips with v_y = 0, under the friction that keeps it there: again one freedom."""
         friction = self.tip_velocity(self.response(0.0, 1.0))[1] / self.tip_velocity(self.response(1.0, 0.0))[1]
-        freedom = np.array([2.0 * math.sin(self.angle_2), -math.sin(self.angle_1)])
-        drift = 2.0 * math.sin(self.angle_1 - self.angle_2)
-        return -friction * freedom * drift / (2.0 * self.kinetic_energy(freedom))
-
-
-class _RodImpact:
-    """The rods during an impact: speeds, normal impulse and normal work so far; a change is dq/dp_y."""
-
-    def __init__(self, rods: _Rods, speeds: Array) -> None:
-        self.rods, self.speeds = rods, speeds
-        self.impulse, self.compressive_impulse, self.work = 0.0, 0.0, 0.0
-        self.phases: list[str] = []
-        across = 2.0 * _PARALLEL if rods.parallel else 0.0
-        self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
-        self.first_slip = self.slip
-        self.slip_stop = math.inf if self.first_slip else 0.0
+        freedom = np.array([2.0 * self.sin_2, -self.sin_1])
+        return -friction * freedom * (2.0 * self.sine) / (2.0 * self.kinetic_energy(freedom))
 
     @property
     def tip(self) -> tuple[float, float]:
         """Return v_C without its rounding."""
-        along, away = self.rods.tip_velocity(self.speeds)
+        along, away = self.tip_velocity(self.speeds)
         return along if abs(along) > self._least else 0.0, away if abs(away) > self._least else 0.0
 
     @property
@@ -231,23 +212,23 @@ class _RodImpact:
     def slipping(self, direction: float, mu: float) -> tuple[str, Array]:
         """Return what a slip is called, beside the first one of the impact, and its change (2.74, 2.80, 2.98)."""
         self.first_slip = self.first_slip or direction
-        return "slip" if direction == self.first_slip else "reverse slip", self.rods.response(-mu * direction, 1.0)
+        return "slip" if direction == self.first_slip else "reverse slip", self.response(-mu * direction, 1.0)
 
     def after_slip(self, mu: float) -> tuple[str, Array]:
         """Return what C does once slip has stopped, stick or slip as the normal impulse drives it, and its change."""
-        if mu >= stick_friction(self.rods.ratio, self.rods.angle_1, self.rods.angle_2):
-            return "stick", self.rods.sticking()
-        driven, _ = self.rods.tip_velocity(self.rods.response(0.0, 1.0))
+        if mu >= stick_friction(self.ratio, *self.angles):
+            return "stick", self.sticking()
+        driven, _ = self.tip_velocity(self.response(0.0, 1.0))
         return self.slipping(math.copysign(1.0, driven), mu)
 
     def until_zero(self, axis: int, change: Array) -> float:
         """Return the further normal impulse at which slip (0) or compression (1) stops (2.75, 2.76, 2.99, 2.100)."""
-        value, slope = self.tip[axis], self.rods.tip_velocity(change)[axis]
+        value, slope = self.tip[axis], self.tip_velocity(change)[axis]
         return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
 
     def until_work(self, change: Array, work: float) -> float:
         """Return the further normal impulse that does the work, the root of v_y p + v_y' p^2/2 = W (2.83)."""
-        speed, gain = self.tip[1], self.rods.tip_velocity(change)[1]
+        speed, gain = self.tip[1], self.tip_velocity(change)[1]
         if gain <= 0.0:
             return math.inf
         final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
@@ -255,7 +236,7 @@ class _RodImpact:
 
     def follow(self, phase: str, change: Array, impulse: float) -> float:
         """Apply the normal impulse, with q changing at the rate ``change``, and return its normal work."""
-        work = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * impulse) * impulse
+        work = (self.tip[1] + 0.5 * self.tip_velocity(change)[1] * impulse) * impulse
         self.speeds = self.speeds + change * impulse
         self.work += work
         self.impulse += impulse
@@ -285,9 +266,9 @@ class _RodImpact:
         wanted = -(restitution**2) * self.work
         if self.slip:
             motion, change = self.slipping(self.slip, mu)
-            if self.rods.tip_velocity(change)[1] <= 0.0:
+            if self.tip_velocity(change)[1] <= 0.0:
                 # More friction than in compression: it would drive C back as soon as C leaves.
-                change = self.rods.sliding_at_rest()
+                change = self.sliding_at_rest()
             stop, end = self.until_zero(0, change), self.until_work(change, wanted)
             wanted -= self.follow(f"restitution {motion}", change, min(stop, end))
             if end <= stop:

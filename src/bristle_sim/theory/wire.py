@@ -10,7 +10,7 @@ Without the spring this is tan = tanh, the hinged beam; with a rigid spring it i
 The chain is n equal rigid links of length l = L/n and mass m/n, hinged end to end with the torsion spring E I_a/l in each
 hinge. Its first link does not bend at the root, where the beam does: on a spring its frequencies tend to the beam's with 1/n.
 With half a link's bending in series with that spring, 1/k = 1/k_T + l/(2 E I_a), they tend to it with the square of 1/n. All
-quantities are in SI units.
+quantities are in SI units; ValueError is raised for arguments out of range.
 """
 
 from __future__ import annotations
@@ -59,11 +59,7 @@ def beam_frequencies(
     """Return the lowest natural frequencies of the beam, in Hz, shape (modes,).
 
     The first one is the swing of the wire on its root's spring (0 without one), the second the first bending mode.
-
     Mass in kg, length and diameter in m, Young's modulus in Pa, torsion spring at the root in N m/rad, 1 to 50 modes.
-
-    Raises:
-        ValueError: for arguments out of range.
     """
     from scipy.optimize import brentq  # takes longer than everything else that a rigid bristle's scene imports
 
@@ -110,11 +106,8 @@ def chain_modes(
     number = np.arange(1, links + 1)
     inertia = each * link**2 * (links - np.maximum.outer(number, number) + 0.5)
     np.fill_diagonal(inertia, each * link**2 * (links - number + 1.0 / 3.0))
-    spring = hinge_stiffness(diameter, length, modulus, links)
-    stiffness = np.zeros((links, links))
-    stiffness[0, 0] = root_stiffness
-    for hinge in range(links - 1):
-        pair = slice(hinge, hinge + 2)
-        stiffness[pair, pair] += spring * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    squares, shapes = eigh(stiffness, inertia)
+    springs = np.full((links, 1), hinge_stiffness(diameter, length, modulus, links))
+    springs[0] = root_stiffness
+    twists = np.eye(links) - np.eye(links, k=-1)
+    squares, shapes = eigh(twists.T @ (springs * twists), inertia)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / math.tau), np.asarray(shapes)

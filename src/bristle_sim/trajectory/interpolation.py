@@ -15,15 +15,13 @@ if TYPE_CHECKING:
     from bristle_sim.trajectory.trajectory import Trajectory
 
 
-SAMPLES = 8
-"""Samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15."""
+SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
 
 UNEVEN = 20.0
 """Largest ratio of a sample interval to that of the instant: where an event falls next to a sample, a polynomial through
 both would magnify their rounding."""
 
-SAME = 1e-6
-"""Rounding of a contact's end, as a fraction of its duration."""
+SAME = 1e-6  # rounding of a contact's end, as a fraction of its duration
 
 
 def motion_at(run: Trajectory, time: ArrayLike, *, side: str = "after") -> Motion:

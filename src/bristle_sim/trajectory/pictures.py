@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 
     from bristle_sim.trajectory.trajectory import Trajectory
 
-SHOWN = 6
-"""Events that are named."""
+SHOWN = 6  # events that are named
 
 LINES = "white-space:pre-wrap;min-width:0"
 """Style of a summary's lines: in a narrow cell they wrap, instead of squeezing the drawing."""

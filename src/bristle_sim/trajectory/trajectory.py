@@ -11,12 +11,11 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.stop_reason import ABSENCES, EVENTS, StopReason, checked_event
+from bristle_sim.stop_reason import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
-from bristle_sim.trajectory.storage import read, write
-from bristle_sim.trajectory.tables import to_dataframe, to_xarray
+from bristle_sim.trajectory.storage import read, to_dataframe, to_xarray, write
 
 NOTABLE = 0.01
 """Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""
@@ -71,7 +70,7 @@ class Trajectory(Motion):
             ValueError: if no run has an event of that name.
         """
         recorded = [event.name for event in self.events]
-        name = checked_event("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
+        name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
         times = [event.time for event in self.events if event.name == name and event.time <= before]
         return (times[-1] if last else times[0]) if times else None
 
@@ -97,7 +96,12 @@ class Trajectory(Motion):
         return self.stop_detail or self.stop_reason.advice(self.contacts[-1].obstacle if self.contacts else None)
 
     def first_contact(self, obstacle: str) -> ContactRecord | None:
-        """The first contact with ``bar`` or ``workpart``, or None."""
+        """Return the first contact with ``bar``, ``workpart`` or ``wire``; None if there is none.
+
+        Raises:
+            ValueError: for any other name.
+        """
+        checked_name("obstacle", obstacle, OBSTACLES)
         return next((each for each in self.contacts if each.obstacle == obstacle), None)
 
     def columns(self) -> dict[str, Array]:

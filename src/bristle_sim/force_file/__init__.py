@@ -1,1 +1,0 @@
-"""Measured force histories from files. Public: ``read.read_force_csv``."""
