@@ -7,11 +7,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from bristle_sim.dissertation.redrawn import Redrawn
+from bristle_sim.dissertation.redrawn import Axis, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.curves import Axis, Mark, Panel, curve_of
 from bristle_sim.studies.force_fits import noisy_points
 from bristle_sim.studies.timed_contact import timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
