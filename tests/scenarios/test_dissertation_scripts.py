@@ -95,12 +95,6 @@ def test_force_history_beside_print():
     assert peak["theory"] == pytest.approx(peak["printed"], abs=0.5)
     assert quantity(found, "compression_time")["ok"] is True
     assert quantity(found, "compressive_impulse")["ok"] is True
-    assert [each["points"] for each in found["fits"]] == ["exact", "noisy"]
-    # c and lambda as printed in (3.19): c to the rounding of the offset, lambda is hardly more than zero.
-    exact = found["fits"][0]["values"]
-    assert exact["amplitude 1"] == pytest.approx(1.0160, rel=1e-3)
-    assert exact["decay 1"] == pytest.approx(5.499, abs=10.0)
-    assert len(found["table_3_1"]) == 10
 
 
 def test_force_history_of_measured_points(tmp_path: Path):
