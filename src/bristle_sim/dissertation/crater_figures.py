@@ -70,7 +70,7 @@ def map_figure() -> Redrawn:
     k, contact = PRINTED_KINEMATICS, bristle_contact(impulse=False)
     h = contact.history
     courses: tuple[tuple[Axis, str, Callable[[Array], ArrayLike], Array], ...] = (
-        (FORCE, "$F$ (3.19)", BRISTLE, contact.resultant.values),
+        (FORCE, "$F$ (3.19)", BRISTLE, contact.force),
         (PATH, "$S$ (4.4a)", k.tip_displacement, contact.path),
         (
             Axis("tip's speed", "m/s"),

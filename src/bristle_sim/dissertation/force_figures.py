@@ -63,7 +63,7 @@ def bristle_figure() -> Redrawn:
     # The contact outlasts the curve, and has two samples at some instants.
     time, first = np.unique(contact.time, return_index=True)
     kept = time <= BRISTLE.duration
-    points = {"table": (middles, mean), "contact": (time[kept], contact.resultant.values[first][kept])}
+    points = {"table": (middles, mean), "contact": (time[kept], contact.force[first][kept])}
     curves = (
         curve_of("(3.19)", BRISTLE, grid, points),
         curve_of("ball's curve rescaled", scaled, np.linspace(0.0, scaled.duration, 201)),
@@ -81,7 +81,7 @@ def table() -> Redrawn:
     columns = (
         1e4 * segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE),
         1e4 * segment_impulses(BRISTLE, float(BRISTLE.impulse(BRISTLE.peak_time()))),
-        [1e4 * contact.resultant.integral(*pair) for pair in pairwise(edges)],
+        [1e4 * contact.resultant.integrate(*pair) for pair in pairwise(edges)],
     )
     rows = [
         (str(i + 1), f"{1e6 * edges[i]:.0f}-{1e6 * edges[i + 1]:.0f}", printed, *(f"{each[i]:.3f}" for each in columns))

@@ -64,8 +64,10 @@ def _draw_forces(axes: Axes, comparison: ForceComparison) -> None:
 
 def _draw_contact(axes: Axes, contact: TimedContact) -> None:
     """Draw the simulated force and its components."""
-    shown, force = contact.smooth_resultant()
-    axes.plot(MICROSECONDS * shown, force, color=VERMILION, label="simulated: resultant", gid="simulated")
+    shown = np.linspace(0.0, float(contact.time[-1]), 1001)
+    axes.plot(
+        MICROSECONDS * shown, contact.resultant(shown), color=VERMILION, label="simulated: resultant", gid="simulated"
+    )
     history, thin = contact.history, dict[str, Any](color=VERMILION, linewidth=0.8)
     axes.plot(MICROSECONDS * contact.time, history.normal_force, dashes=(4, 2), label="normal", **thin)
     axes.plot(MICROSECONDS * contact.time, history.tangential_force, dashes=(1, 1.5), label="tangential", **thin)
