@@ -1,9 +1,7 @@
 """Cue timing: how well do the quasi-static cue formulas place the bar?
 
 The bristle is released from rest relative to the hub at the retraction angle, with no bar in the scene. The time to its
-highest relative speed, and the hub's turn meanwhile, say where the bar must stand. The printed belt stiffness is tried in
-all its readings. Full passes, with the bar there and where bar_horizontal and
-bar_vertical put it, show the strikes that follow.
+highest relative speed, and the hub's turn meanwhile, say where the bar must stand.
 """
 
 import math
@@ -22,19 +20,18 @@ def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and release its bristle."""
     from bristle_sim.studies.cue_timing import cue_timing, unplaced
 
-    hub, bristle, bar = build(Hub, values), build(Bristle, values), build(Bar, values)
+    hub, bristle = build(Hub, values), build(Bristle, values)
     tool = Tool(
         hub=hub,
         belt=build(Belt, values),
         bristle=bristle,
-        bar=unplaced(bar, hub, bristle),
+        bar=unplaced(build(Bar, values), hub, bristle),
         workpart=build(Workpart, values),
     )
     return cue_timing(
         tool,
         math.radians(values["retraction_deg"]),
         build(Settings, values),
-        bar=bar,
         with_reference=values["reference"] == "yes",
     )
 
@@ -50,6 +47,10 @@ SCENARIO = Scenario(
         "knee_position",
         "knee_angle_deg",
         *WIRE_KEYS,
+        "bar_horizontal",
+        "bar_vertical",
+        "bar_friction",
+        "bar_restitution",
         "hub_turn",
         "friction",
         "restitution_friction",

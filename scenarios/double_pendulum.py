@@ -6,13 +6,12 @@ engine's own contact gains energy here; the energetic law never does.
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, DoublePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import film_of_impact, series_of_impact
+from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact
 from bristle_sim.settings import Settings
 
 
@@ -25,24 +24,12 @@ def run(values: Mapping[str, Any]) -> Report:
     )
 
 
-def plot(report: Report, path: Path) -> None:
-    """Velocities over the normal impulse, final rates over the mass ratio, energy over the engine's iterations."""
-    from bristle_sim.render.impact_figures import double_pendulum_figure
-    from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.double_pendulum_families import double_pendulum_panels
-    from bristle_sim.studies.law_convergence import engine_energy
-
-    impacts = report.subject
-    energy = engine_energy(impacts.chain, impacts.surface) if any(impacts.chain.rates) else None
-    save_figure(double_pendulum_figure(impacts, double_pendulum_panels(impacts), energy), path)
-
-
 SCENARIO = Scenario(
     name="double_pendulum",
     question="Stronge's double pendulum: does the simulated impact follow the closed form, whatever the masses?",
     parts=(DoublePendulum, Surface, Contact, Settings),
     run=run,
-    plot=plot,
+    plot=figure("impact_figure"),
     video=film_of_impact,
     series=series_of_impact,
     defaults={

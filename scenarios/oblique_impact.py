@@ -6,13 +6,12 @@ contact law is requested; the table below compares all three.
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import film_of_impact, series_of_impact
+from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact
 from bristle_sim.settings import Settings
 
 
@@ -30,21 +29,12 @@ def run(values: Mapping[str, Any]) -> Report:
     )
 
 
-def plot(report: Report, path: Path) -> None:
-    """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
-    from bristle_sim.render.impact_figures import oblique_figure
-    from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.rod_families import oblique_panels
-
-    save_figure(oblique_figure(report.subject, oblique_panels(report.subject)), path)
-
-
 SCENARIO = Scenario(
     name="oblique_impact",
     question="One strike of a radial bristle: does the simulated impact follow the closed forms?",
     parts=(Hub, Bristle, Strike, Surface, Contact, Settings),
     run=run,
-    plot=plot,
+    plot=figure("impact_figure"),
     video=film_of_impact,
     series=series_of_impact,
     without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),

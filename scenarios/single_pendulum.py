@@ -6,13 +6,12 @@ reaches the tangent of the impact angle.
 
 import sys
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import film_of_impact, series_of_impact
+from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact
 from bristle_sim.settings import Settings
 
 
@@ -25,21 +24,12 @@ def run(values: Mapping[str, Any]) -> Report:
     )
 
 
-def plot(report: Report, path: Path) -> None:
-    """Velocities over the normal impulse, and the rebound ratio over impact angle and friction."""
-    from bristle_sim.render.impact_figures import single_pendulum_figure
-    from bristle_sim.render.style import save_figure
-    from bristle_sim.studies.rod_families import single_pendulum_panels
-
-    save_figure(single_pendulum_figure(report.subject, single_pendulum_panels(report.subject)), path)
-
-
 SCENARIO = Scenario(
     name="single_pendulum",
     question="Stronge's single pendulum: does the simulated impact follow the closed form?",
     parts=(SinglePendulum, Surface, Contact, Settings),
     run=run,
-    plot=plot,
+    plot=figure("impact_figure"),
     video=film_of_impact,
     series=series_of_impact,
     without=("step", "hub_turn"),

@@ -10,15 +10,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, Strike, Surface
-from bristle_sim.render.impact_figures import double_pendulum_figure, oblique_figure
 from bristle_sim.settings import Settings
-from bristle_sim.studies.double_pendulum_families import double_pendulum_panels
 from bristle_sim.studies.impacts import Impacts, double_pendulum, oblique_impact
-from bristle_sim.studies.law_convergence import engine_energy
-from bristle_sim.studies.rod_families import oblique_panels
 
-STICTION = "stiction, $\\mu$ = tan $\\gamma$"
-HAND = "the impact at hand"
 ROUGH = Surface(friction=0.5, restitution=0.5)
 TRAPEZOIDAL = (math.pi / 24.0) ** 2 / 12.0
 """Relative error of an impulse summed by the trapezoidal rule over the 24 intervals of a record."""
@@ -34,15 +28,6 @@ def rods(surface: Surface = ROUGH, **pendulum: float) -> Impacts:
     report = double_pendulum(DoublePendulum(**pendulum), surface, Contact(), Settings())
     assert isinstance(report.subject, Impacts)
     return report.subject
-
-
-def oblique(impacts: Impacts) -> Figure:
-    return oblique_figure(impacts, oblique_panels(impacts))
-
-
-def two_rods(impacts: Impacts) -> Figure:
-    energy = engine_energy(impacts.chain, impacts.surface) if any(impacts.chain.rates) else None
-    return double_pendulum_figure(impacts, double_pendulum_panels(impacts), energy)
 
 
 def panel(figure: Figure, letter: str) -> Axes:

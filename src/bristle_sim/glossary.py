@@ -75,8 +75,6 @@ KEYS: dict[str, Key] = {
     "force_column": Key("column", "column of the force in the file"),
     "force_per_volt": Key("N/V", "calibration of a force that was recorded as a voltage", 1e12, -1e12),
     "compression_time": Key("s", "time from first touch to deepest penetration, t_c", 1.0, 1e-9),
-    "points": Key("1", "number of points of the curve on which the fit is tried", 100_000, 10),
-    "noise": Key("N", "standard deviation of the noise added to the points", 1e6),
     "shear_yield_stress": Key("Pa", "shear yield stress of the workpart's steel", 1e15, 1.0),
     "plies": Key("1", "number of layers into which the cut is divided", 100_000, 1),
     "accuracy": Key("1", "relative accuracy requested of the simulation", 0.1, 1e-11),

@@ -95,12 +95,6 @@ def test_force_history_beside_print():
     assert peak["theory"] == pytest.approx(peak["printed"], abs=0.5)
     assert quantity(found, "compression_time")["ok"] is True
     assert quantity(found, "compressive_impulse")["ok"] is True
-    assert [each["points"] for each in found["fits"]] == ["exact", "noisy"]
-    # c and lambda as printed in (3.19): c to the rounding of the offset, lambda is hardly more than zero.
-    exact = found["fits"][0]["values"]
-    assert exact["amplitude 1"] == pytest.approx(1.0160, rel=1e-3)
-    assert exact["decay 1"] == pytest.approx(5.499, abs=10.0)
-    assert len(found["table_3_1"]) == 10
 
 
 def test_force_history_of_measured_points(tmp_path: Path):
@@ -149,7 +143,6 @@ def test_crater_depth_beside_print():
     for name in ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"):
         assert quantity(found, name)["simulated"] is None, "nothing of it is simulated"
     assert quantity(found, "contact_work")["ok"] is True
-    assert quantity(found, "contact_work_in_hub_frame")["ok"] is True
     assert found["measured_crater_depth"] == 1.3e-4
 
 

@@ -42,7 +42,7 @@ LONG = {"accuracy_cost", "dissertation_audit", "dissertation_figures", "hard_cas
 """Scenarios whose keys choose among fixed work, of minutes in all; the suite runs them elsewhere, by their quick parts."""
 
 SMALL = {
-    "tolerances": ("samples=2", "rounding=no"),
+    "tolerances": ("samples=2",),
     "cue_map": ("map_points=2", "accuracy=0.0001", "reference=no"),
     "neighbours": ("search=no",),
 }

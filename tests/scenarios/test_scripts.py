@@ -231,7 +231,7 @@ PROMISES = {
             *(f"spread_{key}" for key in TOOL + BELT + BAR),
         ),
         lists={"rows": {"output", "mean", "std", "low", "high", "indices"}},
-        quick=("--set", "samples=2", "--set", "rounding=no"),
+        quick=("--set", "samples=2"),
         statistics=True,
         strikes=False,
     ),

@@ -1,5 +1,6 @@
 """Contacts resolved in time, against closed forms, balances and symmetry."""
 
+import dataclasses
 import math
 from collections.abc import Callable
 
@@ -112,6 +113,18 @@ class TestCompliantContact:
         history = resolved(PAIR, ROUGH, CompliantLaw(1e-4, 1e-6, steps)).history
         assert history is not None
         assert steps <= len(history.time) <= steps + 10
+
+    @pytest.mark.parametrize("mass_ratio", [1.0, 1e4])
+    def test_plain_steps_converge_to_the_energetic_law(self, mass_ratio: float) -> None:
+        """Their error is of first order: one, less its own curvature and the contact's length."""
+        chain, surface = dataclasses.replace(PAIR, masses=(mass_ratio, 1.0)), Surface(0.5, None, 0.5)
+        limit = np.array(resolved(chain, surface, EnergeticLaw()).rates_after)
+        coarse, fine = (
+            float(np.abs(resolved(chain, surface, CompliantLaw(None, 1e-4, steps)).rates_after - limit).max())
+            for steps in (64, 512)
+        )
+        assert math.log(coarse / fine) / math.log(512 / 64) > 0.95
+        assert fine < 4e-3 * float(np.abs(limit).max())  # 1e-3 at about 2000 steps measured with the bare engine
 
     @pytest.mark.parametrize("restitution", [0.5, 0.0])
     def test_a_touch_too_slow_for_its_penetration_goes_by_the_rigid_law(self, restitution: float) -> None:

@@ -11,7 +11,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
-from bristle_sim.parameters import Bar, Tool
+from bristle_sim.parameters import Tool
 from bristle_sim.render.cue_figure import cue_figure
 from bristle_sim.render.style import save_figure
 from bristle_sim.settings import Settings
@@ -47,23 +47,20 @@ def test_cue_figure_marks_both_cues_and_every_bar(release: CueTiming, tmp_path: 
     assert data(speed, "highest, simulated")[1][0] == pytest.approx(869.1, abs=0.05)
     assert data(retraction, "retraction, simulated")[1][0] == pytest.approx(44.5)
     assert abs(data(retraction, "retraction, simulated")[1][-1]) < 1e-3
-    sides = {f"{side} {reading}" for side in ("simulated", "formula") for reading in ("per_degree", "from_254_hz")}
-    assert set(bars(plan)) == {"bar as given", *sides}  # the soft belt's are on the other side of the hub
-    table = "\n".join(words(axes) for axes in figure.axes)
-    assert all(degrees in table for degrees in ("66.56°", "59.97°", "65.93°", "114.33°", "1.97°", "2.74°"))
-    assert "0.00041 N·m per radian *" in table
+    assert set(bars(plan)) == {"bar, simulated", "bar, formula"}
+    assert "simulated: 66.56°" in words(plan)
+    assert "formula: 67.43°" in words(plan)  # A + omega t_c + gamma by (2.1)
     save_figure(figure, tmp_path / "cue.png")
 
 
-def test_cue_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_needs(release: CueTiming) -> None:
-    moved = Bar(horizontal=0.052, vertical=0.018)
-    plan = panel(cue_figure(dataclasses.replace(release, bar=moved)), "c")
+def test_cue_figure_draws_the_wire_on_the_bar_it_needs(release: CueTiming) -> None:
+    plan = panel(cue_figure(release), "c")
     drawn = bars(plan)
-    assert drawn["bar as given"] == pytest.approx([0.052, 0.018])
-    needed = drawn["simulated per_degree"]
     outline = next(patch.get_xy() for patch in plan.patches if patch.get_gid() == "wire released") * 1e-3
     tip = 0.5 * (outline[1] + outline[2])
-    assert np.hypot(*(tip + needed)) == pytest.approx(Tool().bar_reach, abs=1e-9)  # m; rounding, and 1e-6 of the turn
+    assert np.hypot(*(tip + drawn["bar, simulated"])) == pytest.approx(
+        Tool().bar_reach, abs=1e-9
+    )  # m; 1e-6 of the turn
     (left, right), (bottom, top) = plan.get_xlim(), plan.get_ylim()
     for horizontal, vertical in drawn.values():
         assert left < -1e3 * horizontal < right
@@ -74,15 +71,11 @@ def test_cue_figure_never_simulates(release: CueTiming, monkeypatch: pytest.Monk
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("a figure must not simulate")
 
-    for module in ("scene.tool", "studies.cue_timing", "studies.cue_places"):
+    for module in ("scene.tool", "studies.cue_timing"):
         monkeypatch.setattr(f"bristle_sim.{module}.simulate", refuse)
     cue_figure(release)
 
 
 def test_cue_figure_without_a_formula_or_a_cue(release: CueTiming) -> None:
-    own = dataclasses.replace(release.places["per_degree"], simulated=None, formula=None, passed=None)
-    places = {**release.places, "per_degree": own}
-    bare = dataclasses.replace(release, places=places, formula=None, released=None, fastest=None)
-    figure = cue_figure(bare)
-    assert set(bars(panel(figure, "c"))) == {"bar as given", "simulated from_254_hz", "formula from_254_hz"}
-    assert "none" in words(figure.axes[-1])
+    figure = cue_figure(dataclasses.replace(release, simulated=None, formula=None))
+    assert bars(panel(figure, "c")) == {}

@@ -1,4 +1,4 @@
-"""Cue timing: the release compared with formula and reference, the bars it needs, and whole passes over them."""
+"""Cue timing: the release compared with formula and reference, and the bar it needs."""
 
 from __future__ import annotations
 
@@ -9,10 +9,8 @@ import pytest
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Hub, Tool
-from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_places import BarPlace, formula_motion, full_pass
-from bristle_sim.studies.cue_timing import cue_timing
+from bristle_sim.studies.cue_timing import cue_timing, formula_motion
 
 DAMPINGS = (0.0, 0.3, 1.0, 4.0)
 
@@ -53,51 +51,16 @@ def cued() -> Report:
     return cue_timing(Tool(), math.radians(44.5), Settings())
 
 
-def test_bars_that_the_readings_need(cued: Report) -> None:
-    places = cued.subject.places
+def test_the_bar_that_the_release_needs(cued: Report) -> None:
+    simulated = cued.subject.simulated
     # From an integration of I alpha'' + k alpha + g sin alpha = 0, to hundredths of a degree.
-    for reading, degrees in (("per_degree", 66.56), ("from_254_hz", 59.97)):
-        simulated = places[reading].simulated
-        assert simulated is not None
-        assert math.degrees(simulated.direction) == pytest.approx(degrees, abs=0.005)
-        distance = math.hypot(*Bar().centre)  # the printed bar touches at the same retraction, so S is the same
-        assert math.hypot(simulated.horizontal, simulated.vertical) == pytest.approx(distance, rel=1e-9)
-    # A quarter period on the belt alone: A + omega t_c + gamma, A and gamma from eq. 2.2.
-    soft = places["per_radian"]
-    assert soft.formula is not None
-    inertia = 8.387e-5 * 0.027**2 / 3.0
-    turn = 261.8 * 0.5 * math.pi / math.sqrt(0.00041 / inertia)
-    assert math.degrees(soft.formula.direction) == pytest.approx(22.035 + math.degrees(turn) + 23.447, abs=0.01)
-
-
-def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
-    """Over the bar that the release needs and over the one that stands, compared with the independent solution."""
-    mine = cued.subject.places["per_degree"]
-    for place, passed in ((mine.simulated, mine.passed), (BarPlace.of(Bar()), mine.passed_as_given)):
-        tool = Tool(bar=Bar(horizontal=place.horizontal, vertical=place.vertical))
-        run = simulate_reference(tool, accuracy=1e-9, stop_after="strike")
-        (struck,) = (each for each in run.contacts if each.obstacle == "workpart")
-        lag = -0.5 * math.pi + 261.8 * struck.time - struck.angles[0]
-        # The lag is a small difference of large angles, good to 100 times the accuracy of 1e-6.
-        assert passed.retraction == pytest.approx(lag, abs=1e-4)
-        assert passed.relative_speed == pytest.approx(struck.rates_before[0] - 261.8, rel=1e-5)
-    assert math.degrees(mine.passed.retraction) == pytest.approx(1.97, abs=0.005)  # the finding of README
-    rows = [row for row in cued.extra["full_passes"] if row["belt_stiffness"] == Tool().belt.stiffness]
-    assert [round(row["lag_deg_at_contact"], 2) for row in rows] == [1.97, 2.74]
-    remarks = "\n".join(cued.remarks)
-    assert "can be cued there" not in remarks
-    assert "a full pass with the bar at 66.56 deg strikes 1.97 deg short of radial" in remarks
-
-
-def test_a_pass_that_cannot_be_simulated_says_why() -> None:
-    inside = BarPlace(0.01, 0.01, math.pi / 4.0)
-    passed = full_pass(Tool(), Bar(), inside, Settings())
-    assert passed.retraction is None
-    assert str(passed).startswith("cannot be simulated (bar_radius")
+    assert math.degrees(simulated.bar_direction) == pytest.approx(66.56, abs=0.005)
+    # The printed bar touches at the same retraction, so S is the same.
+    assert simulated.bar_distance == pytest.approx(math.hypot(*Bar().centre), rel=1e-9)
 
 
 def test_every_row_is_judged_by_the_same_side(cued: Report) -> None:
-    """With the reference all relative differences are from it, the readings' too, and each is held to its tolerance."""
+    """With the reference all relative differences are from it, and each is held to its tolerance."""
     assert all(row.reference is not None and row.ok for row in cued.quantities)
     bare = cue_timing(Tool(), math.radians(44.5), Settings(), with_reference=False)
     assert all(row.reference is None and row.ok is None for row in bare.quantities)
@@ -111,12 +74,11 @@ def test_print_belongs_to_the_printed_tool_alone() -> None:
 def test_the_released_wire_ends_on_the_bar_that_it_needs(cued: Report) -> None:
     """Released tip, bar and hub's centre are in line, and at the highest speed the tip is on the workpart (fig. 2.3)."""
     timing = cued.subject
-    bar, tool = timing.places[timing.own].simulated, Tool()
-    tip = timing.released[-1]
-    towards = np.array([-bar.horizontal, -bar.vertical]) / math.hypot(bar.horizontal, bar.vertical)
-    reach = math.hypot(bar.horizontal, bar.vertical) - tool.bar_reach
-    np.testing.assert_allclose(tip, reach * towards, atol=1e-12)  # m; rounding and the event's instant
-    assert timing.fastest[-1, 1] == pytest.approx(-tool.workpart_depth, abs=1e-8)  # radial to the accuracy, 1e-6
+    bar, tool, (released, fastest) = timing.simulated, Tool(), timing.wires
+    towards = np.array([-bar.bar_horizontal, -bar.bar_vertical]) / bar.bar_distance
+    reach = bar.bar_distance - tool.bar_reach
+    np.testing.assert_allclose(released[-1], reach * towards, atol=1e-12)  # m; rounding and the event's instant
+    assert fastest[-1, 1] == pytest.approx(-tool.workpart_depth, abs=1e-8)  # radial to the accuracy, 1e-6
 
 
 def test_bars_need_a_bar() -> None:

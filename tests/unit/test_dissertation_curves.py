@@ -9,9 +9,8 @@ from matplotlib.text import Text
 
 from bristle_sim.dissertation import impact_figures
 from bristle_sim.dissertation.figures import NUMBERS, Selection, figures_report, redrawn
-from bristle_sim.dissertation.redrawn import Redrawn, largest_differences
+from bristle_sim.dissertation.redrawn import SOURCES, Axis, Panel, Redrawn, curve_of, largest_differences
 from bristle_sim.render.dissertation_figures import contact_sheet, draw, save_figures
-from bristle_sim.studies.curves import SOURCES, Axis, Panel, curve_of
 
 MASS, LENGTH, RADIUS, SPEED, RATIO, GAMMA = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4)
 

@@ -13,11 +13,10 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
-from bristle_sim.dissertation.redrawn import Redrawn
+from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters.crater import Crater
 from bristle_sim.studies.crater_study import MEASURED
 from bristle_sim.studies.crater_sums import cut_of, energy_depth_course, merchant_depth_course
-from bristle_sim.studies.curves import Axis, Curve, Level, Mark, Panel, curve_of
 from bristle_sim.theory.crater import (
     energy_crater_depth,
     energy_crater_depth_ratio,
@@ -71,7 +70,7 @@ def map_figure() -> Redrawn:
     k, contact = PRINTED_KINEMATICS, bristle_contact(impulse=False)
     h = contact.history
     courses: tuple[tuple[Axis, str, Callable[[Array], ArrayLike], Array], ...] = (
-        (FORCE, "$F$ (3.19)", BRISTLE, contact.resultant.values),
+        (FORCE, "$F$ (3.19)", BRISTLE, contact.force),
         (PATH, "$S$ (4.4a)", k.tip_displacement, contact.path),
         (
             Axis("tip's speed", "m/s"),

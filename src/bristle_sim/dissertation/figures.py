@@ -9,17 +9,16 @@ from dataclasses import dataclass
 from functools import partial
 
 from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.dissertation import crater_figures, force_figures, impact_figures
-from bristle_sim.dissertation.redrawn import Redrawn, largest_differences
+from bristle_sim.dissertation import crater_figures, force_figures, impact_figures, pendulum_figures
+from bristle_sim.dissertation.redrawn import SOURCES, Redrawn, largest_differences
 from bristle_sim.quantity import Declared, choice
-from bristle_sim.studies.curves import SOURCES
 
 _BUILDERS: dict[str, Callable[[], Redrawn]] = {
     **{number: partial(impact_figures.impact_figure, number) for number in impact_figures.FIGURES},
     "2.26": impact_figures.single_pendulum_figure,
-    "2.28": partial(impact_figures.double_pendulum_figure, "2.28"),
-    "2.29": partial(impact_figures.double_pendulum_figure, "2.29"),
-    "2.30": impact_figures.heavy_rod_figure,
+    "2.28": partial(pendulum_figures.double_pendulum_figure, "2.28"),
+    "2.29": partial(pendulum_figures.double_pendulum_figure, "2.29"),
+    "2.30": pendulum_figures.heavy_rod_figure,
     "3.1": force_figures.points_figure,
     "3.2": force_figures.fit_figure,
     "3.3": force_figures.bristle_figure,

@@ -7,19 +7,17 @@ from itertools import pairwise
 
 import numpy as np
 
-from bristle_sim.dissertation.redrawn import Redrawn
+from bristle_sim.dissertation.redrawn import Axis, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.curves import Axis, Mark, Panel, curve_of
-from bristle_sim.studies.force_fits import noisy_points
 from bristle_sim.studies.timed_contact import timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, TABLE_3_1, segment_impulses
 
-NOISE, POINTS = 5.0, 61
-"""Noise (N) and number of the points that stand in for the measured ones."""
+NOISE, POINTS, SEED = 5.0, 61, 1
+"""Noise (N) and number of the points that stand in for the measured ones, and the seed of the noise."""
 
 MILLISECONDS = Axis("time since first touch", "ms", 1e3)
 MICROSECONDS = Axis("time since first touch", "µs", 1e6)
@@ -29,7 +27,8 @@ SEGMENTS = len(TABLE_3_1)
 
 def points_figure() -> Redrawn:
     """Figure 3.1: points of the ball's impact."""
-    time, force = noisy_points(BALL, POINTS, NOISE)
+    time = np.linspace(0.0, BALL.duration, POINTS)
+    force = np.asarray(BALL(time)) + NOISE * np.random.default_rng(SEED).standard_normal(POINTS)
     fit = fit_force_history(time, force, duration=BALL.duration, peak_force=2.0 * BALL.swing, start=0.0)
     shown = f"fit: c = {fit.values[0]:.3f}, $\\lambda$ = {fit.values[1]:.0f} /s"
     curve = curve_of(shown, fit.curve, np.linspace(0.0, BALL.duration, 201), {"sampled": (time, force)})
@@ -64,7 +63,7 @@ def bristle_figure() -> Redrawn:
     # The contact outlasts the curve, and has two samples at some instants.
     time, first = np.unique(contact.time, return_index=True)
     kept = time <= BRISTLE.duration
-    points = {"table": (middles, mean), "contact": (time[kept], contact.resultant.values[first][kept])}
+    points = {"table": (middles, mean), "contact": (time[kept], contact.force[first][kept])}
     curves = (
         curve_of("(3.19)", BRISTLE, grid, points),
         curve_of("ball's curve rescaled", scaled, np.linspace(0.0, scaled.duration, 201)),
@@ -82,7 +81,7 @@ def table() -> Redrawn:
     columns = (
         1e4 * segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE),
         1e4 * segment_impulses(BRISTLE, float(BRISTLE.impulse(BRISTLE.peak_time()))),
-        [1e4 * contact.resultant.integral(*pair) for pair in pairwise(edges)],
+        [1e4 * contact.resultant.integrate(*pair) for pair in pairwise(edges)],
     )
     rows = [
         (str(i + 1), f"{1e6 * edges[i]:.0f}-{1e6 * edges[i + 1]:.0f}", printed, *(f"{each[i]:.3f}" for each in columns))

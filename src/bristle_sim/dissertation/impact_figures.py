@@ -1,19 +1,116 @@
-"""Figures 2.7-2.30: impulses, works and rebound of the radial bristle and of Stronge's pendulums (Zhang 2020, secs. 2.3, 2.4)."""
+"""Figures 2.7-2.26: impulses, works and rebound of the radial bristle and of Stronge's single pendulum (Zhang 2020, chapter 2).
+
+The curves are the dissertation's formulas; the points go through the pymunk scene, one strike each, with the contact law
+they are named after.
+"""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from bristle_sim.dissertation.redrawn import Redrawn
-from bristle_sim.parameters import DoublePendulum, Surface
-from bristle_sim.scene.strike import Chain
-from bristle_sim.studies.curves import Axis, Level, Panel
-from bristle_sim.studies.double_pendulum_families import Impact, heavy_rod_panel, pendulum_curve, weighted
-from bristle_sim.studies.impacts import double_chain
-from bristle_sim.studies.rod_families import OPERATING_POINT, TOTAL, Sweep, sweep_panel
+from bristle_sim.arrays import Array
+from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
+from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
+from bristle_sim.scene.strike import Chain, strike
+from bristle_sim.settings import Settings
+from bristle_sim.studies.strike_point import contact_quantities
+from bristle_sim.theory.monofilament import monofilament_impact
+from bristle_sim.trajectory import ContactRecord
+
+Impact = Callable[[float], tuple[Chain, Surface]]
+"""The rods and the surface that belong to an x."""
+
+GRID = 401
+"""Points on a curve."""
+
+ENERGETIC, COMPLIANT = 6, 5
+"""Simulated impacts on a curve by law: at ends and steps, and between them."""
+
+NEAREST = 0.9
+"""Fraction of the stiction friction up to which impacts are simulated where p_fy has no bound; curves end at 0.9999 of it."""
+
+FINAL, NORMAL, TANGENTIAL = "normal_final_impulse", "normal_compressive_work", "tangential_compressive_work"
+TOTAL = "total_compressive_work"
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One strike of a radial rod, as ``monofilament_impact`` takes it: SI and rad, by default at the operating point."""
+
+    mass: float = Bristle().mass
+    friction: float = Surface().friction
+    restitution_friction: float | None = None
+    restitution: float = Surface().restitution
+    impact_angle: float = math.radians(Strike().impact_angle_deg)
+    length: float = Bristle().length
+    hub_radius: float = Hub().radius
+    hub_speed: float = Hub().speed
+    speed_ratio: float = Strike().speed_ratio
+
+    def impact(self) -> tuple[Chain, Surface]:
+        """Return the rod that strikes and the surface that is struck."""
+        angle, rate = -self.impact_angle, self.speed_ratio * self.hub_speed
+        rod = Chain((self.mass,), (self.length,), (angle,), (rate,), self.hub_radius, self.hub_speed, angle)
+        return rod, Surface(self.friction, self.restitution_friction, self.restitution)
+
+
+OPERATING_POINT = Case()
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """A family of strikes: ``along`` varies on a curve from ``low`` to ``high``, ``family`` from curve to curve.
+
+    Both are fields of Case. A curve may end, instead of at ``high``, where the friction that varies reaches tan gamma.
+    """
+
+    along: str
+    low: float
+    high: float
+    family: str
+    values: tuple[float, ...]
+    until_stiction: bool = False
+    base: Case = OPERATING_POINT
+
+    def cases(self) -> list[Case]:
+        """The curve's fixed part, one for each value of the family."""
+        return [dataclasses.replace(self.base, **{self.family: value}) for value in self.values]
+
+
+AXES = {
+    "friction": Axis("friction coefficient $\\mu$"),
+    "restitution_friction": Axis("friction coefficient in restitution $\\mu_2$"),
+    "length": Axis("bristle length $L$", "mm", 1e3),
+    "hub_radius": Axis("hub radius", "mm", 1e3),
+    "hub_speed": Axis("hub speed", "rad/s"),
+    "speed_ratio": Axis("speed ratio $R$"),
+    "impact_angle": Axis("impact angle $\\gamma$", "°", math.degrees(1.0)),
+    "restitution": Axis("restitution $e^*$"),
+    "normal_compressive_impulse": Axis("normal compressive impulse", "mN·s", 1e3),
+    "tangential_compressive_impulse": Axis("tangential compressive impulse", "mN·s", 1e3),
+    FINAL: Axis("normal final impulse", "mN·s", 1e3),
+    NORMAL: Axis("normal compressive work", "mJ", 1e3),
+    TANGENTIAL: Axis("tangential compressive work", "mJ", 1e3),
+    TOTAL: Axis("total compressive work", "mJ", 1e3),
+    "rebound_ratio": Axis("rate after / rate before"),
+}
+
+SYMBOLS = {
+    "friction": "$\\mu$",
+    "restitution_friction": "$\\mu_2$",
+    "hub_radius": "$r_h$",
+    "hub_speed": "$\\omega$",
+    "impact_angle": "$\\gamma$",
+    "restitution": "$e^*$",
+}
 
 FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (10.0, 15.0, 23.4, 30.0)))
 LENGTH = Sweep("length", 0.01, 0.05, "hub_radius", (0.02, 0.0275, 0.035))
@@ -26,26 +123,24 @@ COMMON_FRICTION = Sweep(
 RESTITUTION = Sweep("friction", 0.0, 1.0, "restitution", (0.2, 0.42, 0.6, 0.8), True)
 REBOUND = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0))
 
-_FINAL, _NORMAL, _TANGENTIAL = "normal_final_impulse", "normal_compressive_work", "tangential_compressive_work"
-
 FIGURES: dict[str, tuple[str, Sweep, str]] = {
     "2.7": ("normal_compressive_impulse", FRICTION, "over friction"),
     "2.8": ("normal_compressive_impulse", LENGTH, "over the bristle's length"),
     "2.9": ("normal_compressive_impulse", RATIO, "over the speed ratio"),
-    "2.10": (_NORMAL, FRICTION, "over friction"),
-    "2.11": (_NORMAL, LENGTH, "over the bristle's length"),
-    "2.12": (_NORMAL, RATIO, "over the speed ratio"),
-    "2.13": (_FINAL, LATER_FRICTION, "over friction in restitution"),
-    "2.14": (_FINAL, EARLIER_FRICTION, "over friction in compression"),
+    "2.10": (NORMAL, FRICTION, "over friction"),
+    "2.11": (NORMAL, LENGTH, "over the bristle's length"),
+    "2.12": (NORMAL, RATIO, "over the speed ratio"),
+    "2.13": (FINAL, LATER_FRICTION, "over friction in restitution"),
+    "2.14": (FINAL, EARLIER_FRICTION, "over friction in compression"),
     "2.15": ("tangential_compressive_impulse", FRICTION, "over friction"),
-    "2.16": (_TANGENTIAL, FRICTION, "over friction"),
-    "2.17": (_TANGENTIAL, LENGTH, "over the bristle's length"),
-    "2.18": (_TANGENTIAL, RATIO, "over the speed ratio"),
+    "2.16": (TANGENTIAL, FRICTION, "over friction"),
+    "2.17": (TANGENTIAL, LENGTH, "over the bristle's length"),
+    "2.18": (TANGENTIAL, RATIO, "over the speed ratio"),
     "2.19": (TOTAL, FRICTION, "over friction"),
     "2.20": (TOTAL, LENGTH, "over the bristle's length"),
     "2.21": (TOTAL, RATIO, "over the speed ratio"),
-    "2.22": (_FINAL, COMMON_FRICTION, "over friction, by impact angle"),
-    "2.23": (_FINAL, RESTITUTION, "over friction, by restitution"),
+    "2.22": (FINAL, COMMON_FRICTION, "over friction, by impact angle"),
+    "2.23": (FINAL, RESTITUTION, "over friction, by restitution"),
     "2.24": ("rebound_ratio", REBOUND, "over the impact angle"),
 }
 """Quantity, sweep, and the end of the title, which begins with the quantity."""
@@ -57,8 +152,6 @@ NOTES = {
     "2.23": "grows without bound towards tan $\\gamma$ (dashed)",
     "2.24": "flat where the tip stays at rest: $\\mu$ ≥ tan $\\gamma$",
 }
-
-RATES = {"2.28": (2, "rod BC"), "2.29": (1, "rod OB")}
 
 
 def impact_figure(number: str) -> Redrawn:
@@ -77,40 +170,92 @@ def single_pendulum_figure() -> Redrawn:
     )
 
 
-def double_pendulum_figure(number: str) -> Redrawn:
-    """Return figures 2.28 and 2.29: rates after impact over the mass ratio, for frictions that stick and reverse."""
-    rod, name = RATES[number]
-    pendulum = DoublePendulum()
-    chain = double_chain(dataclasses.replace(pendulum, mass_ratio=1.0))
-    curves = tuple(
-        pendulum_curve(
-            f"{mu:g}", f"final_rate_{rod}", _over_mass_ratio(chain, Surface(mu, None, 0.5)), _RATIOS, _SIMULATED
-        )
-        for mu in (0.3, 0.5, 0.7)
-    )
-    levels = (Level(pendulum.rate_1, "before the impact"),) if rod == 1 else ()
-    axis = Axis(f"rate after impact, {name}", "rad/s")
-    return Redrawn(
-        number,
-        f"double pendulum: rate of {name}, over the mass ratio",
-        (Panel(Axis("mass ratio $n$", log=True), axis, curves, family="$\\mu$", levels=levels),),
-        "slip stops and reverses for $\\mu$ = 0.3 and 0.5; with 0.7 the tip sticks",
-    )
-
-
-def _over_mass_ratio(chain: Chain, surface: Surface) -> Impact:
-    return lambda ratio: (weighted(chain, ratio), surface)
-
-
-def heavy_rod_figure() -> Redrawn:
-    """Return figure 2.30: final impulse of the bristle as the second rod of a double pendulum, and the monofilament's."""
-    return Redrawn(
-        "2.30",
-        "final impulse of the modified double pendulum over friction",
-        (heavy_rod_panel(),),
-        "the heavy rod is 0.027 m long where the hub has 0.0275: half a per cent less impulse",
+def sweep_panel(quantity: str, sweep: Sweep) -> Panel:
+    """Return a quantity over a sweep: closed form, simulated impacts, the operating point and where stiction begins."""
+    curves = tuple(_curve(quantity, sweep, case) for case in sweep.cases())
+    levels: tuple[Level, ...] = ()
+    own = getattr(OPERATING_POINT, sweep.along)
+    at = OPERATING_POINT.friction if own is None else own
+    mark = Mark(at, float(closed_form(quantity, OPERATING_POINT, sweep.along)(np.array([at]))[0]))
+    if sweep.until_stiction:
+        tangents = dict.fromkeys(math.tan(case.impact_angle) for case in sweep.cases())
+        label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
+        levels = tuple(Level(each, label, upright=True) for each in tangents if each <= sweep.high)
+    return Panel(
+        AXES[sweep.along],
+        AXES[quantity],
+        curves,
+        family=SYMBOLS[sweep.family],
+        marks=(mark,) if sweep.base == OPERATING_POINT else (),
+        levels=levels,
+        top=2.2 * max(float(curve.theory[0]) for curve in curves) if sweep.until_stiction else None,
     )
 
 
-_RATIOS = np.geomspace(1.0, 1e4, 121)
-_SIMULATED = {"energetic": np.geomspace(1.0, 1e4, 5), "compliant": np.geomspace(10**0.5, 10**3.5, 4)}
+def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:
+    """Return a curve closer in x where it grows without bound, and points by law: ends and steps, middles between them."""
+    low, high, simulated = sweep.low, sweep.high, sweep.high
+    grid = np.linspace(low, high, GRID)
+    if sweep.until_stiction:
+        stiction = math.tan(case.impact_angle)
+        simulated, high = min(high, NEAREST * stiction), min(high, 0.9999 * stiction)
+        grid = np.asarray(high - (high - low) * np.linspace(1.0, 0.0, GRID) ** 3)
+    middles = low + (np.arange(COMPLIANT) + 0.5) * ((simulated - low) / COMPLIANT)
+    places = {"energetic": np.linspace(low, simulated, ENERGETIC), "compliant": np.asarray(middles)}
+
+    def impact(x: float) -> tuple[Chain, Surface]:
+        return dataclasses.replace(case, **{sweep.along: x}).impact()
+
+    def read(contact: ContactRecord) -> Any:
+        return _value(quantity, contact_quantities(contact).get)
+
+    axis = AXES[sweep.family]
+    unit = {"1": "", "°": "°"}.get(axis.unit, f" {axis.unit}")
+    name = f"{round(getattr(case, sweep.family) * axis.factor, 6):g}{unit}"
+    return impact_curve(name, closed_form(quantity, case, sweep.along), grid, impact, read, places)
+
+
+def _value(quantity: str, get: Callable[[str], Any]) -> Any:
+    """Return a quantity by name, the total work as the sum of both; None where it is not known."""
+    values = [get(name) for name in ((NORMAL, TANGENTIAL) if quantity == TOTAL else (quantity,))]
+    return None if any(value is None for value in values) else sum(values)
+
+
+def closed_form(quantity: str, case: Case, along: str) -> Callable[[Array], Array]:
+    """Return the closed form as a function of one field of the case."""
+
+    def value(x: Array) -> Array:
+        found = monofilament_impact(**dataclasses.asdict(case) | {along: x})
+        return np.broadcast_to(_value(quantity, partial(getattr, found)), np.shape(x))
+
+    return value
+
+
+def impact_curve(
+    name: str,
+    formula: Callable[[Array], ArrayLike],
+    x: Array,
+    impact: Impact,
+    read: Callable[[ContactRecord], float | None],
+    places: Mapping[str, Array],
+) -> Curve:
+    """Return a closed form over x, and what is read from simulated impacts at some places by law.
+
+    An impact without an end, or without the quantity, is left out.
+    """
+    points: dict[str, Any] = {}
+    for law, at in places.items():
+        records = ((each, _struck(*impact(each), law)) for each in at.tolist())
+        found = [(each, value) for each, record in records if record and (value := read(record)) is not None]
+        if found:
+            points[law] = tuple(zip(*found, strict=True))
+    return curve_of(name, formula, x, points)
+
+
+@cache
+def _struck(chain: Chain, surface: Surface, law: str) -> ContactRecord | None:
+    """Return the contact of a strike through the scene; None for one that comes to no end."""
+    try:
+        return strike(chain, surface, Contact(law), Settings()).contact
+    except ValueError:
+        return None

@@ -8,7 +8,7 @@ from typing import Any
 
 from bristle_sim.glossary import KEYS
 from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
-from bristle_sim.quantity import ANY, Declared, count, quantity, shown, validate
+from bristle_sim.quantity import Declared, count, quantity, shown, validate
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +70,7 @@ class Measurement:
 
 @dataclass(frozen=True, slots=True)
 class ForceHistory(Declared):
-    """The contact compared with a force curve, and the points on which the fit is tried.
+    """The contact compared with a force curve.
 
     ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse needs, as long as
     its force rises.
@@ -91,8 +91,6 @@ class ForceHistory(Declared):
         source="the curve's: Zhang 2020, eq. 3.20, 5e-5",
         meaning="time from first touch to the highest force; none: the curve's",
     )
-    points: int = count(101, "points", source="chosen: on which the fit is tried")
-    noise: float = quantity(1.0, "noise", source="chosen: standard deviation of a noisy point", usual=ANY)
 
 
 @dataclass(frozen=True, slots=True)

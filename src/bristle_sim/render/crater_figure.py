@@ -16,14 +16,13 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES,
 from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import blank_figure, signed, styled
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
-from bristle_sim.studies.crater_sums import (
-    IMPACT_ANGLES_DEG,
-    constants_over,
-    merchant_depth_course,
-    merchant_depth_extrapolated,
-    merchant_depth_sum,
+from bristle_sim.studies.crater_sums import IMPACT_ANGLES_DEG, constants_over, cut_of, merchant_depth_course
+from bristle_sim.theory.crater import (
+    energy_crater_depth_ratio,
+    friction_for_crater_depth,
+    merchant_crater_depth,
+    merchant_crater_depth_limit,
 )
-from bristle_sim.theory.crater import energy_crater_depth_ratio, friction_for_crater_depth
 from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
 
 MICRO = 1e6
@@ -61,8 +60,9 @@ def _draw_plies(axes: Axes, study: CraterStudy) -> None:
         return
     curve, points = np.unique(np.geomspace(1, 1e5, 61).astype(int)), (1, 3, 10, 30, 100, 300, 1000, 10000, 100000)
     sums = [float(merchant_depth_course(dataclasses.replace(crater, plies=n))[-1]) for n in points]
-    limit, own = merchant_depth_extrapolated(crater), float(merchant_depth_sum(crater, crater.plies))
-    axes.plot(curve, MICRO * merchant_depth_sum(crater, curve), color=BLUE, label="sum (4.50)")
+    cut = cut_of(crater)
+    limit, own = float(merchant_crater_depth_limit(**cut)), float(merchant_crater_depth(plies=crater.plies, **cut))
+    axes.plot(curve, MICRO * np.asarray(merchant_crater_depth(plies=curve, **cut)), color=BLUE, label="sum (4.50)")
     printed: dict[str, Any] = {"markersize": 3.6, "markerfacecolor": "white", "label": "(4.57) as printed"}
     axes.plot(points, MICRO * np.array(sums), "o", color=BLUE, **printed)
     axes.axhline(MICRO * limit, color=BLUE, dashes=(1, 1.5), linewidth=0.9, label=f"limit {MICRO * limit:.2f} µm")
@@ -122,8 +122,10 @@ def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
         ("work and energy,\nratio of sums, 5 plies", ratio, GREEN),
     ]
     if study.angles is not None:
-        rows.append(("Merchant, limit", merchant_depth_extrapolated(crater), BLUE))
-        rows.append((f"Merchant, {crater.plies:g} plies", float(merchant_depth_sum(crater, crater.plies)), BLUE))
+        cut = cut_of(crater)
+        rows.append(("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE))
+        depth = float(merchant_crater_depth(plies=crater.plies, **cut))
+        rows.append((f"Merchant, {crater.plies:g} plies", depth, BLUE))
     shown = [(name, MICRO * depth, color) for name, depth, color in rows if depth is not None]
     for row, (_, depth, color) in enumerate(shown):
         axes.plot([depth], [row], "o", color=color, markersize=4.5)

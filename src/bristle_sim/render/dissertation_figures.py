@@ -19,12 +19,11 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from bristle_sim.dissertation.figures import NUMBERS, redrawn
-from bristle_sim.dissertation.redrawn import Redrawn
+from bristle_sim.dissertation.redrawn import Panel, Redrawn
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT
 from bristle_sim.render.panels import draw_panel, line_entries, point_entries
 from bristle_sim.render.style import axes_at, blank_figure, save_figure, styled, write_page
-from bristle_sim.studies.curves import Panel
 
 SHEET_DOTS_PER_INCH = 100.0
 """A sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in."""

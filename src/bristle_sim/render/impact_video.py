@@ -14,7 +14,7 @@ from bristle_sim.render.contact_motion import ContactMotion, caption, contact_mo
 from bristle_sim.render.drawing import point_arrow
 from bristle_sim.render.film_scene import BORDER, HEADER, FilmScene, TimeWarp, slow_motion, write_film
 from bristle_sim.render.impact_drawings import NORMAL, TANGENTIAL, CloseUp, draw_chain
-from bristle_sim.render.impact_figures import PHASE_COLOURS
+from bristle_sim.render.impact_figure import PHASE_COLOURS
 from bristle_sim.render.story import Phase, phase_at
 from bristle_sim.render.style import scale_for, signed, styled
 from bristle_sim.studies.impacts import Impacts

@@ -9,21 +9,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from bristle_sim.render.colours import BLACK, GREY, ORANGE, SERIES
+from bristle_sim.dissertation.redrawn import SOURCES, Level, Panel
+from bristle_sim.render.colours import BLACK, GREY, SERIES
 from bristle_sim.render.style import axes_at
-from bristle_sim.studies.curves import SOURCES, Level, Panel
 
 NOTHING = 1e-12
 """Less than this, in the unit shown, is rounding of zero."""
 
-MANY = 6
-"""Curves whose names need closer spacing to fit in the row above a panel."""
-
-MARKS: dict[str, dict[str, Any]] = {
-    "operating point": {"marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white"},
-    "the impact at hand": {"marker": "*", "color": BLACK, "markersize": 9.0, "markerfacecolor": ORANGE},
-}
-"""What a mark without a label may be; the dissertation marks its operating point with a blue round dot."""
+OPERATING_POINT: dict[str, Any] = {"marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white"}
+"""A mark without a label: the dissertation marks its operating point with a blue round dot."""
 
 _DASHES = ((4.0, 2.0), (1.0, 1.5))
 """Dashes of level lines, in their order."""
@@ -63,8 +57,8 @@ def say(axes: Axes, words: str) -> None:
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
 
 
-def draw_panel(axes: Axes, panel: Panel, own: str = "operating point") -> None:
-    """Draw one panel without its legend; ``own`` says what its marks without a label are, see MARKS."""
+def draw_panel(axes: Axes, panel: Panel) -> None:
+    """Draw one panel without its legend."""
     x, y = panel.x.factor, panel.y.factor
     for curve, color in zip(panel.curves, SERIES, strict=False):
         axes.plot(x * curve.x, y * curve.theory, color=color, gid=f"curve {curve.name}")
@@ -81,7 +75,9 @@ def draw_panel(axes: Axes, panel: Panel, own: str = "operating point") -> None:
             right, up, side = _SIDES[mark.side]
             note(axes, mark.label, place, (right, up), ha=side, color=BLACK, zorder=5)
         else:
-            axes.plot(*place, linestyle="none", zorder=5, gid=own, markeredgewidth=0.65, **MARKS[own])
+            axes.plot(
+                *place, linestyle="none", zorder=5, gid="operating point", markeredgewidth=0.65, **OPERATING_POINT
+            )
     axes.set(xlabel=panel.x.label, ylabel=panel.y.label)
     axes.set_xscale("log" if panel.x.log else "linear")
     axes.set_yscale("log" if panel.y.log else "linear")
@@ -108,14 +104,6 @@ def _level_looks(panel: Panel) -> list[tuple[Level, tuple[float, float]]]:
     return [*zip(flat, _DASHES, strict=False), *upright]
 
 
-def name_curves(axes: Axes, panel: Panel) -> None:
-    """Name a panel's curves in a row above it that begins with the family's symbol."""
-    names, crowded = _names(panel), len(panel.curves) >= MANY
-    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (-0.08, 0.985), "ncols": len(names)}
-    length, apart = (0.7, 0.5) if crowded else (1.0, 0.9)
-    axes.legend(handles=names, handlelength=length, handletextpad=0.4, columnspacing=apart, **place)
-
-
 def point_entries(panel: Panel) -> list[Line2D]:
     """Return entries of a legend that say what the points and the dot of the operating point are."""
     laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
@@ -129,13 +117,6 @@ def line_entries(panel: Panel) -> list[Line2D]:
     return [*_names(panel), *{line.get_label(): line for line in lines}.values()]
 
 
-def explain_marks(figure: Figure, *kinds: str) -> None:
-    """Explain lines and points in a row at the foot of a figure: sources of points, and marks."""
-    lines = [Line2D([], [], color=BLACK, label="closed form"), *map(_entry, kinds)]
-    look: dict[str, Any] = {"borderaxespad": 0.2, "columnspacing": 1.0, "handletextpad": 0.4}
-    figure.legend(handles=lines, loc="lower center", ncols=len(lines), **look)
-
-
 def _names(panel: Panel) -> list[Line2D]:
     symbol = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
     lines = [Line2D([], [], color=color, label=curve.name) for curve, color in zip(panel.curves, SERIES, strict=False)]
@@ -144,7 +125,7 @@ def _names(panel: Panel) -> list[Line2D]:
 
 def _entry(kind: str) -> Line2D:
     """Return an entry of a legend that says what a mark, or a source's points, look like and what they are."""
-    if kind in MARKS:
-        return Line2D([], [], linestyle="none", label=kind, markeredgewidth=0.65, **MARKS[kind])
+    if kind == "operating point":
+        return Line2D([], [], linestyle="none", label=kind, markeredgewidth=0.65, **OPERATING_POINT)
     look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[kind]}
     return Line2D([], [], label=SOURCES[kind].words, **look)

@@ -15,56 +15,21 @@ from bristle_sim.parameters import Bristle, Surface
 from bristle_sim.scene.strike import Chain
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
+"""Gauss's rule integrates a product of two cubics exactly."""
 
-@dataclass(frozen=True, slots=True)
-class PiecewiseCubic:
-    """Interpolates samples by cubics, smooth but at instants that are sampled more than once.
 
-    Arrays of shape (n,). Between such instants the cubics pass through values and slopes, or are a spline through values.
+def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
+    """Return cubics through samples, smooth but at instants that are sampled more than once, where they jump.
+
+    Arrays of shape (n,). Between such instants they have the slopes given, or are a spline.
     """
-
-    time: Array
-    values: Array
-    slopes: Array | None = None
-
-    def integral(self, start: float, end: float) -> float:
-        """Integrate from start to end, s."""
-        total = 0.0
-        for first, last in pieces(self.time):
-            low, high = max(start, self.time[first]), min(end, self.time[last - 1])
-            if high > low:
-                total += float(self._cubic(first, last).integrate(low, high))
-        return total
-
-    def sums(self) -> Array:
-        """Integrate from the first sample to each, shape (n,)."""
-        found = np.zeros(len(self.time))
-        for first, last in pieces(self.time):
-            found[first:last] += self._cubic(first, last).antiderivative()(self.time[first:last])
-            found[last:] = found[last - 1]
-        return found
-
-    def integral_with(self, other: PiecewiseCubic) -> float:
-        """Integrate the product with cubics at the same instants over all of them."""
-        total, (nodes, weights) = 0.0, np.polynomial.legendre.leggauss(4)
-        for first, last in pieces(self.time):
-            half = 0.5 * np.diff(self.time[first:last])
-            at = self.time[first : last - 1, None] + half[:, None] * (1.0 + nodes)
-            total += float(half @ (self._cubic(first, last)(at) * other._cubic(first, last)(at)) @ weights)
-        return total
-
-    def fine(self, points: int) -> tuple[Array, Array]:
-        """Return time and values on the cubics, with a number of points for each sample."""
-        spans = pieces(self.time)
-        times = [np.linspace(self.time[first], self.time[last - 1], points * (last - first)) for first, last in spans]
-        values = [self._cubic(*span)(time) for span, time in zip(spans, times, strict=True)]
-        return np.concatenate(times), np.concatenate(values)
-
-    def _cubic(self, first: int, last: int) -> PPoly:
-        time, values = self.time[first:last], self.values[first:last]
-        if self.slopes is None:
-            return CubicSpline(time, values)
-        return CubicHermiteSpline(time, values, self.slopes[first:last])
+    coefficients = np.zeros((4, len(time) - 1))
+    for first, last in pieces(time):
+        own = time[first:last], values[first:last]
+        piece = CubicSpline(*own) if slopes is None else CubicHermiteSpline(*own, slopes[first:last])
+        coefficients[:, first : last - 1] = piece.c
+    return PPoly(coefficients, time)
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
@@ -107,25 +72,25 @@ class TimedContact:
         return compression_end(self.history)
 
     @cached_property
-    def resultant(self) -> PiecewiseCubic:
+    def force(self) -> Array:
         """Resultant force, N."""
-        ratio, slope = self._ratio_and_slope
-        leaning = np.hypot(1.0, ratio)
-        return PiecewiseCubic(self.time, leaning * self.history.normal_force, leaning * slope)
+        return np.asarray(np.hypot(1.0, self._ratio_and_slope[0]) * self.history.normal_force)
 
-    def smooth_resultant(self, points: int = 24) -> tuple[Array, Array]:
-        """Return the resultant, N, on the cubics that are integrated, between its samples too, over time, s."""
-        return self.resultant.fine(points)
+    @cached_property
+    def resultant(self) -> PPoly:
+        """Resultant force as a function of time, N."""
+        ratio, slope = self._ratio_and_slope
+        return cubics(self.time, self.force, np.hypot(1.0, ratio) * slope)
 
     @property
     def peak_force(self) -> float:
         """Largest resultant force, N; it is reached where the penetration is, which is a sample."""
-        return float(self.resultant.values.max())
+        return float(self.force.max())
 
     @cached_property
     def compressive_impulse(self) -> float:
         """Integral of the resultant force over the compression, p_c (Zhang 2020, eq. 3.1), N s."""
-        return self.resultant.integral(0.0, self.compression_time)
+        return float(self.resultant.integrate(0.0, self.compression_time))
 
     @property
     def tip_speed(self) -> float:
@@ -136,7 +101,7 @@ class TimedContact:
     def path(self) -> Array:
         """Length of the tip's path since first touch, m."""
         h = self.history
-        return PiecewiseCubic(self.time, np.hypot(h.normal_velocity, h.tangential_velocity)).sums()
+        return _sums(self.time, np.hypot(h.normal_velocity, h.tangential_velocity))
 
     @cached_property
     def hub_angle(self) -> Array:
@@ -148,7 +113,7 @@ class TimedContact:
         """Position of the tip from the hub's centre, along and above the workpart, m."""
         radius, length = self.chain.hub_radius, self.chain.lengths[0]
         start, angle = self.chain.hub_angle, self.chain.angles[0]
-        slid = PiecewiseCubic(self.time, self.history.tangential_velocity).sums()
+        slid = _sums(self.time, self.history.tangential_velocity)
         along = radius * math.sin(start) + length * math.sin(angle) + slid
         return along, -radius * math.cos(start) - length * math.cos(angle) - self.history.penetration
 
@@ -174,22 +139,18 @@ class TimedContact:
         """Work of the force on the tip over its path, first touch to last, J; negative, from the recorded samples."""
         # Force and speed are cubics each: of the force the slopes are known, which few samples of their product lack.
         h, (ratio, slope) = self.history, self._ratio_and_slope
-        speed = PiecewiseCubic(self.time, h.normal_velocity + ratio * h.tangential_velocity)
-        return PiecewiseCubic(self.time, h.normal_force, slope).integral_with(speed)
+        speed = cubics(self.time, h.normal_velocity + ratio * h.tangential_velocity)
+        force, half = cubics(self.time, h.normal_force, slope), 0.5 * np.diff(self.time)
+        at = self.time[:-1, None] + half[:, None] * (1.0 + NODES)
+        return float(half @ (force(at) * speed(at)) @ WEIGHTS)
 
     @property
     def energy_given_up(self) -> float:
-        """Energy that bristle and hub give up during the contact, J; the hub's drive works on the moment of its rim."""
-        return self.energy_given_up_in_hub_frame - self.chain.hub_speed * self._contact_moment()
+        """Energy that bristle and hub give up during the contact, J; the hub's drive works on the moment of its rim.
 
-    @property
-    def work_in_hub_frame(self) -> float:
-        """Work of the force on the tip in the frame that turns with the hub, J: from the force's record alone."""
-        return self.work - self.chain.hub_speed * self._contact_moment()
-
-    @property
-    def energy_given_up_in_hub_frame(self) -> float:
-        """Decrease of T - omega L, Jacobi's integral, which nothing but the contact changes, J; from states alone."""
+        It is the decrease of T - omega L, Jacobi's integral, which nothing but the contact changes, from states alone, less
+        the work omega M of the contact's moment about the hub's centre.
+        """
         mass, inertia, half = self.bristle.mass, self.bristle.inertia_about_centre, 0.5 * self.chain.lengths[0]
         kinetic = 0.5 * mass * self.centre_speed**2 + 0.5 * inertia * self.rate**2
         x = self.chain.hub_radius * np.sin(self.hub_angle) + half * np.sin(self.angle)
@@ -197,7 +158,7 @@ class TimedContact:
         forward, upward = self._centre_velocity()
         momentum = mass * (x * upward - y * forward) + inertia * self.rate
         jacobi = kinetic - self.chain.hub_speed * momentum
-        return float(jacobi[0] - jacobi[-1])
+        return float(jacobi[0] - jacobi[-1]) - self.chain.hub_speed * self._contact_moment()
 
     def _contact_moment(self) -> float:
         """Integral of the contact's moment about the hub's centre, N m s."""
@@ -206,10 +167,10 @@ class TimedContact:
         lever = along - ratio * above
         turning = h.tangential_velocity + ratio * h.normal_velocity
         slopes = lever * slope + turning * h.normal_force
-        recorded = PiecewiseCubic(self.time, lever * h.normal_force, slopes).integral(0.0, end)
+        recorded = cubics(self.time, lever * h.normal_force, slopes).integrate(0.0, end)
         # In stick the samples leave out the force that keeps the tip in place; the record's impulse includes it.
-        rubbed = PiecewiseCubic(self.time, ratio * h.normal_force, ratio * slope).integral(0.0, end)
-        return recorded - float(above[-1]) * (self.record.impulse[1] - rubbed)
+        rubbed = cubics(self.time, ratio * h.normal_force, ratio * slope).integrate(0.0, end)
+        return float(recorded - above[-1] * (self.record.impulse[1] - rubbed))
 
     @cached_property
     def _ratio_and_slope(self) -> tuple[Array, Array]:
@@ -229,3 +190,8 @@ class TimedContact:
         rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * self.rate
         along, above = (rim * turn(self.hub_angle) + half * turn(self.angle) for turn in (np.cos, np.sin))
         return along, above
+
+
+def _sums(time: Array, values: Array) -> Array:
+    """Integrate samples from the first to each, shape (n,)."""
+    return np.asarray(cubics(time, values).antiderivative()(time))

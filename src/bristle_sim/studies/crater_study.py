@@ -10,14 +10,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.comparison import Quantity, Report, Values, rows
+from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.parameters.crater import Crater
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.crater_sums import constant_in_words, constant_row, constants_over, cut_of, merchant_depth_sum
-from bristle_sim.studies.timed_contact import BALANCE, reported, timed_contact, work_row
-from bristle_sim.theory.crater import energy_crater_depth, energy_crater_depth_ratio, merchant_crater_depth_limit
+from bristle_sim.studies.crater_sums import constant_row, constants_over, cut_of
+from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
+from bristle_sim.theory.crater import energy_crater_depth, merchant_crater_depth, merchant_crater_depth_limit
 from bristle_sim.theory.crater_cutting import (
     ContactCrater,
     crater_depth_from_contact,
@@ -71,9 +71,10 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     printed = {**PRINTED, **dict.fromkeys(CONTACT_DEPTHS, MEASURED)} if crater == Crater() else {}
     formulas = rows(dict.fromkeys(PRINTED, "m"), {}, _formula_depths(study), printed=printed)
     contact = rows(dict.fromkeys(CONTACT_DEPTHS, "m"), simulated, theory, printed=printed)
+    works = () if study.contact is None else (work_row(study.contact),)
     report = Report(
         outcome="no contact",
-        quantities=(*formulas, *_work_rows(study.contact), *contact, constant_row(crater, MEASURED)),
+        quantities=(*formulas, *works, *contact, constant_row(crater, MEASURED)),
         remarks=_remarks(study),
         extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
@@ -113,11 +114,11 @@ def _formula_depths(study: CraterStudy) -> dict[str, float | None]:
     """Return chapter 4's depths; none by Merchant's circle where there is no chip."""
     crater, time = study.crater, study.crater.compression_time
     energy = float(energy_crater_depth(int(crater.plies), study.impact_angle, compression_time=time))
-    depths: list[float | None] = [None, None]
-    if study.angles is not None:
-        limit = float(merchant_crater_depth_limit(**cut_of(crater)))
-        depths = [float(merchant_depth_sum(crater, crater.plies)), limit]
-    return dict(zip(PRINTED, (*depths, energy), strict=True))
+    if study.no_chip:
+        return {"energy_crater_depth": energy}
+    cut = cut_of(crater)
+    depths = (merchant_crater_depth(plies=crater.plies, **cut), merchant_crater_depth_limit(**cut), energy)
+    return dict(zip(PRINTED, map(float, depths), strict=True))
 
 
 def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[Values, Values]:
@@ -143,55 +144,18 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     return first, second
 
 
-def _work_rows(contact: TimedContact | None) -> tuple[Quantity, ...]:
-    """Work of the force over the path beside the energy given up; in the hub's frame one is force, the other states alone.
-
-    There the work is a difference, whose error is that of the works it is the difference of.
-    """
-    if contact is None:
-        return tuple(Quantity(name, "J", None) for name in ("contact_work", "contact_work_in_hub_frame"))
-    turning, given = -contact.work_in_hub_frame, contact.energy_given_up_in_hub_frame
-    allowed = BALANCE * abs(contact.work / given) if given else BALANCE
-    return work_row(contact), Quantity("contact_work_in_hub_frame", "J", turning, given, tolerance=allowed)
-
-
 def _remarks(study: CraterStudy) -> tuple[str, ...]:
-    plies, time = int(study.crater.plies), study.crater.compression_time
-    few, many = (
-        1e6 * float(energy_crater_depth_ratio(n, study.impact_angle, compression_time=time)) for n in (5, plies)
-    )
-    return (
-        "",
+    """Say what is missing and why, and how the contact's depths are meant."""
+    lines = [
         f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13), shown as printed where the dissertation has no number",
-        _chip_line(study),
-        constant_in_words(study.crater, MEASURED),
-        "energy_crater_depth grows with the plies, since the force begins near zero; read as a ratio of two sums (4.66)",
-        f"  it is {few:.2f} um with 5 plies, {many:.2f} with {plies}",
-        *_contact_lines(study),
+        "energy_crater_depth grows with the plies, since the force begins near zero; (4.66) reads it as a ratio of two sums",
+    ]
+    if study.no_chip:
+        lines.append(f"no chip by (4.35): {study.no_chip}")
+    lines.append(
+        f"no contact simulated: {study.no_contact}"
+        if study.no_contact
+        else "contact depths: all of its force, or all of its energy, cuts a chip by Merchant's relation on a straight path,"
+        " its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it"
     )
-
-
-def _chip_line(study: CraterStudy) -> str:
-    if study.angles is None:
-        return f"no chip by (4.35): {study.no_chip}"
-    angles = (study.angles.rake, study.angles.friction, study.angles.shear)
-    rake, beta, eta = (math.degrees(float(each)) for each in angles)
-    gamma = f"{study.crater.impact_angle_deg:g} deg"
-    return (
-        f"chip: rake angle {rake:.2f}, friction angle {beta:.2f}, shear angle {eta:.2f} deg, not below gamma = {gamma}"
-    )
-
-
-def _contact_lines(study: CraterStudy) -> tuple[str, ...]:
-    contact, parallel = study.contact, study.parallel
-    if contact is None or parallel is None:
-        return (f"no contact simulated: {study.no_contact}",)
-    time = f"{1e6 * contact.compression_time:.4g} us"
-    path, depth = (f"{1e6 * each:.0f} um" for each in (parallel.path, parallel.penetration))
-    return (
-        f"contact: tip at {contact.tip_speed:.2f} m/s, compressed for {time} by a spring as stiff as that needs; largest",
-        f"  force along the path {parallel.peak_cutting_force:.2f} N, path {path}, deepest {depth}: the spring's, not the"
-        " crater's",
-        "contact depths: all of this force, or all of this energy, cuts a chip by Merchant's relation on a straight path,",
-        "  its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it",
-    )
+    return ("", *lines)

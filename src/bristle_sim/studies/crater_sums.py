@@ -10,17 +10,16 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterable
-from itertools import pairwise, product
+from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
 from bristle_sim.parameters import Bristle
 from bristle_sim.parameters.crater import Crater
-from bristle_sim.theory.crater import constant_for_crater_depth, merchant_crater_depth
+from bristle_sim.theory.crater import constant_for_crater_depth
 
 FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
 IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
@@ -28,9 +27,6 @@ IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
 
 SAME_SUM = 1e-9
 """Relative difference of two sums over plies by different orders of their terms."""
-
-LEVELS = 8
-"""Sums that are extrapolated, over 4 to 65536 plies, each with four times the plies of the one before."""
 
 
 def cut_of(crater: Crater) -> dict[str, Any]:
@@ -75,20 +71,6 @@ def _printed_force(time: Array) -> Array:
     return np.asarray(1.0160 * np.exp(-5.4990 * time) * (26.0 - 30.0 * turning))
 
 
-def merchant_depth_extrapolated(crater: Crater) -> float:
-    """Return the limit of many plies, m, from sums: Richardson's extrapolation for an error in powers of 1/sqrt(n)."""
-    sums = [float(each) for each in merchant_depth_sum(crater, [4 * 4**level for level in range(LEVELS)])]
-    for power in range(1, LEVELS):
-        gain = 2.0**power
-        sums = [(gain * fine - coarse) / (gain - 1.0) for coarse, fine in pairwise(sums)]
-    return sums[0]
-
-
-def merchant_depth_sum(crater: Crater, plies: ArrayLike) -> Array:
-    """Return the theory's sum for any numbers of plies, m."""
-    return np.asarray(merchant_crater_depth(plies=plies, **cut_of(crater)))
-
-
 def constant_row(crater: Crater, depth: float) -> Quantity:
     """Return C in degrees, by root finding on the printed sum (4.57) and in closed form; empty where there is none."""
     name = "constant_for_measured_depth_deg"
@@ -116,26 +98,11 @@ def constants_over(
         constant = row["constant_deg"] = _closed_form_deg(tried, depth)
         known = constant is not None
         row["shear_angle_deg"] = 0.5 * (constant - math.degrees(_resultant_angle(tried))) if known else None
-        row["shear_plane_emerges"] = constant >= least_constant_deg(tried) - 1e-9 if known else None
+        # eta >= gamma, which is C >= arccot(mu) + gamma (4.35).
+        least = math.degrees(math.atan2(1.0, friction)) + gamma
+        row["shear_plane_emerges"] = constant >= least - 1e-9 if known else None
         rows.append(row)
     return rows
-
-
-def least_constant_deg(crater: Crater) -> float:
-    """Return the least C with eta >= gamma, arccot(mu) + gamma, degrees; above 90 there is none."""
-    return math.degrees(math.atan2(1.0, crater.friction)) + crater.impact_angle_deg
-
-
-def constant_in_words(crater: Crater, depth: float) -> str:
-    """Describe the constant for the terminal."""
-    constant, least = _closed_form_deg(crater, depth), least_constant_deg(crater)
-    wanted = f"a crater of {1e6 * depth:.0f} um"
-    if constant is None:
-        return f"no constant C of (4.45) makes {wanted}; that of least work, C = 90 deg, makes the deepest"
-    chip = "its shear plane comes out of the surface"
-    if constant < least:
-        chip = f"its shear plane stays below the surface, {least:.2f} is the least C that cuts"
-    return f"C = {constant:.2f} deg instead of 90 in (4.45) makes {wanted}; {chip} (4.35)"
 
 
 def _resultant_angle(crater: Crater) -> float:

@@ -1,38 +1,31 @@
 """Compares the bar position of the quasi-static cue formulas with that of a simulated release from rest.
 
-In the formulas an undamped belt swings the bristle for a quarter period while the hub turns. They leave out the rotating
-root's centrifugal stiffening and the bar's own effects: the impact of first touch, the swing that continues after the last
-touch. The simulated release includes the first, a whole pass the second too.
+In the formulas the bristle swings as a linear oscillator on its belt,
+
+    alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta Omega/w sinh w t),    w = Omega sqrt(zeta^2 - 1),
+
+an undamped cosine in the dissertation (Zhang 2020, sec. 2.2), and its cue time places the bar (2.1). They leave out the
+rotating root's centrifugal stiffening, which the simulated release includes.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Values
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.comparison import Report, Values, rows
+from bristle_sim.parameters import Bar, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_places import (
-    BarPlace,
-    ReadingPlaces,
-    Release,
-    formula_cue,
-    formula_release,
-    seen_at_strike,
-    simulated_cue,
-    stiffness_readings,
-)
 from bristle_sim.studies.strike_point import ran, require_result
-from bristle_sim.theory.cueing import Cue, field_stiffness
+from bristle_sim.theory import cueing
+from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory
-
-OWN = "own"
-"""Name of the tool's belt stiffness where it is none of the readings."""
 
 UNITS = {
     "cue_time": "s",
@@ -57,31 +50,33 @@ FULL_TURNS = 1e3
 MOST_DAMPED = 10.0
 """Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
 
-LEFT_OUT = (
-    "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
-    "and the bar's dynamics (first tap, swing beyond the last touch), which a full pass simulates.",
-)
-
 
 @dataclass(frozen=True, slots=True)
 class CueTiming:
-    """A simulated release, that of the formula, and the bars that they need.
+    """A simulated release up to the highest relative speed, and the bars that it and the formula need; None where none.
 
-    The trajectory is the release from the retraction, rad, up to the highest relative speed; ``formula`` the quasi-static
-    formula's motion, None without belt stiffness; ``bar`` stands where its keys put it. ``places`` are those for the readings of
-    the belt stiffness, ``own`` the name of the tool's among them. ``released`` and ``fastest`` are centre lines of the
-    simulated wire, (corners, 2), m, at both ends of the release; None if no speed is the highest.
+    The retraction is in rad.
     """
 
     tool: Tool
     retraction: float
-    bar: Bar
     trajectory: Trajectory
-    formula: Release | None
-    own: str
-    places: dict[str, ReadingPlaces]
-    released: Array | None
-    fastest: Array | None
+    simulated: Cue | None
+    formula: Cue | None
+
+    @property
+    def wires(self) -> tuple[Array, Array]:
+        """Return the simulated wire as released and when fastest, turned to where it then strikes radially.
+
+        Centre lines of shape (corners, 2), m. Hub and belt have no preferred direction, so the run may be turned about the
+        hub's centre: until the root stands at the impact angle gamma before the workpart's normal when the speed is highest.
+        """
+        assert self.tool.workpart is not None
+        geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)
+        turn = np.exp(1j * (-float(cueing.impact_angle(*geometry)) - self.trajectory.hub_angle[-1]))
+        points = (self.trajectory.centre_line[[0, -1]] @ np.array([1.0, 1j])) * turn
+        released, fastest = np.stack([points.real, points.imag], axis=-1)
+        return released, fastest
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
@@ -90,42 +85,37 @@ def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
 
 
-def cue_timing(
-    tool: Tool, retraction: float, settings: Settings, *, bar: Bar | None = None, with_reference: bool = True
-) -> Report:
+def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_reference: bool = True) -> Report:
     """Simulate the release from rest at a retraction (rad) and place the bar by what came out.
-
-    ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's.
 
     Raises:
         ValueError: if nothing drives the bristle, the tip cannot reach the workpart radially, or the release is not
             computed within the settings' steps.
     """
-    given = bar or tool.bar or Bar()
     run = _release(tool, retraction, settings)
-    found = _rows(tool, retraction, run, settings, UNITS, with_reference=with_reference)
-    places: dict[str, ReadingPlaces] = {}
-    for reading, stiffness in stiffness_readings(tool).items():
-        read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
-        released = run if read == tool else _release(read, retraction, settings)
-        names = ("cue_time", "bar_direction_deg")
-        found += _rows(read, retraction, released, settings, names, reading, with_reference=with_reference)
-        places[reading] = ReadingPlaces.of(reading, read, retraction, released, given, settings)
-    mine = next((name for name, each in places.items() if each.stiffness == tool.belt.stiffness), OWN)
-    if mine == OWN:
-        places = {OWN: ReadingPlaces.of(OWN, tool, retraction, run, given, settings), **places}
-    lines = (None, None) if places[mine].simulated is None else seen_at_strike(tool, run)
-    formula = formula_release(tool, retraction)
+    found, referred = _cue(tool, retraction, run), None
+    if with_reference and found is not None:
+        from bristle_sim.reference import simulate_reference
+
+        options = {"accuracy": 1e-10, "duration": 2.0 * found.cue_time}
+        stop = "highest relative speed"
+        bare = simulate_reference(_bare(tool), start_relative_angle=-retraction, stop_after=stop, **options)
+        referred = _cue(tool, retraction, bare)
+    formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
+    simulated, theory, reference = (_values(each) for each in (found, formula, referred))
+
+    def tolerance(name: str) -> float | None:
+        return None if referred is None else _tolerance(settings) * _conditioning(name, reference, tool)
+
+    own = Tool()
+    same = (tool.hub, tool.belt, tool.bristle, tool.workpart) == (own.hub, own.belt, own.bristle, own.workpart)
+    printed = PRINTED if same and retraction == math.radians(44.5) else {}
     return Report(
         outcome=None,
-        quantities=tuple(found),
+        quantities=rows(UNITS, simulated, theory, reference, printed, tolerance),
         **ran(run),
-        extra={
-            "bar_stands_at_deg": math.degrees(BarPlace.of(given).direction),
-            "full_passes": [row for each in places.values() for row in each.pass_rows(given)],
-        },
-        remarks=(*(line for each in places.values() for line in each.in_words(given)), *LEFT_OUT),
-        subject=CueTiming(tool, retraction, given, run, formula, mine, places, *lines),
+        remarks=("left out by the formula: centrifugal stiffening of the rotating root",),
+        subject=CueTiming(tool, retraction, run, found, formula),
     )
 
 
@@ -157,36 +147,12 @@ def _tolerance(settings: Settings) -> float:
     return max(1e-8, 10.0 * settings.accuracy)
 
 
-def _rows(
-    tool: Tool,
-    retraction: float,
-    run: Trajectory,
-    settings: Settings,
-    names: Iterable[str],
-    reading: str = "",
-    *,
-    with_reference: bool,
-) -> list[Quantity]:
-    """Return one belt stiffness's release by simulation, formula and reference, which judges it."""
-    simulated, theory = _values(simulated_cue(tool, retraction, run)), _values(formula_cue(tool, retraction))
-    time, reference, printed = simulated["cue_time"], _values(None), _at_print(tool, retraction, any_belt=bool(reading))
-    if with_reference and time is not None:
-        from bristle_sim.reference import simulate_reference
-
-        referred = simulate_reference(
-            _bare(tool),
-            start_relative_angle=-retraction,
-            accuracy=1e-10,
-            duration=2.0 * time,
-            stop_after="highest relative speed",
-        )
-        reference = _values(simulated_cue(tool, retraction, referred))
-    found = []
-    for name in names:
-        sides = (simulated[name], theory[name], reference[name], printed.get(name))
-        within = None if sides[2] is None else _tolerance(settings) * _conditioning(name, reference, tool)
-        found.append(Quantity(f"{name}_{reading}" if reading else name, UNITS[name], *sides, within))
-    return found
+def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
+    """Return the cue of a release (Zhang 2020, eq. 2.1); None if no speed is the highest."""
+    time = run.event_time("highest relative speed")
+    if time is None:
+        return None
+    return cueing.placed_cue(tool, retraction, time, run.relative_rate[int(abs(run.time - time).argmin())])
 
 
 def _values(cue: Cue | None) -> Values:
@@ -207,7 +173,7 @@ def _conditioning(name: str, values: Values, tool: Tool) -> float:
     time = values["cue_time"]
     if name == "highest_relative_speed" or not time:
         return 1.0
-    timing = max(1.0, tool.belt_damping / ((tool.belt.stiffness + field_stiffness(tool)) * time))
+    timing = max(1.0, tool.belt_damping / ((tool.belt.stiffness + cueing.field_stiffness(tool)) * time))
     if name not in ("bar_horizontal", "bar_vertical"):
         return timing
     distance = math.hypot(values["bar_horizontal"] or 0.0, values["bar_vertical"] or 0.0)
@@ -215,9 +181,17 @@ def _conditioning(name: str, values: Values, tool: Tool) -> float:
     return timing * turned * distance / max(abs(values[name] or 0.0), 1e-300)
 
 
-def _at_print(tool: Tool, retraction: float, *, any_belt: bool) -> Values:
-    """Return the printed numbers if the tool is the printed one, apart from its belt stiffness if that may differ."""
-    own = Tool()
-    same = (tool.hub, tool.bristle, tool.workpart) == (own.hub, own.bristle, own.workpart)
-    belt = Belt(tool.belt.stiffness, own.belt.damping_ratio) if any_belt else own.belt
-    return PRINTED if same and retraction == math.radians(44.5) and tool.belt == belt else {}
+def formula_motion(tool: Tool, retraction: float, time: ArrayLike) -> tuple[Array, Array]:
+    """Return retraction and relative speed of the released bristle as a linear oscillator, rad and rad/s, at times in s.
+
+    Raises:
+        ValueError: if the belt has no stiffness.
+    """
+    instants = np.asarray(time, dtype=float)
+    rate = float(cueing.natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root))
+    decay = tool.belt.damping_ratio * rate
+    turns = 1j * np.sqrt(complex(decay**2 - rate**2)) * instants
+    # sinh(w t)/w = t sin(i w t)/(i w t), which has its limit t at critical damping.
+    swing, drift = np.cos(turns), instants * np.sinc(turns / np.pi)
+    fading = np.exp(-decay * instants)
+    return retraction * fading * (swing + decay * drift).real, retraction * rate**2 * fading * drift.real

@@ -1,4 +1,4 @@
-"""Fit the force history to points: of a known curve, exact and noisy, and of a measured record (Zhang 2020, eqs. 3.2-3.4).
+"""Fit the force history to a measured record (Zhang 2020, eqs. 3.2-3.4).
 
 The fit of a record has a form of force with few parameters, (3.3). Two checks that do not use the form tell whether the record
 has it: the impulse as a sum over the points, and what the residuals hold beyond the noise, which shows in second differences
@@ -19,15 +19,7 @@ from bristle_sim.comparison import Quantity
 from bristle_sim.force_file import read_force_csv
 from bristle_sim.parameters.crater import Measurement
 from bristle_sim.theory.force_fit import fit_force_history
-from bristle_sim.theory.force_history import ForceCurve
 from bristle_sim.theory.force_least_squares import ForceFit
-
-SEED = 1
-"""Seed of the noise: same inputs, same numbers."""
-
-OFFSET_ROUNDING = 1e-3
-"""The printed curves have their offset rounded to 26 and 145 N, by 0.019 and 0.059 N; of their peaks, 57 and 341 N, that
-is 3.4e-4 and 1.7e-4. A curve with its exact offset, as (3.3) has it, fits them no closer."""
 
 MARGIN = 0.1
 """Part of the contact's duration before its start and after its end over which the points' impulse is summed."""
@@ -44,64 +36,6 @@ NEAR_PEAK = 0.05
 
 CERTAIN = 5.0
 """Standard deviations of noise that a difference may have."""
-
-
-@dataclass(frozen=True, slots=True)
-class FitTrial:
-    """Points of a curve, s and N, with a standard deviation of noise, N, and their fit; None where it finds no curve."""
-
-    name: str
-    time: Array
-    force: Array
-    noise: float
-    fit: ForceFit | None
-
-    @property
-    def peak_force(self) -> float | None:
-        """Return the largest force of the fitted curve, N; None for one that does not rise and fall."""
-        try:
-            return None if self.fit is None else self.fit.curve.peak_force()
-        except ValueError:
-            return None
-
-    def row(self, curve: ForceCurve) -> Quantity:
-        """Compare the peak of the fit with the peak of the curve that it was fitted to.
-
-        Errors of n points leave a fit with p unknowns, here at most three, a mean variance of noise^2 p/n; the tolerance is
-        five of its roots. Where that exceeds the peak itself the points say nothing, and there is nothing to check;
-        elsewhere a fit that finds no curve is wrong.
-        """
-        peak = curve.peak_force()
-        tolerance = OFFSET_ROUNDING + 5.0 * self.noise * math.sqrt(3.0 / len(self.time)) / peak
-        name = f"{self.name}_fit_peak_force"
-        return Quantity(name, "N", self.peak_force, peak, tolerance=tolerance if tolerance < 1.0 else None)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the trial as plain values; without the fit's where there is none."""
-        return {"points": self.name, "noise": self.noise, **({} if self.fit is None else fit_as_dict(self.fit))}
-
-    def __str__(self) -> str:
-        """Describe the trial in one line for the terminal."""
-        return f"  {self.name}, noise {self.noise:g} N: {'no curve' if self.fit is None else _in_words(self.fit)}"
-
-
-def noisy_points(curve: ForceCurve, points: int, noise: float) -> tuple[Array, Array]:
-    """Return the points of a curve at equal steps of time, s, with normal errors of one standard deviation, N."""
-    time = np.linspace(0.0, curve.duration, points)
-    return time, np.asarray(curve(time)) + noise * np.random.default_rng(SEED).standard_normal(points)
-
-
-def fit_trials(curve: ForceCurve, points: int, noise: float) -> tuple[FitTrial, ...]:
-    """Fit exact and noisy points with the curve's own F* and t_f, as the dissertation reads them off."""
-    found = []
-    for name, spread in (("exact", 0.0), ("noisy", noise)):
-        time, force = noisy_points(curve, points, spread)
-        try:
-            fit = fit_force_history(time, force, duration=curve.duration, peak_force=2.0 * curve.swing, start=0.0)
-        except ValueError:
-            fit = None
-        found.append(FitTrial(name, time, force, spread, fit))
-    return tuple(found)
 
 
 def fit_as_dict(fit: ForceFit) -> dict[str, Any]:

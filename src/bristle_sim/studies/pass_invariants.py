@@ -6,14 +6,15 @@ All of it is evaluated with NumPy from the trajectory and the tool's parameters,
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
+from bristle_sim.studies.wire_contact import corners, cross, levers, nearest, touched, turned
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 MAGNIFIED = 10.0
@@ -67,65 +68,31 @@ def _field(tool: Tool) -> float:
     return tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
 
 
-class _Motion(NamedTuple):
-    """The bristle at some instants: arms to the root and from there to the mass centre, whose place and velocity these are."""
-
-    hub_angle: Array
-    angle: Array
-    rate: Array
-    root: Array
-    arm: Array
-    place: Array
-    velocity: Array
+def _arms(tool: Tool, hub_angle: Array, angle: Array) -> tuple[Array, Array]:
+    """Return the arms to the root and from there to the mass centre, each of shape (n, 2), m."""
+    return turned((0.0, -tool.hub.radius), hub_angle), turned(tool.bristle.centre, angle)
 
 
-def _turned(vector: Array | tuple[float, float], angle: Array) -> Array:
-    """Turn a vector by each angle; shape (n, 2)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.stack([cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]], axis=-1)
+def _jacobi(tool: Tool, run: Trajectory) -> Array:
+    """Jacobi's integral, the energy in the frame that turns with the hub: kinetic, belt, centrifugal and gravity, J.
 
-
-def _motion(tool: Tool, hub_angle: Array, angle: Array, rate: Array) -> _Motion:
-    root, arm = _turned((0.0, -tool.hub.radius), hub_angle), _turned(tool.bristle.centre, angle)
-    velocity = tool.hub.speed * _rotated(root) + rate[:, np.newaxis] * _rotated(arm)
-    return _Motion(hub_angle, angle, rate, root, arm, root + arm, velocity)
-
-
-def _cross(first: Array, second: Array) -> Array:
-    return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
-
-
-def _rotated(vector: Array) -> Array:
-    """Turn vectors by a quarter turn; times a rate that is a velocity."""
-    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)
-
-
-def _jacobi(tool: Tool, motion: _Motion) -> Array:
-    """E - omega L, with E the energy of bristle and belt and L the angular momentum about the hub's centre, J.
-
-    The hub's drive does the work omega M, and M = dL/dt - M_contacts - M_gravity, so that this changes by known terms
-    alone: work of contacts less omega M_contacts, damping's loss, and -omega M_gravity.
+    It changes by known terms alone: work of contacts in that frame, damping's loss, and that of gravity, which turns there.
     """
     bristle, omega = tool.bristle, tool.hub.speed
-    energy = (
-        0.5 * bristle.mass * (motion.velocity**2).sum(axis=-1) + 0.5 * bristle.inertia_about_centre * motion.rate**2
-    )
-    energy += 0.5 * tool.belt.stiffness * (motion.angle - motion.hub_angle) ** 2
-    energy += bristle.mass * tool.gravity * motion.place[:, 1]
-    momentum = bristle.mass * _cross(motion.place, motion.velocity) + bristle.inertia_about_centre * motion.rate
-    return np.asarray(energy - omega * momentum)
+    place = np.add(*_arms(tool, run.hub_angle, run.angles[:, 0]))
+    energy = 0.5 * bristle.inertia_about_root * run.relative_rate**2 + 0.5 * tool.belt.stiffness * run.relative_angle**2
+    return np.asarray(energy + bristle.mass * (tool.gravity * place[:, 1] - 0.5 * omega**2 * (place**2).sum(axis=-1)))
 
 
-def _power(tool: Tool, motion: _Motion) -> tuple[Array, Array]:
+def _power(tool: Tool, run: Trajectory) -> tuple[Array, Array]:
     """Rate at which the Jacobi integral falls in flight, c alpha'^2 - omega m g x, and its derivative."""
-    bristle, omega, damping = tool.bristle, tool.hub.speed, tool.belt_damping
-    lag, relative = motion.angle - motion.hub_angle, motion.rate - omega
-    weight = bristle.mass * tool.gravity
-    torque = -tool.belt.stiffness * lag - damping * relative - weight * motion.arm[:, 0]
-    torque += bristle.mass * omega**2 * _cross(motion.arm, motion.root)
-    acceleration = torque / bristle.inertia_about_root
-    power = damping * relative**2 - omega * weight * motion.place[:, 0]
-    return power, 2.0 * damping * relative * acceleration - omega * weight * motion.velocity[:, 0]
+    bristle, omega, damping, relative = tool.bristle, tool.hub.speed, tool.belt_damping, run.relative_rate
+    weight, (root, arm) = bristle.mass * tool.gravity, _arms(tool, run.hub_angle, run.angles[:, 0])
+    torque = -tool.belt.stiffness * run.relative_angle - damping * relative - weight * arm[:, 0]
+    acceleration = (torque + bristle.mass * omega**2 * cross(arm, root)) / bristle.inertia_about_root
+    power = damping * relative**2 - omega * weight * (root + arm)[:, 0]
+    forward = -omega * root[:, 1] - run.rates[:, 0] * arm[:, 1]
+    return power, 2.0 * damping * relative * acceleration - omega * weight * forward
 
 
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]:
@@ -133,22 +100,16 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]
 
     Sustained contacts are left out: the obstacle's shape prescribes their motion.
     """
-    motion = _motion(tool, run.hub_angle, run.angles[:, 0], run.rates[:, 0])
     # A bristle at rest moves by rounding alone, whose energy balances with nothing.
     size = max(float(run.kinetic_energy.max()), ROUNDING * _field(tool))
     if not size > 0.0:
         return None, 0.0
-    jacobi, (power, slope) = _jacobi(tool, motion), _power(tool, motion)
-    found, uncertain = [0.0], [0.0]
-
-    def lost(each: Array) -> float:
-        # The trapezoidal rule corrected by the slopes at both ends of each interval: of fourth order.
-        values, slopes, step = power[each], slope[each], np.diff(run.time[each])
-        whole = 0.5 * step * (values[1:] + values[:-1]) + step**2 / 12.0 * (slopes[:-1] - slopes[1:])
-        return float(whole.sum())
-
+    jacobi, (power, slope), found, uncertain = _jacobi(tool, run), _power(tool, run), [0.0], [0.0]
     for flight in _flights(run):
-        fine, coarse = lost(flight), lost(np.unique(np.append(flight[::2], flight[-1])))
+        fine, coarse = (
+            float(CubicHermiteSpline(run.time[each], power[each], slope[each]).integrate(*run.time[flight[[0, -1]]]))
+            for each in (flight, np.unique(np.append(flight[::2], flight[-1])))
+        )
         found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + fine))
         uncertain.append(abs(fine - coarse))
     found += [abs(_impact_imbalance(tool, run, each)) for each in run.contacts if _is_rigid(tool, each)]
@@ -171,45 +132,23 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
     return contact.law != "sustained" and contact.outcome != "jam" and not lasting
 
 
-def _at_impact(tool: Tool, run: Trajectory, contact: ContactRecord, rate: float) -> _Motion:
-    hub_angle = run.hub_angle[0] + run.hub_speed * contact.time
-    return _motion(tool, np.array([hub_angle]), np.array(contact.angles), np.array([rate]))
+def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord, *, of_root: bool = False) -> Array:
+    """Return the moments of unit normal and tangential forces at a contact about the hub's centre, or the root; shape (2,), m."""
+    hub_angle = np.array([run.hub_angle[0] + run.hub_speed * contact.time])
+    lines = corners(tool, hub_angle, np.array(contact.angles))
+    normal, point = touched(tool, contact.obstacle, lines)
+    return np.asarray(levers(normal, point - lines[:, 0] if of_root else point)[0])
 
 
 def _impact_imbalance(tool: Tool, run: Trajectory, contact: ContactRecord) -> float:
     """Return the change of the Jacobi integral in an impact less its impulse's work and omega times its moment, J."""
-    before, after = (_at_impact(tool, run, contact, rates[0]) for rates in (contact.rates_before, contact.rates_after))
-    change = float((_jacobi(tool, after) - _jacobi(tool, before))[0])
+    before, after = (rates[0] - tool.hub.speed for rates in (contact.rates_before, contact.rates_after))
+    change = 0.5 * tool.bristle.inertia_about_root * (after**2 - before**2)
     velocity = np.add(contact.velocity_before, contact.velocity_after) / 2.0
     work = float(np.dot(contact.impulse, velocity))
     if contact.compressive_work is not None and contact.restitutive_work is not None:
         work = sum(contact.compressive_work) + sum(contact.restitutive_work)
-    normal, arm = _touched(tool, contact.obstacle, before)
-    impulse = contact.impulse[0] * normal - contact.impulse[1] * _rotated(normal)
-    return change - work + tool.hub.speed * float(_cross(before.root + arm, impulse)[0])
-
-
-def _touched(tool: Tool, obstacle: str, motion: _Motion) -> tuple[Array, Array]:
-    """Return the obstacle's normal, and the contact point from the root; shape (n, 2)."""
-    if obstacle == "workpart" or tool.bar is None:
-        arm = _turned(tool.bristle.path[-1], motion.angle)
-        return np.broadcast_to([0.0, 1.0], arm.shape), arm
-    lines = np.stack([motion.root + _turned(each, motion.angle) for each in ((0.0, 0.0), *tool.bristle.path)], axis=1)
-    away = _from_bar(tool, lines)
-    normal = away / np.linalg.norm(away, axis=-1, keepdims=True)
-    point = np.add(tool.bar.centre, away) - 0.5 * tool.bristle.wire_diameter * normal
-    return normal, point - motion.root
-
-
-def _from_bar(tool: Tool, lines: Array) -> Array:
-    """Return the shortest vector from the bar's centre to centre lines of shape (n, corners, 2); shape (n, 2)."""
-    assert tool.bar is not None
-    starts, along = lines[:, :-1], np.diff(lines, axis=1)
-    to_bar = np.subtract(tool.bar.centre, starts)
-    fraction = np.clip((to_bar * along).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-    ways = fraction[..., np.newaxis] * along - to_bar
-    nearest = np.argmin((ways**2).sum(axis=-1), axis=1)
-    return np.asarray(ways[np.arange(len(nearest)), nearest])
+    return change - work + tool.hub.speed * float(_arms_at(tool, run, contact) @ contact.impulse)
 
 
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
@@ -221,7 +160,7 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     if tool.workpart is not None and (tool.contact.law != "compliant" or tool.contact.duration is None):
         deepest = max(deepest, float((-tool.workpart_depth - run.tip[:, 1]).max()))
     if tool.bar is not None:
-        distance = np.linalg.norm(_from_bar(tool, run.centre_line), axis=-1)
+        distance = np.linalg.norm(nearest(tool, run.centre_line)[2] - np.array(tool.bar.centre), axis=-1)
         deepest = max(deepest, float((tool.bar_reach - distance).max()))
     return deepest / tool.bristle.length
 
@@ -253,7 +192,6 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 def _momentum_error(tool: Tool, run: Trajectory, strike: ContactRecord) -> float:
     """Return the largest component of (v' - v) - K p, m/s."""
-    normal, arm = _touched(tool, "workpart", _at_impact(tool, run, strike, strike.rates_before[0]))
-    levers = np.array([_cross(arm, normal)[0], -_cross(arm, _rotated(normal))[0]])
+    arms = _arms_at(tool, run, strike, of_root=True)
     change = np.subtract(strike.velocity_after, strike.velocity_before)
-    return float(np.abs(change - levers * (levers @ strike.impulse) / tool.bristle.inertia_about_root).max())
+    return float(np.abs(change - arms * (arms @ strike.impulse) / tool.bristle.inertia_about_root).max())

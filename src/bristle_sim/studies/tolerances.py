@@ -1,12 +1,12 @@
 """Which tolerance matters: inputs spread about their values, and how the strike spreads with them.
 
 Every input is uniform within its half-width about its value, independent of the others: an interval in which a dimension is
-accepted. Sobol indices share the variance of every output among the inputs. For small spreads the standard deviation is that
-of first-order error propagation, sqrt(sum (dy/dx_i sigma_i)^2).
+accepted. For small spreads the standard deviation is that of first-order error propagation, sqrt(sum (dy/dx_i sigma_i)^2).
 
-Rounding of the printed inputs explains some of what printed and computed numbers differ by: each printed input stands for any
-value within half a unit of its last digit. A computed number may move by the sum of what these half units move it, and its
-standard deviation is that of inputs uniform within them.
+Sobol indices share the variance of every output among the inputs. Two samples A and B of a scrambled Sobol sequence, and A
+with the columns of B one at a time, give Saltelli's estimate of the first-order index V(E(y|x_i))/V(y), the fraction of the
+variance that would vanish if x_i were known, and of the total index E(V(y|all but x_i))/V(y), the fraction that x_i has a
+part in (``scipy.stats.sobol_indices``).
 """
 
 from __future__ import annotations
@@ -19,45 +19,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+from scipy.stats import sobol_indices, uniform
+
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import ANY, Declared, Range, choice, count, quantity, validate
+from bristle_sim.quantity import ANY, Declared, Range, count, quantity, validate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bar_search import Measures, placed, radial_place, simulation
-from bristle_sim.studies.sobol import sobol_study
-from bristle_sim.studies.strike_point import STRIKE_UNITS, declared_keys, keys_of, strike_of_keys, tool_of_keys
-from bristle_sim.theory import cueing
+from bristle_sim.studies.strike_point import STRIKE_UNITS, declared_keys, keys_of, strike_of_keys
 
-RETRACTION_DEG = 44.5
-"""theta_p (Zhang 2020, eq. 2.2)."""
-
-HALF_UNITS = {
-    "hub_speed": 0.05,
-    "hub_radius": 5e-5,
-    "bristle_length": 5e-4,
-    "bristle_mass": 5e-9,
-    "wire_diameter": 5e-6,
-    "belt_stiffness": math.degrees(5e-6),
-    "penetration": 5e-5,
-    "bar_horizontal": 5e-6,
-    "bar_vertical": 5e-5,
-    "retraction_deg": 0.05,
-}
-"""Half a unit of the last digit of 261.8 rad/s, 27.5 mm, 0.027 m, 8.387e-5 kg, 0.71 mm, 0.00041 N m (per degree), 4.5 mm,
-50.37 mm, 22.5 mm and 44.5 degrees (Zhang 2020, eqs. 2.2 and 2.3, captions of figs. 2.7 and 4.13)."""
-
-PRINTED = {
-    "relative_speed": 845.6,
-    "bar_direction_deg": math.degrees(math.atan2(0.05037, 0.0225)),
-    "bar_horizontal": 0.05037,
-    "bar_vertical": 0.0225,
-}
-
-STEP = math.radians(0.5)
-"""Turn of the bar over which the slope of the lag is taken: about what rounding turns it by."""
-
+Measures = Mapping[str, float | None]
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
+
+ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
+"""Percentiles between which outputs lie with a probability of 95 %."""
 
 FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
 
@@ -109,18 +86,34 @@ class Sampling:
     workers: int = count(
         1, "workers", at_least=1, at_most=64, source="chosen", meaning="processes that simulate the passes"
     )
-    rounding: str = choice(
-        "yes",
-        "rounding",
-        ("yes", "no"),
-        source="chosen",
-        meaning="whether the rounding of the printed inputs is studied too",
-    )
 
     def __post_init__(self) -> None:
         validate(self)
         if self.samples & (self.samples - 1):
             raise ValueError(f"samples = {self.samples:g}: must be a power of 2 (dimensionless)")
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Outputs of all samples, shape (outputs, 2 samples), and their indices, shape (outputs, inputs)."""
+
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    values: Array
+    first_order: Array
+    total: Array
+
+    def rows(self, propagated_std: Mapping[str, float]) -> list[dict[str, Any]]:
+        """Return one row an output, in plain numbers."""
+        found = []
+        for name, values, *indices in zip(self.outputs, self.values, self.first_order, self.total, strict=True):
+            low, high = np.percentile(values, ENDS).tolist()
+            pairs = np.transpose(indices).tolist()
+            row = {"output": name, "mean": float(values.mean()), "std": float(values.std(ddof=1))}
+            row |= {"std_first_order": propagated_std.get(name), "low": low, "high": high}
+            shares = [dict(zip(("first_order", "total"), pair, strict=True)) for pair in pairs]
+            found.append(row | {"indices": dict(zip(self.inputs, shares, strict=True))})
+        return found
 
 
 def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
@@ -139,7 +132,6 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     changes = propagated(point, middles, {key: 0.5 * (high - low) for key, (low, high) in intervals.items()})
     std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}
     rows = study.rows(std)
-    rounding = rounding_rows(tool, settings) if sampling.rounding == "yes" else []
     return Report(
         outcome=None,
         quantities=tuple(
@@ -153,8 +145,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
             for name in ("mean", "std")
         ),
         wall_s=clock.perf_counter() - started,
-        remarks=(*_remarks(rows, rounding), "", *_reasons(spreads)),
-        extra={"rows": rows, "rounding": rounding},
+        remarks=_remarks(rows),
+        extra={"rows": rows},
         subject=study,
     )
 
@@ -175,54 +167,70 @@ def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _reasons(spreads: Spreads) -> list[str]:
-    """Say how far each input is spread, and why."""
-    lines = ["half-widths of the inputs' intervals:"]
-    for each in dataclasses.fields(spreads):
-        declared, half_width = each.metadata["declaration"], getattr(spreads, each.name)
-        reason = declared.source if half_width == each.default else "as given"
-        lines.append(f"{each.name:<20}{half_width:>9.3g} {declared.unit:<8} {reason}")
-    return lines
-
-
-def _remarks(rows: Sequence[Mapping[str, Any]], rounding: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+def _remarks(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     lines = ["theory: first-order error propagation; the inputs that matter most, by their total Sobol index:"]
     for row in rows:
         ranked = sorted(row["indices"].items(), key=lambda item: -item[1]["total"])[:3]
         told = ", ".join(f"{key} {each['total']:.2f}" for key, each in ranked)
         lines.append(f"{row['output']:<26} {told}")
-    if rounding:
-        head = (
-            f"{'number':<18}{'by':<19}{'computed':>9}{'printed':>9}{'diff.':>8}{'at most':>9}{'std':>7}  {'mostly by'}"
-        )
-        lines += ["", "computed less printed, and how far the rounding of the printed inputs moves the computed:", head]
-    for row in rounding:
-        shares = (row["relative_difference"], row["relative_worst_case"], row["relative_std"])
-        diff, most, std = (f"{100.0 * each:.1f} %" for each in shares)
-        lines.append(
-            f"{row['output']:<18}{row['by']:<19}{row['computed']:>9.4g}{row['printed']:>9.4g}{diff:>8}{most:>9}{std:>7}"
-            f"  {row['largest']}"
-        )
     return tuple(lines)
 
 
-def rounding_rows(tool: Tool, settings: Settings) -> list[dict[str, Any]]:
-    """One row for each printed number and way to compute it; none for a tool that is not the printed one."""
-    if tool != Tool():
-        return []
-    values = {key: float(value) for key, value in keys_of(tool).items() if key in HALF_UNITS}
-    values["retraction_deg"] = RETRACTION_DEG
-    ways: dict[str, Callable[..., Measures]] = {
-        "formula": lambda **keys: _by_formula(cueing.cue, keys),
-        "stiffened formula": lambda **keys: _by_formula(cueing.stiffened_cue, keys),
-        "simulated pass": _simulation(tool, settings),
-    }
-    rows = []
-    for way, function in ways.items():
-        changes = propagated(function, values, HALF_UNITS)
-        computed = function(**values)
-        rows += [_row(name, way, computed[name], changes[name]) for name in PRINTED if name in changes]
-    return rows
+def sobol_study(
+    function: Callable[..., Measures],
+    intervals: Mapping[str, tuple[float, float]],
+    outputs: Sequence[str],
+    samples: int,
+    *,
+    seed: int = 1,
+    workers: int | None = None,
+) -> Study:
+    """Evaluate a function of keyword arguments on Saltelli's samples and estimate the Sobol indices of its outputs.
+
+    The point function is one as ``sweep`` takes it, and so are the workers; each argument is uniform in its interval. There are
+    at least two outputs, and samples, a power of 2, of each of the two independent samples. The seed is that of the sequence's
+    scrambling.
+
+    Raises:
+        ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.
+    """
+    evaluated: list[Array] = []
+
+    def evaluate(inputs: Array) -> Array:
+        evaluated.append(_swept(function, dict(zip(intervals, inputs, strict=True)), outputs, workers))
+        return evaluated[-1].copy()  # scipy subtracts the mean in place
+
+    dists = [uniform(loc=low, scale=high - low) for low, high in intervals.values()]
+    # The keyword rng has this name since scipy 1.15.
+    found = sobol_indices(func=evaluate, n=samples, dists=dists, random_state=np.random.default_rng(seed))
+    shape = (len(outputs), len(intervals))
+    both = (np.reshape(each, shape) for each in (found.first_order, found.total_order))
+    return Study(tuple(intervals), tuple(outputs), np.concatenate(evaluated[:2], axis=1), *both)
+
+
+def _swept(
+    function: Callable[..., Measures],
+    inputs: Mapping[str, Array],
+    outputs: Sequence[str],
+    workers: int | None,
+) -> Array:
+    """Outputs of shape (outputs, points) for inputs of shape (points)."""
+    try:
+        from bristle_sim.studies.sweep import sweep
+    except ImportError as error:
+        raise ValueError(f"tolerances need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
+    found = sweep(function, {name: ("sample", values) for name, values in inputs.items()}, workers=workers)
+    missing = [name for name in outputs if name not in found]
+    values = np.array([found[name].values for name in outputs if name in found])
+    lost = np.ones(found.sizes["sample"], bool) if missing else ~np.isfinite(values).all(axis=0)
+    if lost.any():
+        where = int(np.argmax(lost))
+        reason = str(found["failure"].values[where]) or f"no {', '.join(missing) or 'number'}"
+        point = ", ".join(f"{name} = {column[where]:.6g}" for name, column in inputs.items())
+        raise ValueError(
+            f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"
+        )
+    return values
 
 
 def propagated(
@@ -241,54 +249,3 @@ def propagated(
             if value is not None and other is not None:
                 changes.setdefault(name, {})[key] = 0.5 * (value - other)
     return changes
-
-
-def _row(name: str, way: str, computed: float | None, changes: Mapping[str, float]) -> dict[str, Any]:
-    printed = PRINTED[name]
-    assert computed is not None
-    return {
-        "output": name,
-        "by": way,
-        "computed": computed,
-        "printed": printed,
-        "relative_difference": (computed - printed) / printed,
-        "relative_worst_case": sum(map(abs, changes.values())) / printed,
-        "relative_std": math.sqrt(sum(each**2 for each in changes.values()) / 3.0) / printed,
-        "largest": max(changes, key=lambda key: abs(changes[key])),
-    }
-
-
-def _split(keys: Mapping[str, float]) -> tuple[Tool, float]:
-    """Tool and retraction (rad); the bar's radius, which is not printed, lets the wire slip off at that retraction."""
-    own = dict(keys)
-    retraction = math.radians(own.pop("retraction_deg"))
-    tip = float(cueing.tip_radius(own["hub_radius"], own["bristle_length"], retraction))
-    distance = math.hypot(own["bar_horizontal"], own["bar_vertical"])
-    return tool_of_keys(**own, bar_radius=distance - tip - 0.5 * own["wire_diameter"]), retraction
-
-
-def _by_formula(cue: Callable[[Tool, float], cueing.Cue], keys: Mapping[str, float]) -> Measures:
-    found = cue(*_split(keys))
-    place = (math.degrees(found.bar_direction), found.bar_horizontal, found.bar_vertical)
-    return dict(zip(PRINTED, (found.highest_relative_speed, *place), strict=True))
-
-
-def _simulation(tool: Tool, settings: Settings) -> Callable[..., Measures]:
-    """The strike where the bar stands, and where it would have to stand for a radial one.
-
-    The latter by one step of Newton's method from the printed tool's own direction; the lag is nearly linear in it.
-    """
-    strike = simulation(settings)
-    direction = radial_place(tool, strike).direction
-    ahead = strike(placed(tool, direction + STEP))["lag_deg_at_contact"] or math.nan
-
-    def by_simulation(**keys: float) -> Measures:
-        other, _ = _split(keys)
-        lag = strike(placed(other, direction))["lag_deg_at_contact"] or 0.0
-        turned = direction - lag * STEP / ahead
-        bar = placed(other, turned).bar
-        assert bar is not None
-        speed = strike(other)["relative_speed_at_contact"]
-        return dict(zip(PRINTED, (speed, math.degrees(turned), bar.horizontal, bar.vertical), strict=True))
-
-    return by_simulation

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from scipy.interpolate import CubicSpline
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.studies.periodic_turn import PeriodicTurn
+from bristle_sim.studies.wire_contact import corners, levers, nearest, right, touched
 from bristle_sim.trajectory import ContactRecord
 
 Impact = tuple[float, float]
@@ -140,8 +141,8 @@ def dissipated(tool: Tool, turn: PeriodicTurn, breaks: Iterable[float]) -> float
 
 def _impulse(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> Impulse:
     hub_angle = turn.trajectory.hub_angle[0] + turn.trajectory.hub_speed * contact.time
-    corners = _corners(tool, np.array([hub_angle]), np.array(contact.angles[-1:]))
-    (arms,) = _levers(*_touched(tool, contact.obstacle, corners))
+    lines = corners(tool, np.array([hub_angle]), np.array(contact.angles[-1:]))
+    (arms,) = levers(*touched(tool, contact.obstacle, lines))
     return Impulse(contact.obstacle, contact.time, np.array([*contact.impulse, arms @ contact.impulse]))
 
 
@@ -157,9 +158,9 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     time, hub_angle, angle, rate = run.time[rows], run.hub_angle[rows], run.angles[rows, -1], run.rates[rows, -1]
     middle = [0.5 * (each[1:] + each[:-1]) for each in (hub_angle, angle, rate)]
     slips = np.sign(_slip(tool, contact.obstacle, *middle))
-    states = np.stack([slips, _at_corner(tool, contact.obstacle, _corners(tool, *middle[:2]))])
+    states = np.stack([slips, _at_corner(tool, contact.obstacle, corners(tool, *middle[:2]))])
     jumps = np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1
-    levers = _levers(*_touched(tool, contact.obstacle, _corners(tool, hub_angle, angle)))
+    arms = levers(*touched(tool, contact.obstacle, corners(tool, hub_angle, angle)))
     force, part = run.normal_force[rows], tool.workpart if contact.obstacle == "workpart" else tool.bar
     assert part is not None
     if contact.outcome == "release":
@@ -168,7 +169,7 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
         own = _spaced(time, first, last)
         forces = np.stack([force[own], -part.friction * slips[first] * force[own]], axis=-1)
-        values = np.column_stack([forces, (levers[own] * forces).sum(axis=-1)])
+        values = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)])
         found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
     return found
 
@@ -188,62 +189,17 @@ def _course(time: Array, values: Array) -> Any:
     return CubicSpline(time, values)
 
 
-def _turned(vector: Sequence[float], angle: Array) -> Array:
-    """Return a vector that belongs to angle 0, turned by each angle; shape (n, 2)."""
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.stack([cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]], axis=-1)
-
-
-def _corners(tool: Tool, hub_angle: Array, angle: Array) -> Array:
-    """Return the corners of the wire's centre line, shape (n, corners, 2), m."""
-    root = _turned((0.0, -tool.hub.radius), hub_angle)
-    return np.stack([root, *(root + _turned(corner, angle) for corner in tool.bristle.path)], axis=1)
-
-
-def _nearest(tool: Tool, corners: Array) -> tuple[Array, Array, Array]:
-    """Return the piece of each centre line that is nearest to the bar, the fraction along it, and the point there."""
-    assert tool.bar is not None
-    start, along = corners[:, :-1], np.diff(corners, axis=1)
-    fraction = ((np.array(tool.bar.centre) - start) * along).sum(axis=-1) / (along**2).sum(axis=-1)
-    fraction = np.clip(fraction, 0.0, 1.0)
-    points = start + fraction[..., np.newaxis] * along
-    piece = np.linalg.norm(points - np.array(tool.bar.centre), axis=-1).argmin(axis=-1)
-    each = np.arange(len(piece))
-    return piece, fraction[each, piece], points[each, piece]
-
-
-def _touched(tool: Tool, obstacle: str, corners: Array) -> tuple[Array, Array]:
-    """Return the obstacle's normal and the contact point, each of shape (n, 2), from the hub's centre in m."""
-    if obstacle == "workpart":
-        return np.broadcast_to([0.0, 1.0], (len(corners), 2)), corners[:, -1]
-    assert tool.bar is not None
-    point = _nearest(tool, corners)[2]
-    away = point - np.array(tool.bar.centre)
-    normal = away / np.linalg.norm(away, axis=-1, keepdims=True)
-    return normal, point - 0.5 * tool.bristle.wire_diameter * normal
-
-
-def _levers(normal: Array, point: Array) -> Array:
-    """Return the moments about the hub's centre of unit normal and tangential forces, shape (n, 2), m."""
-    return np.stack([point[:, 0] * each[:, 1] - point[:, 1] * each[:, 0] for each in (normal, _right(normal))], axis=-1)
-
-
-def _right(vectors: Array) -> Array:
-    """Turn vectors by a quarter turn to the right: normals into tangents."""
-    return np.stack([vectors[:, 1], -vectors[:, 0]], axis=-1)
-
-
 def _slip(tool: Tool, obstacle: str, hub_angle: Array, angle: Array, rate: Array) -> Array:
     """Return the tangential velocity of the wire's material point at the contact, m/s."""
-    corners = _corners(tool, hub_angle, angle)
-    normal, point = _touched(tool, obstacle, corners)
-    arms = tool.hub.speed * corners[:, 0] + rate[:, np.newaxis] * (point - corners[:, 0])
-    return np.asarray((-_right(arms) * _right(normal)).sum(axis=-1))
+    lines = corners(tool, hub_angle, angle)
+    normal, point = touched(tool, obstacle, lines)
+    arms = tool.hub.speed * lines[:, 0] + rate[:, np.newaxis] * (point - lines[:, 0])
+    return np.asarray((-right(arms) * right(normal)).sum(axis=-1))
 
 
-def _at_corner(tool: Tool, obstacle: str, corners: Array) -> Array:
+def _at_corner(tool: Tool, obstacle: str, lines: Array) -> Array:
     """Return where on the wire the bar is: the piece, with a half where it is the corner at that piece's end."""
     if obstacle == "workpart":
-        return np.zeros(len(corners))
-    piece, fraction, _ = _nearest(tool, corners)
+        return np.zeros(len(lines))
+    piece, fraction, _ = nearest(tool, lines)
     return np.asarray(piece + 0.5 * (fraction >= 1.0) - 0.5 * (fraction <= 0.0) * (piece > 0))

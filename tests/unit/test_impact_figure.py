@@ -1,0 +1,107 @@
+"""Pictures of impacts show what was computed, and never what is not there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from bristle_sim.render.impact_figure import impact_figure
+from bristle_sim.render.style import save_figure
+from bristle_sim.scene.build import Scene
+from bristle_sim.studies.impacts import Impacts
+from bristle_sim.studies.impulse_course import energetic_course
+from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words
+
+
+@pytest.fixture(scope="module")
+def strike() -> Impacts:
+    return bristle()
+
+
+@pytest.fixture(scope="module")
+def pendulum() -> Impacts:
+    return rods()
+
+
+@pytest.fixture(scope="module")
+def strike_figure(strike: Impacts) -> Figure:
+    return impact_figure(strike)
+
+
+@pytest.fixture(scope="module")
+def pendulum_figure(pendulum: Impacts) -> Figure:
+    return impact_figure(pendulum)
+
+
+def test_impulse_plane_shows_the_course_and_the_contact_resolved_in_time(
+    strike: Impacts, strike_figure: Figure
+) -> None:
+    plane = panel(strike_figure, "a")
+    course = energetic_course(strike.chain, strike.surface)
+    assert "mN·s" in plane.get_xlabel()
+    for name in ("normal_velocity", "tangential_velocity"):
+        x, y = data(plane, name)
+        np.testing.assert_allclose(x, course.impulse * 1e3)
+        np.testing.assert_allclose(y, getattr(course, name))
+        x, y = data(plane, f"{name}, resolved in time")
+        assert x.size > 24
+        np.testing.assert_allclose(
+            y,
+            np.interp(x, course.impulse * 1e3, getattr(course, name)),
+            atol=3.0 * TRAPEZOIDAL * np.ptp(getattr(course, name)),
+        )
+
+
+def test_impulse_plane_shades_phases_and_marks_impulses(pendulum: Impacts, pendulum_figure: Figure) -> None:
+    plane = panel(pendulum_figure, "a")
+    course = energetic_course(pendulum.chain, pendulum.surface)
+    shades = {patch.get_gid(): patch.get_extents().transformed(plane.transData.inverted()) for patch in plane.patches}
+    assert list(shades) == ["compression slip", "restitution slip", "restitution reverse slip"]
+    for name, start, end in zip(course.phases, course.impulse, course.impulse[1:], strict=False):
+        assert (shades[name].x0, shades[name].x1) == pytest.approx((start * 1e3, end * 1e3), abs=1e-9)
+    marks = {"p_c": course.compression_end, "p_s": course.slip_stop, "p_f": course.impulse[-1]}
+    for name, impulse in marks.items():
+        assert data(plane, name)[0][0] == pytest.approx(impulse * 1e3, rel=1e-12)
+
+
+def test_impulses_that_fall_together_share_a_name(strike_figure: Figure) -> None:
+    plane = panel(strike_figure, "a")
+    assert "$p_c = p_s$" in words(plane)
+    assert data(plane, "p_c p_s")[0][0] == pytest.approx(1.231668, rel=5e-7)  # p_cy, mN s, eq. 2.37
+
+
+def test_figures_never_simulate(strike: Impacts, pendulum: Impacts, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Studies compute and figures draw: no scene can be built while they do."""
+
+    def refuse(*_: object) -> None:
+        pytest.fail("a figure builds a scene")
+
+    monkeypatch.setattr(Scene, "__init__", refuse)
+    impact_figure(strike)
+    impact_figure(pendulum)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".svg"])
+def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: str) -> None:
+    path = save_figure(pendulum_figure, tmp_path / f"impact{suffix}")
+    assert path.stat().st_size > 10_000
+
+
+def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
+    resting = impact_figure(rods(rate_1=0.0, rate_2=0.0))
+    assert "no contact" in words(panel(resting, "a"))
+    save_figure(resting, tmp_path / "resting.png")
+    unresolved = rods()
+    del unresolved.strikes["compliant"]
+    names = {each.get_gid() for each in panel(impact_figure(unresolved), "a").get_lines()}
+    assert not any(name and "resolved" in name for name in names)
+
+
+@pytest.mark.parametrize("surface", [{"friction": 0.6}, {"restitution": 0.0}, {"restitution_friction": 0.9}])
+def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_path: Path) -> None:
+    figure = impact_figure(bristle(**surface))
+    assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
+    save_figure(figure, tmp_path / "stuck.png")
