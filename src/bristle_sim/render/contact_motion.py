@@ -81,7 +81,9 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
         after = [_freely(last, 0.0), _freely(last, AFTER * end)]
     else:
         after = [np.array([0.0, 0.0, *last[2:]])] * 2
-    values = np.column_stack([_freely(first, -BEFORE * end), _freely(first, 0.0), samples, *after])
+    v_n, v_t, normal, tangential, depth, along = np.column_stack(
+        [_freely(first, -BEFORE * end), _freely(first, 0.0), samples, *after]
+    )
     time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
     # A piece of no length is rounding at the end of another one.
     parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[-len(record.phases) :]
@@ -90,7 +92,7 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     ending = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
     outcome = Phase(end, ending.get(record.outcome, record.outcome))
     phases = [Phase(-BEFORE * end, "the tip arrives"), *phases, outcome]
-    return ContactMotion(time, *values, phases=tuple(phases), touch_end=end)
+    return ContactMotion(time, v_n, v_t, normal, tangential, depth, along, tuple(phases), end)
 
 
 def _freely(state: Array, elapsed: float) -> Array:
