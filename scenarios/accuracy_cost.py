@@ -6,27 +6,16 @@ times, all methods in turn. The table compares our CPU time (simulated) with the
 """
 
 import sys
-from collections.abc import Mapping
-from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effort
-from bristle_sim.comparison import Report
-from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import figure
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Measure with the requested effort."""
-    from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
-
-    return accuracy_cost(build(Effort, values))
-
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, study
 
 SCENARIO = Scenario(
     name="accuracy_cost",
     question="What does accuracy cost in time?",
     parts=(Effort,),
-    run=run,
+    run=study("benchmarks.accuracy_cost.study.accuracy_cost"),
     plot=figure("cost_figure"),
 )
 

@@ -6,21 +6,13 @@ contact stiffness that would keep the rigid bristle in touch for contact_duratio
 """
 
 import sys
-from collections.abc import Mapping
 from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Workpart
-from bristle_sim.scenario_cli import Scenario, build, build_tool, main
-from bristle_sim.scenario_cli.scenario import figure
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Build the tool from the keys and run it with the three shapes."""
-    from bristle_sim.studies.bent_bristles import bent_bristles
-
-    return bent_bristles(build_tool(values), build(Settings, values))
 
 
 def series(report: Report) -> dict[str, Any]:
@@ -37,7 +29,7 @@ SCENARIO = Scenario(
     name="bent_bristles",
     question="Reverse bent, straight, forward bent: which tip slides, which retracts at once?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Contact, Settings),
-    run=run,
+    run=study("studies.bent_bristles.bent_bristles"),
     plot=figure("bent_figure"),
     series=series,
     defaults={

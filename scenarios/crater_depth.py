@@ -5,29 +5,18 @@ gives force, path and energy of one event, and from them depths that can be comp
 """
 
 import sys
-from collections.abc import Mapping
-from typing import Any
 
-from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub
 from bristle_sim.parameters.crater import Crater
-from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import figure, series_of_contact
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, series_of_contact, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Cut once, by every estimate."""
-    from bristle_sim.studies.crater_study import crater_study
-
-    return crater_study(build(Hub, values), build(Bristle, values), build(Crater, values), build(Settings, values))
-
 
 SCENARIO = Scenario(
     name="crater_depth",
     question="How deep is the crater by chapter 4, and by the simulated contact?",
     parts=(Hub, Bristle, Crater, Settings),
-    run=run,
+    run=study("studies.crater_study.crater_study"),
     plot=figure("crater_figure"),
     series=series_of_contact,
     without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),

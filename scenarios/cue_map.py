@@ -6,22 +6,14 @@ formula and its printed position.
 """
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, build, build_tool, main
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import study
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_map import MapGrid, cue_map
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Build the tool from the keys and look for the bar's best directions."""
-    return cue_map(
-        build_tool(values), build(Settings, values), build(MapGrid, values), with_reference=values["reference"] == "yes"
-    )
+from bristle_sim.studies.cue_map import MapGrid
 
 
 def plot(report: Report, path: Path) -> None:
@@ -38,7 +30,7 @@ SCENARIO = Scenario(
     name="cue_map",
     question="Where must the bar stand for a radial strike, and where for the fastest tip?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Tool, Settings, Comparison, MapGrid),
-    run=run,
+    run=study("studies.cue_map.cue_map"),
     plot=plot,
     without=("knee_position", "knee_angle_deg", *WIRE_KEYS),
     defaults={

@@ -5,24 +5,16 @@ the likeliest reason. ``--set show=differs`` leaves the rest out of the table; t
 """
 
 import sys
-from collections.abc import Mapping
-from typing import Any
 
-from bristle_sim.comparison import Report
-from bristle_sim.dissertation.audit import AuditView, audit_report
-from bristle_sim.scenario_cli import Scenario, build, main
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Compute all rows."""
-    return audit_report(build(AuditView, values))
-
+from bristle_sim.dissertation.audit import AuditView
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import study
 
 SCENARIO = Scenario(
     name="dissertation_audit",
     question="Which of the dissertation's printed numbers do its equations give?",
     parts=(AuditView,),
-    run=run,
+    run=study("dissertation.audit.audit_report"),
 )
 
 if __name__ == "__main__":

@@ -6,18 +6,12 @@ resolved in time; elsewhere the printed equation is evaluated number by number. 
 """
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.dissertation.figures import Selection, figures_report
-from bristle_sim.scenario_cli import Scenario, build, main
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Compute the requested figures."""
-    return figures_report(build(Selection, values))
+from bristle_sim.dissertation.figures import Selection
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import study
 
 
 def plot(report: Report, target: Path) -> None:
@@ -31,7 +25,7 @@ SCENARIO = Scenario(
     name="dissertation_figures",
     question="Do simulated impacts and printed equations lie on the dissertation's curves?",
     parts=(Selection,),
-    run=run,
+    run=study("dissertation.figures.figures_report"),
     plot=plot,
     plot_is_folder=True,
     options=("only",),

@@ -5,30 +5,17 @@ engine's own contact gains energy here; the energetic law never does.
 """
 
 import sys
-from collections.abc import Mapping
-from typing import Any
 
-from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, DoublePendulum, Surface
-from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Strike once, by the requested law."""
-    from bristle_sim.studies.impacts import double_pendulum
-
-    return double_pendulum(
-        build(DoublePendulum, values), build(Surface, values), build(Contact, values), build(Settings, values)
-    )
-
 
 SCENARIO = Scenario(
     name="double_pendulum",
     question="Stronge's double pendulum: does the simulated impact follow the closed form, whatever the masses?",
     parts=(DoublePendulum, Surface, Contact, Settings),
-    run=run,
+    run=study("studies.impacts.double_pendulum"),
     plot=figure("impact_figure"),
     video=film_of_impact,
     series=series_of_impact,

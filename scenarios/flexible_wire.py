@@ -5,30 +5,14 @@ the rigid bristle in touch for contact_duration; a strike of 50 us is over befor
 """
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, Comparison, ContactStiffness, Hub, Strike, Surface
-from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import film, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Strike with the wire and with the rigid bristle."""
-    from bristle_sim.studies.flexible_wire import flexible_wire
-
-    return flexible_wire(
-        build(Hub, values),
-        build(Belt, values),
-        build(Bristle, values),
-        build(Strike, values),
-        build(Surface, values),
-        build(ContactStiffness, values),
-        build(Settings, values),
-        with_reference=values["reference"] == "yes",
-    )
 
 
 def plot(report: Report, path: Path) -> None:
@@ -40,13 +24,6 @@ def plot(report: Report, path: Path) -> None:
     save_figure(wire_figure(report.subject, wire_study(report.subject.strike)), path)
 
 
-def video(report: Report, path: Path) -> None:
-    """Film the bending wave that runs up the wire, in slow motion."""
-    from bristle_sim.render.wire_video import wire_video
-
-    wire_video(report.subject, path)
-
-
 def series(report: Report) -> dict[str, Any]:
     """Return the contact in time."""
     return dict(report.subject.wire.contact.columns())
@@ -56,9 +33,9 @@ SCENARIO = Scenario(
     name="flexible_wire",
     question="One strike of a wire that bends: what does the rigid bristle overstate?",
     parts=(Hub, Belt, Bristle, Strike, Surface, ContactStiffness, Settings, Comparison),
-    run=run,
+    run=study("studies.flexible_wire.flexible_wire"),
     plot=plot,
-    video=video,
+    video=film("wire_video"),
     series=series,
     without=("knee_position", "knee_angle_deg", "step", "hub_turn"),
     defaults={

@@ -5,24 +5,16 @@ shows what was reached. ``--set theme=jam`` tries one theme, ``--set effort=quic
 """
 
 import sys
-from collections.abc import Mapping
-from typing import Any
 
-from bristle_sim.benchmarks.hard_cases.report import HardCaseChoice, hard_cases
-from bristle_sim.comparison import Report
-from bristle_sim.scenario_cli import Scenario, build, main
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Try the requested cases."""
-    return hard_cases(build(HardCaseChoice, values))
-
+from bristle_sim.benchmarks.hard_cases.report import HardCaseChoice
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import study
 
 SCENARIO = Scenario(
     name="hard_cases",
     question="Does it stay stable where it is hard?",
     parts=(HardCaseChoice,),
-    run=run,
+    run=study("benchmarks.hard_cases.report.hard_cases"),
 )
 
 if __name__ == "__main__":

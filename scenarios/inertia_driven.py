@@ -5,38 +5,19 @@ passes the radial direction. How fast is its tip then, and how fast must the pul
 """
 
 import sys
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
-from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Workpart
-from bristle_sim.scenario_cli import Scenario, build, build_tool, main
-from bristle_sim.scenario_cli.scenario import figure
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, film, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Build the bar-cued tool from the keys and run it with and without its bar."""
-    from bristle_sim.studies.inertia_driven import inertia_driven
-
-    return inertia_driven(build_tool(values), build(Settings, values), with_reference=values["reference"] == "yes")
-
-
-def video(report: Report, path: Path) -> None:
-    """Film both tools side by side up to their strikes."""
-    from bristle_sim.render.inertia_video import inertia_video
-
-    inertia_video(report.subject, path)
-
 
 SCENARIO = Scenario(
     name="inertia_driven",
     question="How fast does the tip strike that inertia drives, without a bar?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
-    run=run,
+    run=study("studies.inertia_driven.inertia_driven"),
     plot=figure("inertia_figure"),
-    video=video,
+    video=film("inertia_video"),
     without=(
         "knee_position",
         "knee_angle_deg",

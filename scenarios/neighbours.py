@@ -5,29 +5,14 @@ workpart. Bristles that touch no other one are copies of a single pass, from whi
 """
 
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Neighbours, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, build, main
+from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Neighbours, Workpart
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import film, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Build the tool and its row from the keys, and simulate them."""
-    from bristle_sim.studies.neighbours import neighbours
-
-    tool = Tool(
-        hub=build(Hub, values),
-        belt=build(Belt, values),
-        bristle=build(Bristle, values),
-        bar=build(Bar, values),
-        workpart=build(Workpart, values),
-    )
-    with_reference = values["reference"] == "yes"
-    return neighbours(tool, build(Neighbours, values), build(Settings, values), with_reference=with_reference)
 
 
 def plot(report: Report, path: Path) -> None:
@@ -38,13 +23,6 @@ def plot(report: Report, path: Path) -> None:
 
     pitches = pitches_to_draw(report.subject)
     save_figure(neighbours_figure(report.subject, pitches, over_pitch(report.subject, pitches)), path)
-
-
-def video(report: Report, path: Path) -> None:
-    """Film the row, in slow motion where wires touch."""
-    from bristle_sim.render.row_video import row_video
-
-    row_video(report.subject, path)
 
 
 def series(report: Report) -> dict[str, Any]:
@@ -58,9 +36,9 @@ SCENARIO = Scenario(
     name="neighbours",
     question="From what pitch do bristles of one plane touch each other, and what does a touch do?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Neighbours, Settings, Comparison),
-    run=run,
+    run=study("studies.neighbours.neighbours"),
     plot=plot,
-    video=video,
+    video=film("row_video"),
     series=series,
     without=("knee_position", "knee_angle_deg", "step"),
 )

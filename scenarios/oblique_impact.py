@@ -5,35 +5,17 @@ contact law is requested; the table below compares all three.
 """
 
 import sys
-from collections.abc import Mapping
-from typing import Any
 
-from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Strike once, by the requested law."""
-    from bristle_sim.studies.impacts import oblique_impact
-
-    return oblique_impact(
-        build(Hub, values),
-        build(Bristle, values),
-        build(Strike, values),
-        build(Surface, values),
-        build(Contact, values),
-        build(Settings, values),
-    )
-
 
 SCENARIO = Scenario(
     name="oblique_impact",
     question="One strike of a radial bristle: does the simulated impact follow the closed forms?",
     parts=(Hub, Bristle, Strike, Surface, Contact, Settings),
-    run=run,
+    run=study("studies.impacts.oblique_impact"),
     plot=figure("impact_figure"),
     video=film_of_impact,
     series=series_of_impact,

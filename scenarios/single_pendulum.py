@@ -5,30 +5,17 @@ reaches the tangent of the impact angle.
 """
 
 import sys
-from collections.abc import Mapping
-from typing import Any
 
-from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
-from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Strike once, by the requested law."""
-    from bristle_sim.studies.impacts import single_pendulum
-
-    return single_pendulum(
-        build(SinglePendulum, values), build(Surface, values), build(Contact, values), build(Settings, values)
-    )
-
 
 SCENARIO = Scenario(
     name="single_pendulum",
     question="Stronge's single pendulum: does the simulated impact follow the closed form?",
     parts=(SinglePendulum, Surface, Contact, Settings),
-    run=run,
+    run=study("studies.impacts.single_pendulum"),
     plot=figure("impact_figure"),
     video=film_of_impact,
     series=series_of_impact,

@@ -6,20 +6,14 @@ loses, and the force behind a load cell of finite bandwidth is a band.
 """
 
 import sys
-from collections.abc import Mapping
 from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Hub, Workpart
-from bristle_sim.scenario_cli import Scenario, build, build_tool, main
-from bristle_sim.scenario_cli.scenario import figure
+from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.scenario_cli.scenario import figure, study
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_tool import Assembly, load_cell_series, whole_tool
-
-
-def run(values: Mapping[str, Any]) -> Report:
-    """Build the tool from the keys, and sum the forces of its bristles."""
-    return whole_tool(build_tool(values), build(Assembly, values), build(Settings, values))
+from bristle_sim.studies.whole_tool import Assembly, load_cell_series
 
 
 def series(report: Report) -> dict[str, Any]:
@@ -31,7 +25,7 @@ SCENARIO = Scenario(
     name="whole_tool",
     question="What does a hand hold against, and what does a load cell see?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Assembly, Settings),
-    run=run,
+    run=study("studies.whole_tool.whole_tool"),
     plot=figure("whole_tool_figure"),
     series=series,
     without=(*WIRE_KEYS, "step", "hub_turn"),

@@ -17,6 +17,7 @@ from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.impact import energetic_impact
+from stability.cases.budget import budget
 from stability.cases.chatter import chatter
 from stability.cases.grazing import grazing
 from stability.cases.impacts import limits
@@ -31,7 +32,7 @@ CLOSER = [
     case
     for table in (
         *(mass_ratio, belt_stiffness, damping, hub_speed, jam, grazing, limits),
-        *(size, tunnelling, chatter, touching),
+        *(size, tunnelling, chatter, touching, budget),
     )
     for case in table()
 ]

@@ -123,7 +123,7 @@ class TestMeasuring:
         point = measure.measure(FLIGHT, [Attempt("a b", "x", fail)], Effort("quick"))[0]
         assert point.failure == "stepped too far"
         assert measure.cheapest([point], 1e9) is None
-        shown = json.loads(json.dumps(point.as_dict(), allow_nan=False))
+        shown = json.loads(json.dumps(measure.plain(point), allow_nan=False))
         assert shown["error"] is None
         assert shown["cpu_s"] is None
 
@@ -148,7 +148,7 @@ class TestMeasuring:
         attempts = [Attempt(method, str(number), lambda: Run((), 0)) for method in "ab" for number in range(7)]
         kept = [(each.method, each.setting) for each in measure.thinned(attempts, 2)]
         assert kept == [("a", "0"), ("a", "4"), ("b", "0"), ("b", "4")]
-        assert measure.thinned(attempts, None) == attempts
+        assert measure.thinned(attempts, 7) == attempts
 
 
 class TestOurMethods:

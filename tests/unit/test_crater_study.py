@@ -9,12 +9,10 @@ import pytest
 
 from bristle_sim.parameters import Bristle, Hub
 from bristle_sim.parameters.crater import Crater
-from bristle_sim.render.crater_figure import crater_floor
 from bristle_sim.settings import Settings
 from bristle_sim.studies.crater_study import MEASURED, crater_study
 from bristle_sim.studies.crater_sums import energy_depth_course, merchant_depth_course
 from bristle_sim.theory.crater import merchant_crater_depth
-from bristle_sim.theory.crater_kinematics import TipFace
 
 GAMMA = math.radians(23.4)
 ENERGY = 8.387e-5 / 6.0 * (261.8 * (3.23 * 0.027 + 0.0275)) ** 2
@@ -160,14 +158,3 @@ def test_no_number_is_not_a_number():
 def test_parameters_out_of_range(changes, line):
     with pytest.raises(ValueError, match=line):
         Crater(**changes)
-
-
-def test_the_floor_of_the_crater():
-    face, path = TipFace(), 3.2e-4
-    depth, reach = path * math.sin(GAMMA), path * math.cos(GAMMA)
-    y = np.linspace(-4e-4, 4e-4, 4001)
-    end = crater_floor(np.array([[reach]]), y, GAMMA, path)[0]
-    assert end.min() == pytest.approx(-depth, rel=1e-12)
-    assert np.all(crater_floor(np.array([[-1e-6], [reach + 1e-6]]), y, GAMMA, path) == 0.0)
-    # As wide at the surface as the tip's ellipse is at that depth, to a step of y on each side.
-    assert np.ptp(y[end < 0.0]) == pytest.approx(float(face.width(depth)), abs=4e-7)

@@ -17,7 +17,7 @@ from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.render.drawing import close_up, wire_outline
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.pass_video import PassScene
+from bristle_sim.render.pass_video import PassFilm
 from bristle_sim.render.story import key_events
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
@@ -65,7 +65,7 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
     path = np.concatenate([artist(figure, name).get_xydata() for name in ("tip path", "tip path after the strike")])
     for sample in 1e3 * odd.tip:
         assert np.hypot(*(path - sample).T).min() < 1e-9  # mm: every recorded tip is on the path
-    scene = PassScene(odd, Tool(), width=320, height=240, duration=1.0, until=END)
+    scene = PassFilm(odd, Tool(), width=320, height=240, duration=1.0, until=END)
     for number in (10, 30, 60, 100):
         scene.show(float(scene.warp.film_time(odd.time[number])))
         shown = middle(scene.wire.wire.get_xy()[:-1])
@@ -80,7 +80,7 @@ WIRE_DRAWINGS = (
     "render/pass_figure",
     "render/pass_video",
     "render/cue_figure",
-    "render/impact_drawings",
+    "render/impact_video",
 )
 
 

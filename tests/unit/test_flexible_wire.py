@@ -10,7 +10,7 @@ import pytest
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface
 from bristle_sim.render.wire_figure import wire_figure
-from bristle_sim.render.wire_video import WireScene, wire_video
+from bristle_sim.render.wire_video import WireFilm, wire_video
 from bristle_sim.settings import Settings
 from bristle_sim.studies.flexible_wire import flexible_wire, wire_study
 
@@ -139,7 +139,7 @@ def test_figure_draws_forces_and_ratios(short: Report) -> None:
 
 def test_film_shows_the_wire_bend(short: Report) -> None:
     """The hinge is off the chord of root and tip, enlarged as the film says."""
-    scene = WireScene(short.subject, width=320, height=240, duration=1.0)
+    scene = WireFilm(short.subject, width=320, height=240, duration=1.0)
     scene.show(float(scene.warp.film_time(3e-5)))
     points = np.column_stack(scene.wire_line.get_data())
     chord, first = points[-1] - points[0], points[1] - points[0]
@@ -148,8 +148,8 @@ def test_film_shows_the_wire_bend(short: Report) -> None:
     assert scene.enlarged > 1.0
     # Linear in the deflection: the hinge is off the chord by a quarter of the length times the bend.
     assert bend == pytest.approx(0.25 * 27.0 * scene.enlarged * angles[0], rel=0.1)
-    assert scene.caption.get_text()
-    assert scene.readouts[2].text.endswith("N")
+    assert scene.texts[0]
+    assert scene.texts[3].endswith("N")
 
 
 @pytest.mark.parametrize("links", [1, 3])

@@ -9,7 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
-from bristle_sim.render.inertia_video import InertiaScene
+from bristle_sim.render.inertia_video import InertiaFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import _scene, inertia_driven, until_radial
 from bristle_sim.theory.inertia_drive import (
@@ -166,7 +166,7 @@ def test_a_wire_that_bends_against_the_reference():
 
 def test_film_of_both_tools():
     """Both roots are at the strike's place at the end; before it enters the pulley the bristle goes straight on, as fast."""
-    scene = InertiaScene(
+    scene = InertiaFilm(
         inertia_driven(Tool(), Settings(accuracy=1e-6), with_reference=False).subject, width=96, height=48, duration=1.0
     )
     ends = [scene.cued.centre_line(scene.ends[0])[0], scene._without_bar(scene.ends[1])[0]]
@@ -177,4 +177,4 @@ def test_film_of_both_tools():
     assert (entered[0] - before[0]) @ entered[0] == pytest.approx(0.0, abs=1e-15)
     for film_time in (0.0, 1.0):
         scene.show(film_time)
-    assert scene.caption.get_text() == "with the bar, and without it, round the pulley"
+    assert scene.texts[0] == "with the bar, and without it, round the pulley"

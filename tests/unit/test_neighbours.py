@@ -10,7 +10,7 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Neighbours, Tool, Workpart
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_place
-from bristle_sim.render.row_video import RowScene
+from bristle_sim.render.row_video import RowFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
 
@@ -139,7 +139,7 @@ class TestPictures:
 
     def test_the_film_marks_touches_and_says_how_fast_the_spoilt_strike_is(self):
         subject = report().subject
-        scene = RowScene(subject, 160, 120, 4.0)
+        scene = RowFilm(subject, 160, 120, 4.0)
         strike = subject.bristles[1].first_contact("workpart")
         touch = [
             each.time for each in subject.bristles[1].events if each.name == "wire touch" and each.time < strike.time
@@ -148,7 +148,7 @@ class TestPictures:
         assert len(scene.ring.get_xdata()) == 1
         scene.show(float(scene.warp.film_time(strike.time)) + 0.01)
         rate = strike.rates_before[0] - Tool().hub.speed
-        assert scene.caption.get_text() == f"bristle 2 strikes at {rate:.0f} rad/s relative to the hub"
+        assert scene.texts[0] == f"bristle 2 strikes at {rate:.0f} rad/s relative to the hub"
 
     def test_a_row_that_touches_nobody_can_be_drawn(self):
         subject = dataclasses.replace(report(pitch_deg=50.0).subject)

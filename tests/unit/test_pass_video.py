@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from bristle_sim.parameters import Bar, Hub, Tool
-from bristle_sim.render.film_scene import slow_motion
+from bristle_sim.render.film import slow_motion
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.pass_video import PassScene, pass_video
+from bristle_sim.render.pass_video import PassFilm, pass_video
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, STRIKE, make_trajectory
 
@@ -51,7 +51,7 @@ def test_bad_slow_motion_is_refused(bad):
 
 
 def test_scene_shows_the_run(run):
-    scene = PassScene(run, Tool(), width=320, height=240, duration=4.0, until=END)
+    scene = PassFilm(run, Tool(), width=320, height=240, duration=4.0, until=END)
     film_time = float(scene.warp.film_time(run.time[20]))
     scene.show(film_time)
     outline = scene.wire.wire.get_xy()
@@ -59,16 +59,16 @@ def test_scene_shows_the_run(run):
     assert 0.5 * (outline[1] + outline[2]) == pytest.approx(1e3 * run.tip[20], abs=1e-9)
     assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
     retraction, clock = -math.degrees(run.relative_angle[20]), 1e3 * run.time[20]
-    texts = [readout.text.replace("\N{MINUS SIGN}", "-") for readout in scene.readouts]
+    texts = [text.replace("\N{MINUS SIGN}", "-") for text in scene.texts[1:]]
     assert float(texts[0].split()[1]) == pytest.approx(clock, abs=0.5e-3)  # half of the last digit shown
     assert float(texts[2].split()[1].rstrip("°")) == pytest.approx(retraction, abs=0.05)
 
 
 def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
-    scene = PassScene(run, Tool(), width=320, height=240, duration=4.0, until=END)
+    scene = PassFilm(run, Tool(), width=320, height=240, duration=4.0, until=END)
     for offset, caption in ((-0.1, "released: the belt throws the tip"), (0.1, "strike"), (0.6, "rebound")):
         scene.show(float(scene.warp.film_time(STRIKE)) + offset)
-        assert scene.caption.get_text() == caption
+        assert scene.texts[0] == caption
         assert scene.mark.get_visible() == (caption == "strike")
     assert scene.mark.get_xydata()[0] == pytest.approx(1e3 * run.tip[60], abs=1e-9)
 
@@ -76,8 +76,8 @@ def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
 def test_odd_tools_are_drawn(run):
     thin = Tool(hub=Hub(radius=0.0), bar=Bar(radius=1e-4))
     pass_figure(run, thin).draw_without_rendering()
-    scene = PassScene(run, thin, width=320, height=240, duration=1.0)
-    assert sum(1 for _ in scene.frames(3)) == 3
+    scene = PassFilm(run, thin, width=320, height=240, duration=1.0)
+    assert scene.frame(0.5).size == (320, 240)
 
 
 def test_gif_has_every_frame_at_its_time(run, tmp_path):

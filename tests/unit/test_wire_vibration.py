@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from bristle_sim.benchmarks.wire_vibration import AMPLITUDE, FREQUENCY, in_elastica, in_mujoco, through_scene
+from benchmarks.wire_vibration import AMPLITUDE, FREQUENCY, in_elastica, in_mujoco, through_scene
 from bristle_sim.parameters import Belt, Bristle
 from bristle_sim.theory.wire import chain_frequencies
 

@@ -1,44 +1,34 @@
-"""Interpolate a contact resolved in time between its samples, with free motion shortly before and after."""
+"""A contact resolved in time as a film shows it, with free motion shortly before and after."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.story import OUTCOMES, Phase
-from bristle_sim.trajectory import ContactHistory, ContactRecord
-
-POINTS = 1500
-"""Instants of a whole contact: a picture's width."""
+from bristle_sim.studies.bent_bristles import slide_path
+from bristle_sim.studies.contact_course import pieces
+from bristle_sim.trajectory import ContactRecord
 
 BEFORE, AFTER = 0.10, 0.18
 """Free motion shown before and after, as fractions of the time in touch."""
 
 BRIEF = 1e-3
-"""An interval of less than this fraction of the contact is rounding at the end of another one."""
-
-RESTING = 1e-6
-"""A tip slower than this fraction of its speed on arrival does not slip."""
-
-_COLUMNS = ("normal_velocity", "tangential_velocity", "normal_force", "tangential_force", "penetration")
-_MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
-_ENDINGS = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
+"""Slip that stops earlier, as a fraction of the time in touch, is none to show."""
 
 
 @dataclass(frozen=True, slots=True)
 class ContactMotion:
-    """Arrays of one length over time, with two entries at an instant where a force jumps; SI units.
+    """Samples over time, linear in between, two of them at an instant where a force jumps; SI units.
 
     Attributes:
         time: s, from the first touch; negative before it.
         normal_velocity, tangential_velocity: of the tip, m/s.
         normal_force, tangential_force: on the tip, N.
-        depth, along: way of the tip below the surface and along it since the first touch, m.
-        phases: what happens from when on, e.g. ``compression slip``; the first is ``arrival``.
+        depth, along: displacement of the tip below the surface and along it since the first touch, m.
+        phases: what happens from when on, e.g. ``compression slip``; the first is the arrival, the last the outcome.
         touch_end: when the contact ends, s.
     """
 
@@ -65,9 +55,9 @@ class ContactMotion:
     @property
     def slip_stop(self) -> float | None:
         """When the slip of arrival comes to its end, s; None if it does not."""
-        touching = (phase for phase in self.phases if 0.0 <= phase.start < self.touch_end)
-        later = next((phase.start for phase in touching if phase.caption.partition(" ")[2] != "slip"), 0.0)
-        return later or None
+        later = (phase.start for phase in self.phases[2:-1] if phase.caption.partition(" ")[2] != "slip")
+        stop = next(later, 0.0)
+        return stop if stop > BRIEF * self.touch_end else None
 
     def at(self, name: str, time: float) -> float:
         """One of the arrays at an instant, s."""
@@ -75,7 +65,7 @@ class ContactMotion:
 
 
 def contact_motion(record: ContactRecord) -> ContactMotion:
-    """Fill a record's samples in, monotone from turn to turn, and add free motion before and after.
+    """Return a record's samples with free motion before and after; a tip that does not leave stays pressed on as it is.
 
     Raises:
         ValueError: if the contact has no history: its law is instantaneous, or the tip did not approach.
@@ -83,65 +73,29 @@ def contact_motion(record: ContactRecord) -> ContactMotion:
     history = record.history
     if history is None or history.time.size < 2:
         raise ValueError(f"contact with the {record.obstacle}: {record.outcome}; there is no motion in time to show")
-    clock, columns = history.time - history.time[0], np.stack([getattr(history, name) for name in _COLUMNS])
-    instants, filled = [], []
-    for part in intervals(history):
-        count = max(2, round(POINTS * np.ptp(clock[part]) / clock[-1]))
-        instants.append(np.linspace(clock[part][0], clock[part][-1], count))
-        filled.append(PchipInterpolator(clock[part], columns[:, part], axis=-1)(instants[-1]))
-    time, values = _with_free_motion(np.concatenate(instants), np.concatenate(filled, axis=-1), record.outcome)
-    normal_velocity, tangential_velocity, normal_force, tangential_force, depth = values
-    steps = 0.5 * (tangential_velocity[1:] + tangential_velocity[:-1]) * np.diff(time)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
-    moving = (normal_velocity, tangential_velocity, normal_force, tangential_force, depth)
-    phases = _phases(history, record.outcome)
-    return ContactMotion(time, *moving, along - np.interp(0.0, time, along), phases, float(clock[-1]))
-
-
-def intervals(history: ContactHistory) -> list[slice]:
-    """Return the samples from turn to turn: at a turn two of them share an instant."""
-    cuts = [0, *(np.flatnonzero(np.diff(history.time) <= 0.0) + 1).tolist(), history.time.size]
-    return [slice(start, end) for start, end in pairwise(cuts) if end - start > 1]
-
-
-def caption(phase: str) -> str:
-    """Return a phase in words for those who watch the film."""
-    half, _, motion = phase.partition(" ")
-    return f"{half}: {_MOTIONS[motion]}" if motion in _MOTIONS else phase
-
-
-def _with_free_motion(time: Array, values: Array, outcome: str) -> tuple[Array, Array]:
-    """Add steady velocities before and after; a tip that does not leave stays pressed on as it is."""
-    before, after = np.array([-BEFORE, 0.0]) * time[-1], np.array([1.0, 1.0 + AFTER]) * time[-1]
-    arriving, going = np.repeat(values[:, :1], 2, axis=1), np.repeat(values[:, -1:], 2, axis=1)
-    arriving[2:4] = 0.0
-    arriving[4] = -arriving[0] * before
-    if outcome == "rebound":
-        going[2:4] = 0.0
-        going[4] -= going[0] * (after - time[-1])
+    clock, force = history.time - history.time[0], (history.normal_force, history.tangential_force)
+    velocity = (history.normal_velocity, history.tangential_velocity)
+    samples = np.stack([*velocity, *force, history.penetration, slide_path(history)])
+    end, first, last = float(clock[-1]), samples[:, 0], samples[:, -1]
+    if record.outcome == "rebound":
+        after = [_freely(last, 0.0), _freely(last, AFTER * end)]
     else:
-        going[:2] = 0.0
-    return np.concatenate([before, time, after]), np.concatenate([arriving, values, going], axis=1)
+        after = [np.array([0.0, 0.0, *last[2:]])] * 2
+    v_n, v_t, normal, tangential, depth, along = np.column_stack(
+        [_freely(first, -BEFORE * end), _freely(first, 0.0), samples, *after]
+    )
+    time = np.array([-BEFORE * end, 0.0, *clock, end, (1.0 + AFTER) * end])
+    # A piece of no length is rounding at the end of another one.
+    parts = sorted(pieces(clock), key=lambda part: clock[part[1] - 1] - clock[part[0]])[-len(record.phases) :]
+    named = zip(sorted(parts), record.phases, strict=False)
+    phases = [Phase(float(clock[part[0]]), name) for part, name in named]
+    ending = {**OUTCOMES, "stiction": "stiction: the tip stays", "jam": "jam: the tip stays"}
+    outcome = Phase(end, ending.get(record.outcome, record.outcome))
+    phases = [Phase(-BEFORE * end, "the tip arrives"), *phases, outcome]
+    return ContactMotion(time, v_n, v_t, normal, tangential, depth, along, tuple(phases), end)
 
 
-def _phases(history: ContactHistory, outcome: str) -> tuple[Phase, ...]:
-    """Return arrival, one phase for each interval that is no rounding, and the ending."""
-    start, whole = float(history.time[0]), float(np.ptp(history.time))
-    phases = [Phase(-BEFORE * whole, "the tip arrives")]
-    for part in intervals(history):
-        name = _phase(history, (part.start + part.stop) // 2)
-        if np.ptp(history.time[part]) > BRIEF * whole and name != phases[-1].caption:
-            phases.append(Phase(float(history.time[part.start]) - start, name))
-    return (*phases, Phase(whole, _ENDINGS.get(outcome, outcome)))
-
-
-def _phase(history: ContactHistory, middle: int) -> str:
-    """Return compression or restitution, and slip, reverse slip or stick, from the sample in the middle of an interval."""
-    half = "compression" if history.normal_velocity[middle] < 0.0 else "restitution"
-    arrival = float(history.tangential_velocity[0])
-    fastest = float(np.hypot(history.normal_velocity[0], arrival))
-    # The middle of an interval of two samples is its end, where slip may just stop: take both of its sides.
-    slip = float(history.tangential_velocity[middle - 1] + history.tangential_velocity[middle])
-    if abs(slip) <= RESTING * fastest:
-        return f"{half} stick"
-    return f"{half} slip" if slip * arrival > 0.0 else f"{half} reverse slip"
+def _freely(state: Array, elapsed: float) -> Array:
+    """Return velocities, no forces, and displacements a time after a state, s."""
+    normal, tangential, _, _, depth, along = state.tolist()
+    return np.array([normal, tangential, 0.0, 0.0, depth - normal * elapsed, along + tangential * elapsed])

@@ -1,4 +1,4 @@
-"""Draw the crater on one page: depth over plies, the chip to scale, every estimate, the crater in three dimensions, and C."""
+"""Draw the crater on one page: depth over plies, the chip to scale, every estimate, and C over friction."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LightSource, LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import blank_figure, signed, styled
+from bristle_sim.render.style import blank_figure, styled
 from bristle_sim.studies.crater_study import MEASURED, CraterStudy
 from bristle_sim.studies.crater_sums import IMPACT_ANGLES_DEG, constants_over, cut_of, merchant_depth_course
 from bristle_sim.theory.crater import (
@@ -23,7 +22,7 @@ from bristle_sim.theory.crater import (
     merchant_crater_depth,
     merchant_crater_depth_limit,
 )
-from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS, TipFace
+from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS
 
 MICRO = 1e6
 
@@ -39,14 +38,12 @@ OWN: dict[str, Any] = {"marker": "*", "color": ORANGE, "markersize": 9, "markere
 
 @styled()
 def crater_figure(study: CraterStudy) -> Figure:
-    """Draw depths (um) over plies, the chip, the estimates and the crater."""
-    figure = blank_figure(22.4, 15.6)
-    _draw_plies(add_panel(figure, (1.3, 9.0, 5.6, 5.2), "Merchant's depth over the plies"), study)
+    """Draw depths (um) over plies, the chip, the estimates, and C."""
+    figure = blank_figure(16.0, 15.6)
+    _draw_plies(add_panel(figure, (1.3, 9.0, 5.2, 5.2), "Merchant's depth over the plies"), study)
     _draw_chip(add_panel(figure, (8.4, 9.0, 7.3, 5.2), "chip and shear plane at the end, to scale"), study)
     _draw_estimates(add_panel(figure, (4.4, 1.1, 3.6, 5.5), "every estimate"), study)
-    title = "groove of the tip on its path (red), to scale"
-    _draw_crater(add_panel(figure, (8.4, 0.0, 6.8, 6.6), title, projection="3d"), study)
-    _draw_constants(add_panel(figure, (17.3, 1.1, 4.7, 13.1), "C for the measured depth"), study)
+    _draw_constants(add_panel(figure, (9.8, 1.1, 5.9, 5.5), "C for the measured depth"), study)
     return figure
 
 
@@ -137,44 +134,6 @@ def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
     axes.set_xlim(0.0, 1.3 * max(MICRO * MEASURED, *(depth for _, depth, _ in shown)))
     axes.margins(y=0.08)
     axes.set_xlabel("crater depth (µm)")
-
-
-def crater_floor(x: Array, y: Array, impact_angle: float, path: float, face: TipFace | None = None) -> Array:
-    """Return the height of the workpart after the tip, m, 0 or less, over places x along and y across its path, m; broadcasts.
-
-    The lowest point of the tip's ellipse follows the straight path; a point of the ellipse at y is higher by the
-    width (4.14). Where the tip stops the groove ends upright.
-    """
-    wire = TipFace() if face is None else face
-    share = np.sqrt(np.clip(1.0 - (2.0 * np.asarray(y) / wire.short_axis) ** 2, 0.0, None))
-    raised = wire.full_depth * (1.0 - share)
-    cut = np.minimum(raised - np.asarray(x) * math.tan(impact_angle), 0.0)
-    inside = (x >= 0.0) & (x <= path * math.cos(impact_angle)) & (np.abs(y) < 0.5 * wire.short_axis)
-    return np.where(inside, cut, 0.0)
-
-
-def _draw_crater(axes: Any, study: CraterStudy) -> None:
-    """``axes`` are matplotlib's three-dimensional ones, which carry no types."""
-    path = float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
-    gamma, reach = study.impact_angle, path * math.cos(study.impact_angle)
-    x, y = np.linspace(-0.35 * reach, 1.5 * reach, 150), np.linspace(-0.45e-3, 0.45e-3, 121)
-    z = crater_floor(x[:, np.newaxis], y, gamma, path)
-    deepest = max(path * math.sin(gamma), 1e-9)
-    light = LightSource(azdeg=250, altdeg=45).hillshade(z, vert_exag=0.6, dx=float(x[1] - x[0]), dy=float(y[1] - y[0]))
-    shades = LinearSegmentedColormap.from_list("depths", ["#0b3c5d", "#4d8fbf", "#dfe3e7"])(1.0 + z / deepest)
-    shades[..., :3] *= 0.75 + 0.25 * light[..., np.newaxis]
-    across, along = np.meshgrid(MICRO * y, MICRO * x)
-    look = {"rstride": 1, "cstride": 1, "linewidth": 0, "antialiased": False, "shade": False}
-    axes.plot_surface(along, across, MICRO * z, facecolors=shades, **look)
-    axes.plot((0.0, MICRO * reach), (0.0, 0.0), (0.0, -MICRO * deepest), color=VERMILION, zorder=10)
-    axes.set_box_aspect((np.ptp(x), np.ptp(y), 1.6 * deepest), zoom=0.98)
-    axes.set_zlim(-1.3 * MICRO * deepest, 0.3 * MICRO * deepest)
-    axes.view_init(elev=42.0, azim=208.0)
-    axes.set_xlabel("along (µm)", labelpad=-3.0)
-    axes.set_ylabel("across (µm)", labelpad=-4.0)
-    axes.tick_params(pad=-2.0, labelsize=6.5)
-    axes.text2D(-0.1, 0.57, "height\n(µm)", transform=axes.transAxes, fontsize=8.0)
-    axes.set_zticks([-MICRO * deepest, 0.0], [signed(-MICRO * deepest, 0), "0"])
 
 
 def _draw_constants(axes: Axes, study: CraterStudy) -> None:

@@ -2,54 +2,61 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.patches import ConnectionPatch, Rectangle
+from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
-from bristle_sim.render.colours import BLACK, GREY
-from bristle_sim.render.contact_motion import ContactMotion, caption, contact_motion
-from bristle_sim.render.drawing import point_arrow
-from bristle_sim.render.film_scene import BORDER, HEADER, FilmScene, TimeWarp, slow_motion, write_film
-from bristle_sim.render.impact_drawings import NORMAL, TANGENTIAL, CloseUp, draw_chain
+from bristle_sim.arrays import Array
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION
+from bristle_sim.render.contact_motion import contact_motion
+from bristle_sim.render.drawing import GROUND, HUB_COLOUR, View, moving_arrow, point_arrow
+from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
 from bristle_sim.render.impact_figure import PHASE_COLOURS
-from bristle_sim.render.story import Phase, phase_at
+from bristle_sim.render.story import phase_at
 from bristle_sim.render.style import scale_for, signed, styled
 from bristle_sim.studies.impacts import Impacts
 
-CAPTION_SHOWN = 0.9
-"""Film time for which the end of slip keeps its caption, s."""
-
-ARROW = 0.3
-"""Length of the tip's velocity before the impact, as a fraction of the drawing's size."""
+NORMAL, TANGENTIAL = BLUE, VERMILION
+PANELS = (
+    ("$v_t$, along\nthe surface", "m/s", {"tangential_velocity": TANGENTIAL}),
+    ("$v_n$, away\nfrom it", "m/s", {"normal_velocity": NORMAL}),
+    ("forces\non the tip", "N", {"normal_force": NORMAL, "tangential_force": TANGENTIAL}),
+)
+MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
 ROUNDING = 1e-6
 """Velocities below this fraction of the fastest are drawn as zero."""
 
-PANELS = (
-    ("$v_t$, along\nthe surface", "m/s", (("tangential_velocity", TANGENTIAL),)),
-    ("$v_n$, away\nfrom it", "m/s", (("normal_velocity", NORMAL),)),
-    ("forces\non the tip", "N", (("normal_force", NORMAL), ("tangential_force", TANGENTIAL))),
-)
+ARROW, LONGEST_FORCE = 0.3, 0.28
+"""Lengths of the tip's velocity before the impact and of the largest force, as fractions of the heights of their drawings."""
+
+LEAST_DEPTH = 0.08
+"""The depth of a grazing tip is stretched until it takes this much of the drawing's height."""
+
+TIP_RADIUS, ROD_LENGTH = 9.0, 300.0
+"""Size of the enlarged rod's end, which is not to scale, points in a picture of normal size."""
 
 
 def impact_video(impacts: Impacts, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
     """Film an impact as the compliant law resolves it in time, to an mp4 or gif file; needs no display.
 
-    Options are those of :class:`ImpactScene`: width and height (px), duration of the film (s), and how much ``slower`` the
+    Options are those of :class:`ImpactFilm`: width and height (px), duration of the film (s), and how much ``slower`` the
     end of slip is shown than the rest. :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact
     visible.
 
     Raises:
         ValueError: for a tip that does not approach, a file that cannot be written or settings out of range.
     """
-    return write_film(path, lambda: ImpactScene(impacts, **options), fps)
+    return write_film(path, lambda: ImpactFilm(impacts, **options), fps)
 
 
-class ImpactScene(FilmScene):
-    """The drawing that a film of an impact shows, at any film time."""
+class ImpactFilm(Film):
+    """What a film of an impact shows, at any film time."""
 
     size, letter_size = (960, 540), 15.0
 
@@ -59,64 +66,94 @@ class ImpactScene(FilmScene):
     ) -> None:
         if "compliant" not in impacts.strikes:
             raise ValueError("contact: not resolved in time for these values; there is no motion to film")
-        self.motion = motion = contact_motion(impacts.strikes["compliant"].contact)
+        struck = impacts.strikes["compliant"]
+        self.motion = motion = contact_motion(struck.contact)
         focus = () if motion.slip_stop is None else (motion.slip_stop,)
         start, end = float(motion.time[0]), float(motion.time[-1])
         warp = slow_motion(start, end, duration, focus, slower=slower, width=0.05)
-        super().__init__(warp, width, height, ((18, NORMAL), (18, TANGENTIAL)), scale_for(motion.touch_end, "s"))
-        self._phases = _captions(motion, warp)
+        super().__init__(warp, width, height, (NORMAL, TANGENTIAL), scale_for(motion.touch_end, "s"))
+        top, line = 1.0 - HEADER, struck.centre_line
+        self.chain = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
+        self.arrow = draw_chain(self.chain, line, impacts.chain.hub_radius)
+        self._draw_tip(self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11)), line[-1] - line[-2])
         self.markers: list[tuple[Line2D, str, float]] = []
-        self._draw_tip(impacts)
         for number, row in enumerate(PANELS):
             self._draw_panel(number, *row)
-        self.stage.add(*self.hands, *(marker for marker, _, _ in self.markers))
-        self._describe(impacts)
+        self.moving = [
+            self.trail,
+            self.rod,
+            *self.forces,
+            self.arrow,
+            *self.hands,
+            *(each for each, *_ in self.markers),
+        ]
+        surface, source = impacts.surface, f" ({impacts.timing})" if impacts.timing else ""
+        words = (
+            f"compression {self._shown(motion.compression_end)}{source}\n"
+            f"in touch for {self._shown(motion.touch_end)}, μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
+        )
+        self.figure.text(0.98, 0.985, words, ha="right", va="top", fontsize=0.66 * self.letters, color=GREY)
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move drawings and markers to an instant, s; the arrow ends at a tip that comes, and begins at one that leaves."""
-        tangential, normal = (self.motion.at(f"{name}_velocity", time) for name in ("tangential", "normal"))
-        self.close_up.show(time)
-        size = ARROW * float(np.ptp(self.chain.get_ylim()))
-        ahead = np.array([tangential, normal]) * size / self.motion.fastest
+        motion = self.motion
+        tangential, normal = motion.at("tangential_velocity", time), motion.at("normal_velocity", time)
+        ahead = np.array([tangential, normal]) * ARROW * float(np.ptp(self.chain.get_ylim())) / motion.fastest
         start, end = (-ahead, 0.0 * ahead) if normal < 0.0 else (0.0 * ahead, ahead)
-        point_arrow(self.arrow, (start[0], start[1]), (end[0], end[1]), shortest=0.02 * size)
+        point_arrow(self.arrow, (start[0], start[1]), (end[0], end[1]), shortest=0.006 * np.ptp(self.chain.get_ylim()))
+        x, y = motion.at("along", time) * self.scale.factor, -motion.at("depth", time) * self.scale.factor
+        past = slice(np.searchsorted(motion.time, time, side="right"))
+        way = np.stack([motion.along[past], -motion.depth[past]]) * self.scale.factor
+        self.trail.set_data(*np.column_stack([way, [x, y]]))
+        self.rod.set_data([x], [y])
+        up, aside = (motion.at(f"{name}_force", time) * self.newton for name in ("normal", "tangential"))
+        # The normal arrow ends at the tip: above it is the rod.
+        point_arrow(self.forces[0], (x, y - up / self.stretch), (x, y), shortest=self.shortest / self.stretch)
+        point_arrow(self.forces[1], (x, y), (x + aside, y), shortest=self.shortest)
         for marker, name, factor in self.markers:
-            marker.set_data([time * self.clock.factor], [self.motion.at(name, time) * factor])
-        speed = scale_for(self.motion.fastest, "m/s")
+            marker.set_data([time * self.clock.factor], [motion.at(name, time) * factor])
+        speed = scale_for(motion.fastest, "m/s")
         words = (("away", normal), ("along", tangential))
-        texts = (f"{way} {signed(value * speed.factor, 2, 7)} {speed.unit}" for way, value in words)
-        return caption(phase_at(self._phases, time).caption), *texts
+        texts = (f"{name} {signed(value * speed.factor, 2, 7)} {speed.unit}" for name, value in words)
+        half, _, sliding = (phase := phase_at(motion.phases, time).caption).partition(" ")
+        return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
 
-    def _draw_tip(self, impacts: Impacts) -> None:
-        """Draw the chain to scale on the left, and beside it the tip at the surface with its enlargement."""
-        top, figure = 1.0 - HEADER, self.stage.figure
-        self.chain = figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
-        near = figure.add_axes((0.22, 0.075, 0.36, top - 0.085))
-        line = impacts.strikes["compliant"].centre_line
-        self.arrow = draw_chain(self.chain, line, impacts.chain.hub_radius)
-        self.close_up = close_up = CloseUp(near, self.motion, line[-1] - line[-2], 0.62 * self.letters)
-        half = 0.025 * float(np.ptp(self.chain.get_ylim()))  # the tip is framed, and a line leads to its close-up
-        self.chain.add_patch(Rectangle((-half, -half), 2.0 * half, 2.0 * half, fill=False, edgecolor=GREY, zorder=6))
-        ends: dict[str, Any] = {"coordsA": self.chain.transData, "coordsB": near.transAxes}
-        figure.add_artist(ConnectionPatch((half, 0.0), (0.0, 0.2), **ends, color=GREY, linewidth=0.8))
-        forces = (close_up.normal, close_up.friction)
-        self.stage.add(close_up.block, close_up.rod, close_up.trail, *forces, *close_up.names, self.arrow)
-        rods = self.chain.get_window_extent().height / float(np.ptp(self.chain.get_ylim()))
-        ways = near.get_window_extent().width * close_up.scale
-        deeper = f", depth {close_up.stretch:.2g} times more" if close_up.stretch > 1.0 else ""
-        words = f"the tip's displacements are drawn {ways / rods:.3g} times larger than the rods{deeper}"
-        figure.text(near.get_position().x0, 0.028, words, fontsize=0.58 * self.letters, color=GREY)
+    def _draw_tip(self, axes: Axes, last_rod: Array) -> None:
+        """Draw the surface and the tip's way, to scale but for a grazing tip's depth; the rod's end and the forces are not."""
+        motion, box, letters = self.motion, axes.get_window_extent(), 0.62 * self.letters
+        self.scale = scale_for(max(float(np.ptp(motion.along)), float(np.ptp(motion.depth))), "m")
+        way = np.stack([motion.along, -motion.depth], axis=-1) * self.scale.factor
+        view, depth = View.around([way], box.width / box.height, 0.5), max(float(np.ptp(way[:, 1])), 1e-300)
+        self.stretch = max(1.0, LEAST_DEPTH * (view.top - view.bottom) / depth)
+        axes.set(xlim=(view.left, view.right), ylim=(view.bottom / self.stretch, view.top / self.stretch))
+        axes.set_aspect(self.stretch)
+        axes.grid(visible=False)
+        axes.axhspan(2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0)
+        deeper = f", drawn {self.stretch:.2g} times as large" if self.stretch > 1.0 else ""
+        axes.set_xlabel(f"the tip's displacement along the surface ({self.scale.unit})", fontsize=letters)
+        axes.set_ylabel(f"away from it ({self.scale.unit}){deeper}", fontsize=letters)
+        axes.tick_params(labelsize=0.9 * letters)
+        (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
+        outline = _rod_outline(last_rod) * self.letters / self.letter_size
+        look: dict[str, Any] = {"markerfacecolor": "#bcd9ec", "markeredgecolor": BLUE, "alpha": 0.95}
+        (self.rod,) = axes.plot([], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look)
+        self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
+        strongest = float(np.hypot(motion.normal_force, motion.tangential_force).max()) or 1.0
+        self.newton, self.shortest = (part * (view.top - view.bottom) for part in (LONGEST_FORCE / strongest, 0.02))
+        for place, words, color in ((0.03, "normal force", NORMAL), (0.97, "friction on the tip", TANGENTIAL)):
+            side = "left" if place < 0.5 else "right"
+            axes.text(place, 0.02, words, transform=axes.transAxes, fontsize=letters, color=color, ha=side)
 
-    def _draw_panel(self, number: int, title: str, unit: str, lines: tuple[tuple[str, str], ...]) -> None:
+    def _draw_panel(self, number: int, title: str, unit: str, lines: dict[str, str]) -> None:
         """Draw quantities over time, shaded phase by phase, one panel below the other."""
         motion, letters, height = self.motion, 0.6 * self.letters, (1.0 - HEADER - 0.13) / len(PANELS)
         bottom = 0.10 + (len(PANELS) - 1 - number) * height
-        axes = self.stage.figure.add_axes((0.685, bottom, 0.305, height - 0.035))
-        largest = max(float(np.abs(getattr(motion, name)).max()) for name, _ in lines)
+        axes = self.figure.add_axes((0.685, bottom, 0.305, height - 0.035))
+        largest = max(float(np.abs(getattr(motion, name)).max()) for name in lines)
         least = ROUNDING * motion.fastest if unit == "m/s" else 0.0
         scale, time = scale_for(max(largest, least), unit), motion.time * self.clock.factor
         axes.axhline(0.0, color=GREY, linewidth=0.8)
-        for name, color in lines:
+        for name, color in lines.items():
             axes.plot(time, getattr(motion, name) * scale.factor, color=color, linewidth=1.8)
             (marker,) = axes.plot([], [], "o", color=color, markersize=6, markeredgecolor="white")
             self.markers.append((marker, name, scale.factor))
@@ -135,26 +172,37 @@ class ImpactScene(FilmScene):
         if number == len(PANELS) - 1:
             axes.set_xlabel(f"time since the first touch ({self.clock.unit})", fontsize=letters)
 
-    def _describe(self, impacts: Impacts) -> None:
-        """Write durations and coefficients in the upper right corner."""
-        clock, surface = self.clock, impacts.surface
-        source = f" ({impacts.timing})" if impacts.timing else ""
-        words = (
-            f"compression {self.motion.compression_end * clock.factor:.4g} {clock.unit}{source}\n"
-            f"in touch for {self.motion.touch_end * clock.factor:.4g} {clock.unit},"
-            f" μ = {surface.friction:.4g}, e* = {surface.restitution:.4g}"
-        )
-        place = (1.0 - BORDER, 1.0 - 0.33 * HEADER)
-        self.stage.figure.text(*place, words, ha="right", va="center", fontsize=0.65 * self.letters, color=GREY)
+    def _shown(self, time: float) -> str:
+        return f"{time * self.clock.factor:.4g} {self.clock.unit}"
 
 
-def _captions(motion: ContactMotion, warp: TimeWarp) -> tuple[Phase, ...]:
-    """Return the motion's phases, with the end of slip as one of its own for the time its caption stands."""
-    stop = motion.slip_stop
-    if stop is None:
-        return motion.phases
-    middle = float(warp.film_time(stop))
-    start, end = map(float, warp.physical_time(middle + 0.5 * CAPTION_SHOWN * np.array([-1.0, 1.0])))
-    before = [phase for phase in motion.phases if phase.start < stop]
-    after = [Phase(max(phase.start, end), phase.caption) for phase in motion.phases[len(before) :]]
-    return (*before, Phase(max(start, before[-1].start), "slip stops"), *after)
+def draw_chain(axes: Axes, centre_line: Array, hub_radius: float) -> FancyArrowPatch:
+    """Draw the rods as they strike, the tip at the origin, and return the arrow of the tip's velocity.
+
+    ``centre_line`` has root, hinges and tip from the hub's centre, shape (corners, 2), m; the hub's radius, m, is zero for a
+    fixed root.
+    """
+    points, centre, box = centre_line - centre_line[-1], -centre_line[-1], axes.get_window_extent()
+    view = View.around([points], box.width / box.height, 0.2)
+    size, width, (x, y) = view.top - view.bottom, view.right - view.left, points[0]
+    View(view.left, view.right, -0.15 * size, 0.85 * size).apply(axes)
+    axes.set_axis_off()
+    axes.add_patch(Rectangle((view.left - width, -0.3 * size), 3.0 * width, 0.3 * size, **GROUND))
+    if hub_radius > 0.0:
+        axes.add_patch(Circle((centre[0], centre[1]), hub_radius, facecolor=HUB_COLOUR, edgecolor=GREY))
+        axes.text(x, y + 0.1 * size, "hub", color=GREY, ha="right", fontsize=9.0, clip_on=True)
+    else:
+        axes.add_patch(Rectangle((x - 0.04 * size, y), 0.08 * size, 0.04 * size, **GROUND))
+    axes.plot([x], [y], "o", color=GREEN, markersize=7, markeredgecolor="white", zorder=4)
+    axes.plot(*points.T, color=BLUE, linewidth=4.0, solid_capstyle="round", zorder=3, gid="rods")
+    axes.plot(*points[1:-1].T, "o", color="white", markeredgecolor=BLACK, markersize=6, zorder=4)
+    return moving_arrow(axes, PURPLE, 2.0, 13.0)
+
+
+def _rod_outline(last_rod: Array) -> Array:
+    """Return a round-ended rod, points, that touches the origin from above and leans as the last rod does."""
+    towards_hinge = -last_rod / math.hypot(*last_rod)
+    across = np.array([-towards_hinge[1], towards_hinge[0]])
+    turn = np.linspace(0.0, np.pi, 40)[:, None]
+    end = np.array([0.0, TIP_RADIUS]) + TIP_RADIUS * (np.cos(turn) * across - np.sin(turn) * towards_hinge)
+    return np.concatenate([end, end[[-1, 0]] + ROD_LENGTH * towards_hinge, end[:1]])

@@ -12,7 +12,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLUE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool
-from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
 from bristle_sim.render.style import styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.trajectory.sampled_motion import SampledMotion
@@ -21,15 +21,15 @@ from bristle_sim.trajectory.sampled_motion import SampledMotion
 def inertia_video(driven: InertiaDriven, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
     """Film both tools to an mp4 or gif file at ``fps`` frames per second of film; needs no display.
 
-    Options are those of :class:`InertiaScene`: width and height (px), and duration of the film (s).
+    Options are those of :class:`InertiaFilm`: width and height (px), and duration of the film (s).
 
     Raises:
         ValueError: for a file that cannot be written, settings out of range, or a bristle that does not strike.
     """
-    return write_film(path, lambda: InertiaScene(driven, **options), fps)
+    return write_film(path, lambda: InertiaFilm(driven, **options), fps)
 
 
-class InertiaScene(FilmScene):
+class InertiaFilm(Film):
     """The drawing that the film shows; time is zero when both strike, at the end."""
 
     size = (960, 480)
@@ -49,17 +49,17 @@ class InertiaScene(FilmScene):
         self._turn = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
         entered = self._turn @ self.thrown.centre_line(0.0)[0]
         self._belt = speed * np.array([-entered[1], entered[0]])
-        super().__init__(slow_motion(-contact.time, 0.0, duration), width, height, ((23, BLUE), (28, VERMILION)))
+        super().__init__(slow_motion(-contact.time, 0.0, duration), width, height, (BLUE, VERMILION))
         with styled():
             course = self.cued.course(contact.time)
             view = close_up(course.centre_line, driven.tool, 0.5 * width / (height * (1.0 - HEADER)), margin=0.04)
             self.wires = []
             for number, color in enumerate((BLUE, VERMILION)):
-                axes = self.stage.figure.add_axes((0.5 * number, 0.0, 0.5, 1.0 - HEADER))
+                axes = self.figure.add_axes((0.5 * number, 0.0, 0.5, 1.0 - HEADER))
                 tool = dataclasses.replace(driven.tool, bar=None) if number else driven.tool
                 draw_film_tool(axes, tool, view, 0.75 * self.letters)
                 self.wires.append(WireDrawing(axes, tool, color=color, details=True))
-        self.stage.add(*(artist for wire in self.wires for artist in wire.artists))
+        self.moving = [artist for wire in self.wires for artist in wire.artists]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move both wires to an instant, s; the one without a bar translates on its belt until it enters the pulley."""

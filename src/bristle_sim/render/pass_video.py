@@ -11,7 +11,7 @@ import numpy as np
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, SKY, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool
-from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
 from bristle_sim.render.story import phase_at, phases, story_end
 from bristle_sim.render.style import MILLIMETRES, signed, styled
 from bristle_sim.trajectory import Trajectory
@@ -24,16 +24,16 @@ CAPTION_SHOWN = 0.5
 def pass_video(trajectory: Trajectory, tool: Tool, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
     """Film a pass to an mp4 or gif file at ``fps`` frames per second of film; needs no display.
 
-    Options are those of :class:`PassScene`: width and height (px), duration of the film (s), how much ``slower`` the strike
+    Options are those of :class:`PassFilm`: width and height (px), duration of the film (s), how much ``slower`` the strike
     is shown than the rest, and the last instant shown, ``until`` (s).
 
     Raises:
         ValueError: for a file that cannot be written or settings out of range.
     """
-    return write_film(path, lambda: PassScene(trajectory, tool, **options), fps)
+    return write_film(path, lambda: PassFilm(trajectory, tool, **options), fps)
 
 
-class PassScene(FilmScene):
+class PassFilm(Film):
     """The drawing that a film of a pass shows, by default until shortly after the tip has left the workpart."""
 
     def __init__(
@@ -52,19 +52,19 @@ class PassScene(FilmScene):
         strike = trajectory.event_time("strike")
         focus = () if strike is None else (strike,)
         warp = slow_motion(self.motion.start, float(course.time[-1]), duration, focus, slower=slower)
-        super().__init__(warp, width, height, ((18, BLACK), (19, BLACK)))
+        super().__init__(warp, width, height, (BLACK, BLACK))
         shown = 0.0 if strike is None else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
         self._phases = phases(trajectory, shown)
         self._trail_time, self._trail = course.time, course.tip * MILLIMETRES
         with styled():
-            axes = self.stage.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
+            axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
             view = close_up(course.centre_line, tool, width / (height * (1.0 - HEADER)), margin=0.04)
             draw_film_tool(axes, tool, view, 0.75 * self.letters)
             struck = self.motion.centre_line(self.motion.end if strike is None else strike)[-1:] * MILLIMETRES
             (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
             self.wire = WireDrawing(axes, tool, details=True)
             (self.mark,) = axes.plot(*struck.T, "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
-        self.stage.add(self.trail, *self.wire.artists, self.mark)
+        self.moving = [self.trail, *self.wire.artists, self.mark]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wire and path to an instant, s; a star marks the strike while it is new."""

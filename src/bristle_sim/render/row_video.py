@@ -12,7 +12,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, SERIES
 from bristle_sim.render.drawing import WireDrawing, draw_film_tool
-from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
 from bristle_sim.render.neighbours_figure import row_view, touch_place
 from bristle_sim.render.story import Phase, phase_at
 from bristle_sim.render.style import MILLIMETRES, signed, styled
@@ -30,15 +30,15 @@ MARKED = 0.6
 
 
 def row_video(row: Row, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film a row to an mp4 or gif file; needs no display. Options are those of :class:`RowScene`, px and s.
+    """Film a row to an mp4 or gif file; needs no display. Options are those of :class:`RowFilm`, px and s.
 
     Raises:
         ValueError: for a file that cannot be written or settings out of range.
     """
-    return write_film(path, lambda: RowScene(row, **options), fps)
+    return write_film(path, lambda: RowFilm(row, **options), fps)
 
 
-class RowScene(FilmScene):
+class RowFilm(Film):
     """The drawing that a film of a row shows, at any film time."""
 
     def __init__(self, row: Row, width: int = 640, height: int = 480, duration: float = 12.0) -> None:
@@ -50,18 +50,18 @@ class RowScene(FilmScene):
         strikes = [each for run in row.bristles if (each := run.event_time("strike")) is not None and each <= until]
         colors = (SERIES * 2)[: len(row.bristles)]
         warp = slow_motion(begin, until, duration, (*touches, *strikes), slower=SLOWER, width=0.012)
-        super().__init__(warp, width, height, ((26, colors[-1]),))
+        super().__init__(warp, width, height, (colors[-1],))
         self._phases = _phases(row)
         self._rings = [(float(warp.film_time(each)), self._places(row, each)) for each in touches]
         with styled():
-            axes = self.stage.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
+            axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
             times = np.linspace(begin, until, 200)
             paths = np.concatenate([motion.centre_line(times) for motion in self.motions])
             view = row_view(row.tool, paths, width / (height * (1.0 - HEADER)))
             draw_film_tool(axes, row.tool, view, 0.75 * self.letters)
             self.wires = [WireDrawing(axes, row.tool, color=color) for color in colors]
             (self.ring,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
-        self.stage.add(*(artist for wire in self.wires for artist in wire.artists), self.ring)
+        self.moving = [*(artist for wire in self.wires for artist in wire.artists), self.ring]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires and ring to an instant, s."""

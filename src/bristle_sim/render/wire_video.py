@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION
 from bristle_sim.render.drawing import View, moving_arrow, point_arrow
-from bristle_sim.render.film_scene import HEADER, FilmScene, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
 from bristle_sim.render.panels import say
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, signed, styled
-from bristle_sim.studies.flexible_wire import FlexibleStrike, FlexibleWire
+from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.theory.cueing import centrifugal_stiffness
 from bristle_sim.theory.wire import hinge_stiffness
 
@@ -32,33 +31,32 @@ GRID = 400
 
 
 def wire_video(struck: FlexibleWire, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film a strike until the wave has come back, to an mp4 or gif file; options are those of :class:`WireScene`, px and s.
+    """Film a strike until the wave has come back, to an mp4 or gif file; options are those of :class:`WireFilm`, px and s.
 
     Raises:
         ValueError: for a file that cannot be written or settings out of range.
     """
-    return write_film(path, lambda: WireScene(struck, **options), fps)
+    return write_film(path, lambda: WireFilm(struck, **options), fps)
 
 
-class WireScene(FilmScene):
-    """The drawing that a film of a wire's strike shows, from the first touch until the wave has come back."""
+class WireFilm(Film):
+    """What a film of a wire's strike shows, from the first touch until the wave has come back."""
 
     size, letter_size = (960, 540), 15.0
 
     @styled()
     def __init__(self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0) -> None:
         end = float(struck.wire.time[-1])
-        warp = slow_motion(0.0, end, duration)
-        super().__init__(warp, width, height, ((18, BLUE), (18, ORANGE)), Scale(MICROSECONDS, "µs"))
-        self.wire, self.rigid = _Motion(struck, rigid=False), _Motion(struck, rigid=True)
-        length = struck.strike.tool.bristle.length
-        most = max(np.abs(self.wire.deflection(time)).max() for time in np.linspace(0.0, end, 100))
+        super().__init__(slow_motion(0.0, end, duration), width, height, (BLUE, ORANGE), Scale(MICROSECONDS, "µs"))
+        self.wire, self.rigid = (_Motion(struck, rigid=rigid) for rigid in (False, True))
+        length, most = struck.strike.tool.bristle.length, float(np.abs(self.wire.deflections).max())
         self.enlarged = max(1.0, SHOWN_DEFLECTION * length / most) if most else 1.0
-        figure, top, small = self.stage.figure, 1.0 - HEADER, 0.62 * self.letters
-        self._draw_wire(figure.add_axes((0.0, 0.0, 0.5, top)), struck.strike, small)
+        figure, top, small = self.figure, 1.0 - HEADER, 0.62 * self.letters
+        self._draw_wire(figure.add_axes((0.0, 0.0, 0.5, top)), small)
         force = figure.add_axes((0.565, 0.55, 0.35, top - 0.6))
         wave = figure.add_axes((0.565, 0.115, 0.35, 0.3))
-        for (touch, pushed), color in ((self.rigid.force, ORANGE), (self.wire.force, BLUE)):
+        for motion, color in ((self.rigid, ORANGE), (self.wire, BLUE)):
+            touch, pushed = motion.force
             force.fill_between(touch * MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0)
             force.plot(touch * MICROSECONDS, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
@@ -68,9 +66,9 @@ class WireScene(FilmScene):
             axes.set_xlim(0.0, end * MICROSECONDS)
             axes.tick_params(labelsize=0.9 * small)
             self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
-        wave.xaxis.label.set_fontsize(small)
-        wave.yaxis.label.set_fontsize(small)
-        self.stage.add(self.rigid_line, self.wire_line, self.arrow, *self.hands)
+        wave.set_xlabel(wave.get_xlabel(), fontsize=small)
+        wave.set_ylabel(wave.get_ylabel(), fontsize=small)
+        self.moving = [self.rigid_line, self.wire_line, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires and arrow to an instant, s."""
@@ -78,24 +76,22 @@ class WireScene(FilmScene):
             points = (motion.straight + self.enlarged * motion.deflection(time)) * MILLIMETRES
             line.set_data(points.real, points.imag)
         forces = [float(np.interp(time, *motion.force, right=0.0)) for motion in (self.wire, self.rigid)]
-        tip, size = points[-1], abs(self.wire.straight[-1]) * MILLIMETRES
-        foot = tip - LONGEST_FORCE * size * forces[0] / self.wire.force[1].max() * self.wire.normal(time)
+        size = LONGEST_FORCE * abs(self.wire.straight[-1]) * MILLIMETRES * forces[0] / self.wire.force[1].max()
+        foot, tip = points[-1] - 1j * size * np.exp(-1j * self.wire.turned(time)), points[-1]
         point_arrow(self.arrow, (foot.real, foot.imag), (tip.real, tip.imag), shortest=0.3)
-        return self._caption(time), f"wire {signed(forces[0], 1, 5)} N", f"rigid {signed(forces[1], 1, 5)} N"
-
-    def _caption(self, time: float) -> str:
-        """Say how far the wave has come."""
+        caption = "the wave is at the root"
         if time > self.wire.force[0][-1]:
-            return "released, the wire swings on"
-        if len(self.wire.straight) == 2:
-            return "the end is struck"
-        return "the end is struck; the root does not know of it" if time < self.arrival else "the wave is at the root"
+            caption = "released, the wire swings on"
+        elif time < self.arrival or len(self.wire.straight) == 2:
+            caption = "the end is struck" + ("; the root does not know of it" if time < self.arrival else "")
+        return caption, f"wire {signed(forces[0], 1, 5)} N", f"rigid {signed(forces[1], 1, 5)} N"
 
-    def _draw_wire(self, axes: Axes, strike: FlexibleStrike, letters: float) -> None:
+    def _draw_wire(self, axes: Axes, letters: float) -> None:
         """Draw the unhindered wire and its root, and add what moves: the wire, the rigid bristle and the force's arrow."""
-        straight, links = self.wire.straight * MILLIMETRES, strike.tool.bristle.links
-        size, box = abs(straight[-1]), axes.get_window_extent()
-        corners = [(straight[-1].real + 0.3 * size, straight[-1].imag - 0.25 * size), (-0.45 * size, 0.1 * size)]
+        straight, box = self.wire.straight * MILLIMETRES, axes.get_window_extent()
+        size, tip, links = abs(straight[-1]), straight[-1], len(straight) - 1
+        # Below the longest arrow there is room for the words.
+        corners = [(tip.real + 0.3 * size, tip.imag - 0.38 * size), (-0.45 * size, 0.1 * size)]
         View.around([corners], box.width / box.height, 0.04).apply(axes)
         axes.set_axis_off()
         axes.plot(straight.real, straight.imag, color=GREY, linewidth=1.2, dashes=(4, 3), label="unhindered")
@@ -106,22 +102,21 @@ class WireScene(FilmScene):
         self.arrow = moving_arrow(axes, VERMILION, 2.5, 14.0)
         axes.plot([], [], color=VERMILION, linewidth=2.5, label="normal force on its end")
         axes.legend(loc="upper left", fontsize=letters, borderaxespad=1.0)
-        words = (
-            "seen from the root, turning with the unhindered wire;\n"
-            f"deflection from it drawn {self.enlarged:.2g} times as large as it is"
-        )
+        words = "seen from the root, turning with the unhindered wire;\n"
+        words += f"deflection from it drawn {self.enlarged:.2g} times as large as it is"
         axes.text(0.03, 0.03, words, transform=axes.transAxes, fontsize=letters, color=GREY)
 
 
 def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
     """Draw the bending moments over time and place, root on top; return when the wave is at the hinge next to the root, s."""
-    bristle, time = struck.strike.tool.bristle, np.linspace(0.0, struck.wire.time[-1], GRID)
-    bends = np.diff(_angles(struck.wire.time, struck.wire.angles, struck.wire.rates)(time), axis=1).T
-    moments = hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links) * bends
-    scale.set_visible(bool(moments.size))
-    if not moments.size:
+    bristle, run = struck.strike.tool.bristle, struck.wire
+    time, bends = np.linspace(0.0, run.time[-1], GRID), np.diff(run.angles, axis=1).T
+    scale.set_visible(bool(bends.size))
+    if not bends.size:
         say(axes, "a rigid bristle does not bend")
         return 0.0
+    stiffness = hinge_stiffness(bristle.wire_diameter, bristle.length, bristle.modulus, bristle.links)
+    moments = stiffness * np.array([np.interp(time, run.time, each) for each in bends])
     length, most = bristle.length * MILLIMETRES, float(np.abs(moments).max())
     half = 0.5 * length / (len(moments) + 1)
     sides = (0.0, float(time[-1]) * MICROSECONDS, length - half, half)
@@ -134,42 +129,33 @@ def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
     return float(time[np.argmax(np.abs(moments[0]) > ARRIVED * most)])
 
 
-def _angles(time: Array, angles: Array, rates: Array) -> CubicHermiteSpline:
-    instants, kept = np.unique(time, return_index=True)
-    return CubicHermiteSpline(instants, angles[kept], rates[kept])
-
-
 class _Motion:
     """A strike seen from the root, turning with the wire as it would move unhindered; places as x + iy, m.
 
     Attributes:
         straight: root, joints and tip of the unhindered wire.
+        deflections: how far they are from there, shape (samples, corners).
         force: time and normal force of the contact, s and N.
     """
 
     def __init__(self, struck: FlexibleWire, *, rigid: bool) -> None:
-        self._strike, run = struck.strike, struck.rigid if rigid else struck.wire
-        self._angles = _angles(run.time, run.angles, run.rates)
-        links, history = run.angles.shape[1], run.contact.history
+        strike, run = struck.strike, struck.rigid if rigid else struck.wire
+        self._strike, self._time, history = strike, run.time, run.contact.history
         assert history is not None
         self.force = (history.time - history.time[0], history.normal_force)
-        arm = -1j * struck.strike.tool.bristle.length / links
-        self.straight = np.exp(-1j * struck.strike.impact_angle) * arm * np.arange(links + 1)
+        arm = -1j * strike.tool.bristle.length / run.angles.shape[1]
+        self.straight = np.exp(-1j * strike.impact_angle) * arm * np.arange(run.angles.shape[1] + 1)
+        arms = arm * np.exp(1j * (run.angles - self.turned(run.time)[:, np.newaxis]))
+        self.deflections = np.pad(np.cumsum(arms, axis=1), ((0, 0), (1, 0))) - self.straight
 
     def deflection(self, time: float) -> NDArray[np.complex128]:
         """Return how far root, joints and tip are from where they would be."""
-        arm = abs(self.straight[1])
-        arms = -1j * arm * np.exp(1j * (self._angles(time) - self._turned(time)))
-        return np.asarray(np.concatenate([[0.0], np.cumsum(arms)]) - self.straight)
+        return np.array([np.interp(time, self._time, corner) for corner in self.deflections.T])
 
-    def normal(self, time: float) -> complex:
-        """Return the workpart's normal."""
-        return complex(1j * np.exp(-1j * self._turned(time)))
-
-    def _turned(self, time: float) -> float:
+    def turned(self, time: Array | float) -> Array:
         """Return how far the unhindered wire has turned: small swings on its belt, on the turning hub."""
         tool = self._strike.tool
         field = float(centrifugal_stiffness(tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed))
         own = math.sqrt((tool.belt.stiffness + field) / tool.bristle.inertia_about_root)
-        swing = (self._strike.rate - tool.hub.speed) * (math.sin(own * time) / own if own else time)
-        return tool.hub.speed * time + swing
+        relative = (self._strike.rate - tool.hub.speed) * np.sinc(own * np.asarray(time) / np.pi)
+        return np.asarray((tool.hub.speed + relative) * time)

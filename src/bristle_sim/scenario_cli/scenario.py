@@ -7,7 +7,7 @@ import importlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_type_hints
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import PARTS, Tool
@@ -74,16 +74,47 @@ def build(part: type[T], values: Values) -> T:
     return part(**{name: values[each.key] for name, each in declarations(part).items() if each.key in values})
 
 
-def figure(name: str) -> Callable[[Report, Path], None]:
-    """Return a plot of a report's subject by a function of ``bristle_sim.render`` that has its module's name."""
+def study(name: str) -> Callable[[Values], Report]:
+    """Return a run: ``module.function`` of this package, each argument built from key values by the type of its parameter."""
+
+    def run(values: Values) -> Report:
+        answer, given = _named(name), dict[str, Any]()
+        for parameter, kind in get_type_hints(answer).items():
+            part = next(iter(get_args(kind)), kind)
+            if parameter == "with_reference":
+                given[parameter] = values["reference"] == "yes"
+            elif parameter != "return":
+                given[parameter] = build_tool(values) if part is Tool else build(part, values)
+        report: Report = answer(**given)
+        return report
+
+    return run
+
+
+def figure(name: str, *attributes: str) -> Callable[[Report, Path], None]:
+    """Return a plot of a report's subject, or of attributes of it, by the function of ``bristle_sim.render.NAME`` of that name."""
 
     def plot(report: Report, path: Path) -> None:
         from bristle_sim.render.style import save_figure
 
-        draw = getattr(importlib.import_module(f"bristle_sim.render.{name}"), name)
-        save_figure(draw(report.subject), path)
+        save_figure(_named(f"render.{name}.{name}")(*_shown(report, attributes)), path)
 
     return plot
+
+
+def film(name: str, *attributes: str) -> Callable[[Report, Path], None]:
+    """Return a video of a report's subject, or of attributes of it, by the function of ``bristle_sim.render.NAME`` of that name."""
+    return lambda report, path: _named(f"render.{name}.{name}")(*_shown(report, attributes), path)
+
+
+def _named(name: str) -> Callable[..., Any]:
+    module, _, function = name.rpartition(".")
+    found: Callable[..., Any] = getattr(importlib.import_module(f"bristle_sim.{module}"), function)
+    return found
+
+
+def _shown(report: Report, attributes: Sequence[str]) -> list[Any]:
+    return [getattr(report.subject, each) for each in attributes] or [report.subject]
 
 
 def film_of_impact(report: Report, path: Path) -> None:

@@ -6,8 +6,8 @@ from dataclasses import replace
 from functools import partial
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, row, within, worst
-from bristle_sim.benchmarks.hard_cases.impacts import CHAINS, LIMITS, obeys_law
-from bristle_sim.benchmarks.hard_cases.measures import STRIKE_ACCURACY, impacts_of, rate_difference, struck
+from bristle_sim.benchmarks.hard_cases.impacts import ANGLES, ROUNDING
+from bristle_sim.benchmarks.hard_cases.measures import STRIKE_ACCURACY, impacts_of, obeys_law, rate_difference, struck
 from bristle_sim.parameters import Bar, Contact, Tool, Workpart
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate
@@ -19,14 +19,29 @@ MIRRORED = 1e-12
 FRICTIONS = (0.0, 0.3, 1e6, 1e9)
 
 
+LIMITS = {"energetic": ROUNDING, "compliant": 10.0 * STRIKE_ACCURACY}
+"""Limits of velocities and works, relative to those of the approach: rounding, or ten times the requested accuracy."""
+
+CHAINS = {
+    "single rod": Chain((5.0,), (1.0,), ANGLES[1:], (0.2,)),
+    "radial bristle on a hub": Chain((8.387e-5,), (0.027,), ANGLES[1:], (845.6,), 0.0275, 261.8, ANGLES[1]),
+    "two rods": Chain((5.0, 5.0), (1.0, 1.0), ANGLES, (0.1, 0.2)),
+}
+"""Chains that strike. Single rods jam with friction from tan 30 deg on; two slip, stick or reverse as friction is small or
+large."""
+
+
 def limits() -> list[HardCase]:
-    """Return passes with restitution 0 and 1 and friction from 0 to 1e9, and mirrored strikes, by both laws."""
+    """Return strikes and passes with restitution 0 and 1 and friction from 0 to 1e9, and mirrored strikes, by both laws."""
     rows, case = [], partial(row, "limits")
     for law, limit in LIMITS.items():
         timed = "" if law == "energetic" else ", in time"
         works = f"restitution returns e*^2 of the work of compression; no energy gained, to {limit:g}"
         for e in (0.0, 1.0):
             for mu in (0.0, 0.3, 1e9):
+                for word, chain in CHAINS.items():
+                    name = f"{word}, restitution {e:g}, friction {mu:g}{timed}"
+                    rows.append(case(name, works, _obeys, chain, e, mu, law))
                 tool = Tool(bar=Bar(restitution=e), workpart=Workpart(mu, None, e), contact=Contact(law))
                 name = f"whole pass, restitution {e:g}, friction {mu:g}{timed}"
                 rows.append(case(name, works, _pass_obeys, tool, e, limit))
@@ -38,6 +53,17 @@ def limits() -> list[HardCase]:
             name = f"bar's friction 1e+06, restitution {e:g}{timed}"
             rows.append(case(name, promise, _pass_obeys, rough, e, limit, "jam"))
     return rows
+
+
+def _obeys(chain: Chain, restitution: float, friction: float, law: str) -> Finding:
+    hit, limit = struck(chain, friction, restitution, law), LIMITS[law]
+    contact = hit.contact
+    found = [obeys_law(contact, restitution, limit), Finding(contact.outcome, True, hit.steps)]
+    if restitution == 0.0 and contact.outcome != "jam":
+        found.append(within(contact.velocity_after[0] / contact.velocity_before[0], limit, "normal velocity after"))
+    if hit.kinetic_energy_ratio is not None and not chain.hub_radius:
+        found.append(within(max(0.0, hit.kinetic_energy_ratio - 1.0), limit, "energy ratio above 1"))
+    return all_of(*found)
 
 
 def _pass_obeys(tool: Tool, restitution: float, limit: float, end: str | None = None) -> Finding:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,12 @@ from bristle_sim.scene.strike import Chain
 from bristle_sim.studies.impulse_course import tip_response, tip_velocity
 
 Ends = Callable[[float, Sequence[float]], float]
+
+LONGEST = 1e3
+"""Scaled time in which a phase must end: near the jam, a phase lasts long."""
+
+SMALL = 1e-9
+"""Scaled velocities and depths below this are zero: solvers locate an event to rounding, not to nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +53,6 @@ class TipContact:
         v_t: tangential velocity before the contact over the speed of approach.
     """
 
-    LONGEST = 1e3
-    """Scaled time in which a phase must end: near the jam, a phase lasts long."""
-
     def __init__(self, chain: Chain, surface: Surface) -> None:
         self.chain, self.surface = chain, surface
         jacobian, response = tip_response(chain)
@@ -66,7 +69,9 @@ class TipContact:
         while True:
             state = follow(self, phase, state)
             if phase.slip and phase.slip * self.tangential(state) <= SMALL:
-                phase = self._settled(phase)
+                # After slip has stopped: stick where friction suffices, else slip as the normal force drives it.
+                sticks = phase.friction * self.k_tt >= abs(self.k_nt)
+                phase = replace(phase, slip=0.0 if sticks else math.copysign(1.0, self.k_nt))
             if phase.loading and self.normal(state) >= -SMALL:
                 depth = state[0]
                 later = self.surface.friction_in_restitution
@@ -102,13 +107,3 @@ class TipContact:
         if not phase.loading:
             own = (lambda _, y: y[0] - phase.residual, -1.0)
         return [own, (lambda _, y: phase.slip * self.tangential(y), -1.0)] if phase.slip else [own]
-
-    def _settled(self, phase: ContactPhase) -> ContactPhase:
-        """Return the phase after slip has stopped: stick where friction suffices, else slip as the normal force drives it."""
-        sticks = phase.friction * self.k_tt >= abs(self.k_nt)
-        slip = 0.0 if sticks else math.copysign(1.0, self.k_nt)
-        return ContactPhase(phase.friction, slip, phase.stiffness, phase.residual, phase.loading)
-
-
-SMALL = 1e-9
-"""Scaled velocities and depths below this are zero: solvers locate an event to rounding, not to nothing."""

@@ -8,6 +8,7 @@ median shows.
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import statistics
 import time as clock
@@ -46,16 +47,6 @@ class Effort(Declared):
         """Return how often each attempt is timed."""
         return 7 if self.effort == "full" else 2
 
-    @property
-    def block_s(self) -> float:
-        """Return the CPU time in s that one timing of an attempt should take at least, by repetition."""
-        return 4e-3 if self.effort == "full" else 0.0
-
-    @property
-    def settings(self) -> int | None:
-        """Return how many settings of each method are tried; None for all."""
-        return None if self.effort == "full" else 2
-
 
 @dataclass(frozen=True, slots=True)
 class Run:
@@ -93,16 +84,13 @@ class Point:
     steps: int
     failure: str = ""
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the point as plain values, None for what is not finite."""
-        return {name: _plain(getattr(self, name)) for name in self.__slots__}
-
 
 @dataclass(frozen=True, slots=True)
 class Effect:
     """What was added to a scene, what it cost (CPU s) and how that compares with the first row of its kind.
 
-    ``what`` is ``engine step``, ``pass``, ``strike``, or ``links`` or ``bristles``, whose number the effect is; ``holds`` counts what the scene has; ``steps`` are engine steps taken.
+    ``what`` is ``engine step``, ``pass``, ``strike``, or ``links`` or ``bristles``, whose number the effect is; ``holds``
+    counts what the scene has; ``steps`` are engine steps taken.
     """
 
     what: str
@@ -112,13 +100,11 @@ class Effect:
     holds: str
     steps: int | None = None
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return the row as plain values."""
-        return {name: getattr(self, name) for name in self.__slots__}
 
-
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+def plain(record: Point | Effect) -> dict[str, Any]:
+    """Return the record as plain values, None for what is not finite."""
+    values = dataclasses.asdict(record).items()
+    return {key: None if isinstance(each, float) and not math.isfinite(each) else each for key, each in values}
 
 
 def package_of(method: str) -> str:
@@ -126,40 +112,42 @@ def package_of(method: str) -> str:
     return method.split(maxsplit=1)[0]
 
 
-def thinned(attempts: Sequence[Attempt], settings: int | None) -> list[Attempt]:
+def thinned(attempts: Sequence[Attempt], settings: int) -> list[Attempt]:
     """Return at most a number of settings of each method, evenly spread, the coarsest among them."""
-    if settings is None:
-        return list(attempts)
-    kept = []
-    for method in dict.fromkeys(each.method for each in attempts):
-        own = [each for each in attempts if each.method == method]
-        stride = max(1, -(-len(own) // settings))
-        kept += own[::stride]
-    return kept
+    methods = dict.fromkeys(each.method for each in attempts)
+    own = [[each for each in attempts if each.method == method] for method in methods]
+    return [each for group in own for each in group[:: -(-len(group) // settings)]]
 
 
 def measure(case: Case, attempts: Iterable[Attempt], effort: Effort) -> list[Point]:
     """Find errors first, then times, of every attempt."""
-    errors: list[tuple[Attempt, float, int, str]] = []
-    for attempt in attempts:
-        try:
-            run = attempt.run()
-            errors.append((attempt, case.error(run.values), run.steps, ""))
-        # Whatever a tool raises, and each has kinds of its own, is its result here and not the study's failure.
-        except Exception as failure:
-            errors.append((attempt, math.inf, 0, " ".join(str(failure).split()) or type(failure).__name__))
-    sound = [attempt for attempt, _, _, failure in errors if not failure]
-    times = dict(zip(map(id, sound), cpu_times([each.run for each in sound], effort), strict=True))
-    nothing = (math.nan, math.nan)
-    return [
-        Point(case.name, each.method, each.setting, error, *times.get(id(each), nothing), steps, failure)
-        for each, error, steps, failure in errors
-    ]
+    tried = [(attempt, _tried(case, attempt)) for attempt in attempts]
+    times = iter(cpu_times([attempt.run for attempt, point in tried if not point.failure], effort))
+    found = []
+    for _, point in tried:
+        least, median = (math.nan, math.nan) if point.failure else next(times)
+        found.append(dataclasses.replace(point, cpu_s=least, cpu_s_median=median))
+    return found
+
+
+def _tried(case: Case, attempt: Attempt) -> Point:
+    """Run an attempt once; whatever a tool raises, and each has kinds of its own, is its result and not the study's failure."""
+    error, steps, failure = math.inf, 0, ""
+    try:
+        run = attempt.run()
+        error, steps = case.error(run.values), run.steps
+    except Exception as raised:
+        failure = " ".join(str(raised).split()) or type(raised).__name__
+    return Point(case.name, attempt.method, attempt.setting, error, math.nan, math.nan, steps, failure)
+
+
+BLOCK = 4e-3
+"""CPU time that one timing of an attempt should take at least, by repetition, s."""
 
 
 def cpu_times(actions: Sequence[Callable[[], Any]], effort: Effort) -> list[tuple[float, float]]:
     """Return (least, median) CPU time in s of each action, timed in turn over the rounds, with caches warm."""
-    counts = [_repetitions(action, effort.block_s) for action in actions]
+    counts = [_repetitions(action, BLOCK if effort.effort == "full" else 0.0) for action in actions]
     rounds: list[list[float]] = [[] for _ in actions]
     for _ in range(effort.rounds):
         for action, count, own in zip(actions, counts, rounds, strict=True):

@@ -12,6 +12,7 @@ from __future__ import annotations
 import functools
 import importlib
 import math
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase
@@ -28,117 +29,72 @@ HARD = 0.9999
 FREE = '<flag contact="disable" constraint="disable"/>'
 """Options without the parts of the engine that a free motion does not need."""
 
-
-class _Model:
-    """A compiled model and its data."""
-
-    def __init__(self, world: str, integrator: str, option: str = "") -> None:
-        self.library: Any = importlib.import_module("mujoco")
-        text = f"""<mujoco><option integrator="{integrator}" gravity="0 0 0" tolerance="0">{option}
-            </option><worldbody>{world}</worldbody></mujoco>"""
-        self.model = self.library.MjModel.from_xml_string(text)
-        self.data = self.library.MjData(self.model)
-
-    def start(self, angles: tuple[float, ...], rates: tuple[float, ...], step: float) -> None:
-        """Return to time 0, in a given state."""
-        self.library.mj_resetData(self.model, self.data)
-        self.model.opt.timestep = step
-        self.data.qpos[:] = angles
-        self.data.qvel[:] = rates
-
-    def step(self, count: int) -> None:
-        """Take a number of steps in compiled code."""
-        self.library.mj_step(self.model, self.data, count)
-
-
-def _hub(hub_radius: float, bristle: str) -> str:
-    """Return a hub that carries a body at its rim."""
-    return f"""<body><joint type="hinge" axis="0 0 1" armature="{HUB_INERTIA!r}"/>
-        <inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><body pos="0 {-hub_radius!r} 0">{bristle}</body></body>"""
-
-
-def _rod(mass: float, length: float, stiffness: float, inside: str = "") -> str:
-    """Return a slender rod that hangs from its hinge, along (0, -1)."""
-    inertia = mass * length**2 / 12.0
-    return f"""<joint type="hinge" axis="0 0 1" stiffness="{stiffness!r}"/>
-        <inertial pos="0 {-length / 2.0!r} 0" mass="{mass!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>{inside}"""
-
-
-INTEGRATORS = ("Euler", "implicitfast", "RK4")
 STEP_COUNTS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 512, 1024, 2048, 4096, 8192)
-
-
-def flight_attempts(case: FlightCase) -> list[Attempt]:
-    """Return attempts with each integrator over step counts."""
-    return [
-        Attempt(f"mujoco {integrator.lower()}", f"steps={count}", functools.partial(flight.fly, count))
-        for integrator in INTEGRATORS
-        for flight in [_Flight(case, integrator)]
-        for count in STEP_COUNTS
-    ]
-
-
-class _Flight(_Model):
-    """The released bristle."""
-
-    def __init__(self, case: FlightCase, integrator: str) -> None:
-        self.units = tool_units(case.tool)
-        self.case = case
-        self.hub_speed = case.tool.hub.speed * self.units.time
-        stiffness = case.tool.belt.stiffness / self.units.energy
-        bristle = _rod(1.0, 1.0, stiffness)
-        super().__init__(_hub(case.tool.hub.radius / self.units.length, bristle), integrator, FREE)
-
-    def fly(self, count: int) -> Run:
-        """Fly in a number of steps."""
-        self.start((0.0, -self.case.retraction), (self.hub_speed, 0.0), self.case.duration / self.units.time / count)
-        self.step(count)
-        return Run((float(self.data.qpos[1]), float(self.data.qvel[1]) / self.units.time), count)
-
-
 PASS_STEPS = (250, 500, 1000, 2000, 4000, 8000, 16000, 32000)
 
 STEPS_IN_CONTACT = 2.0
 """Time scale of the bar's critically damped spring in steps: the stiffest that is stable."""
 
+START, TURN = -0.5 * math.pi, 0.5 * math.pi
+"""Of the hub in a pass: where it starts, and over what its steps are counted, rad; the strike comes earlier."""
+
+
+def flight_attempts(case: FlightCase) -> list[Attempt]:
+    """Return attempts with each integrator over step counts."""
+    return _attempts(case.tool, lambda model, count: model.fly(case, count), STEP_COUNTS)
+
 
 def pass_attempts(case: PassCase) -> list[Attempt]:
     """Return attempts up to the strike; the bar is a critically damped spring, stiffer as steps get shorter."""
+    return _attempts(case.tool, lambda model, count: model.go(count), PASS_STEPS)
+
+
+def _attempts(tool: Tool, run: Callable[[_Model, int], Run], counts: Iterable[int]) -> list[Attempt]:
+    models = {f"mujoco {name.lower()}": _Model(tool, name) for name in ("Euler", "implicitfast", "RK4")}
     return [
-        Attempt(f"mujoco {integrator.lower()}", f"steps={count}", functools.partial(one.go, count))
-        for integrator in INTEGRATORS
-        for one in [_Pass(case.tool, integrator)]
-        for count in PASS_STEPS
+        Attempt(method, f"steps={count}", functools.partial(run, model, count))
+        for method, model in models.items()
+        for count in counts
     ]
 
 
-class _Pass(_Model):
-    """Hub, bristle and bar; the workpart is where a step ends below it."""
-
-    START = -0.5 * math.pi
-    TURN = 0.5 * math.pi
-    """Radians of the hub that the steps are counted over; the strike comes earlier."""
+class _Model:
+    """Hub and bristle, compiled, and a tool's bar; the workpart is where a step ends below it."""
 
     def __init__(self, tool: Tool, integrator: str) -> None:
+        self.library: Any = importlib.import_module("mujoco")
         self.units = tool_units(tool)
-        size = self.units.length
-        assert tool.bar is not None
-        self.hub_speed = tool.hub.speed * self.units.time
-        self.hub_radius, self.depth = tool.hub.radius / size, tool.workpart_depth / size
-        x, y = tool.bar.centre
-        bar = f'''<geom name="bar" type="sphere" size="{tool.bar.radius / size!r}" pos="{x / size!r} {y / size!r} 0"
-            contype="1" conaffinity="0" condim="1" solimp="{HARD} {HARD} 1" priority="1"/>'''
-        wire = f'''<geom type="capsule" fromto="0 0 0 0 -1 0" size="{tool.bristle.wire_diameter / 2.0 / size!r}"
-            contype="0" conaffinity="1" condim="1" mass="0"/>'''
-        bristle = _rod(1.0, 1.0, tool.belt.stiffness / self.units.energy, wire)
-        super().__init__(bar + _hub(self.hub_radius, bristle), integrator)
+        size, bar, wire, option = self.units.length, "", "", FREE
+        self.hub_speed, self.hub_radius = tool.hub.speed * self.units.time, tool.hub.radius / size
+        if tool.bar is not None:
+            self.depth, (x, y) = tool.workpart_depth / size, tool.bar.centre
+            bar = f'''<geom name="bar" type="sphere" size="{tool.bar.radius / size!r}" condim="1"
+                pos="{x / size!r} {y / size!r} 0" contype="1" conaffinity="0" solimp="{HARD} {HARD} 1" priority="1"/>'''
+            wire = f'''<geom type="capsule" fromto="0 0 0 0 -1 0" size="{tool.bristle.wire_diameter / 2.0 / size!r}"
+                contype="0" conaffinity="1" condim="1" mass="0"/>'''
+            option = ""
+        hinge, rod = '<joint type="hinge" axis="0 0 1"', 1.0 / 12.0
+        self.model = self.library.MjModel.from_xml_string(
+            f"""<mujoco><option integrator="{integrator}" gravity="0 0 0" tolerance="0">{option}</option><worldbody>{bar}
+            <body>{hinge} armature="{HUB_INERTIA!r}"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+            <body pos="0 {-self.hub_radius!r} 0">{hinge} stiffness="{tool.belt.stiffness / self.units.energy!r}"/>
+            <inertial pos="0 -0.5 0" mass="1" diaginertia="{rod!r} {rod!r} {rod!r}"/>{wire}</body></body>
+            </worldbody></mujoco>"""
+        )
+        self.data = self.library.MjData(self.model)
+
+    def fly(self, case: FlightCase, count: int) -> Run:
+        """Release the bristle and fly in a number of steps."""
+        self._start((0.0, -case.retraction), case.duration / self.units.time / count)
+        self.library.mj_step(self.model, self.data, count)
+        return Run((float(self.data.qpos[1]), float(self.data.qvel[1]) / self.units.time), count)
 
     def go(self, count: int) -> Run:
         """Step in blocks, and step by step through the block in which the tip gets below the workpart."""
-        step = self.TURN / self.hub_speed / count
+        step = TURN / self.hub_speed / count
         rate = 1.0 / (STEPS_IN_CONTACT * step)
         self.model.geom("bar").solref = [-(rate**2), -2.0 * rate]
-        self.start((self.START, 0.0), (self.hub_speed, 0.0), step)
+        self._start((START, 0.0), step)
         before = self._last_above(max(1, count // 64))
         self.data.time, self.data.qpos[:], self.data.qvel[:] = before[0], before[1:3], before[3:5]
         before = self._last_above(1)
@@ -147,12 +103,18 @@ class _Pass(_Model):
         time, _, angle, _, rate = (first + ratio * (last - first) for first, last in zip(before, after, strict=True))
         return Run((time * self.units.time, angle, rate / self.units.time), round(after[0] / step))
 
+    def _start(self, angles: tuple[float, float], step: float) -> None:
+        """Return to time 0, at rest relative to the hub."""
+        self.library.mj_resetData(self.model, self.data)
+        self.model.opt.timestep = step
+        self.data.qpos[:], self.data.qvel[:] = angles, (self.hub_speed, 0.0)
+
     def _last_above(self, block: int) -> tuple[float, ...]:
         """Step a block at a time until the tip is below the workpart, and return the state before."""
         while True:
             before = self._state()
-            self.step(block)
-            if not before[0] * self.hub_speed < 2.0 * self.TURN:
+            self.library.mj_step(self.model, self.data, block)
+            if not before[0] * self.hub_speed < 2.0 * TURN:
                 raise RuntimeError("the tip does not reach the workpart")
             if self._height(self._state()) < 0.0:
                 return before

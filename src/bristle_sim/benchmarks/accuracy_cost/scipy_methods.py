@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import functools
+import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from scipy.integrate import ode, solve_ivp
 from scipy.optimize import brentq
 
 from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, StrikeCase, state_at_strike
-from bristle_sim.benchmarks.accuracy_cost.compliant_contact import ContactPhase, TipContact
+from bristle_sim.benchmarks.accuracy_cost.compliant_contact import LONGEST, ContactPhase, Ends, TipContact
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.reference import simulate_reference
 from bristle_sim.theory.cueing import centrifugal_stiffness
@@ -20,25 +21,27 @@ from bristle_sim.theory.cueing import centrifugal_stiffness
 TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
 """Relative tolerances, two to a decade, from 1e-2 to 1e-12."""
 
-COMPILED = ("dopri5", "dop853")
-"""Integrators that ``ode`` steps in compiled code."""
+METHODS = {each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA", "Radau")}
+METHODS |= {each: f"scipy ode {each}" for each in ("dopri5", "dop853")}
+"""Integrators of ``solve_ivp``, and those that ``ode`` steps in compiled code, with their names in tables."""
 
 
 def flight_attempts(case: FlightCase) -> list[Attempt]:
     """Return attempts by ``solve_ivp`` with its methods, and by ``ode``, whose loop over steps is compiled."""
-    slope = _flight(case)
-    attempts = []
-    for method in ("RK45", "DOP853", "LSODA", "Radau"):
-        attempts += [_attempt(f"scipy {method.lower()}", each, _solved, case, slope, method) for each in TOLERANCES]
-    for method in COMPILED:
-        attempts += [
-            _attempt(f"scipy ode {method}", each, _stepped_in_compiled_code, case, slope, method) for each in TOLERANCES
-        ]
-    return attempts
+    return _attempts(functools.partial(_flown, case, _flight(case)), TOLERANCES)
 
 
-def _attempt(method: str, tolerance: float, solve: Callable[..., Run], *arguments: Any) -> Attempt:
-    return Attempt(method, f"rtol={tolerance:.3g}", functools.partial(solve, *arguments, tolerance))
+def strike_attempts(case: StrikeCase) -> list[Attempt]:
+    """Return attempts at the bilinear compliant contact in contact space, phase by phase, each ended by an event."""
+    return _attempts(functools.partial(_struck, case), TOLERANCES[::2])
+
+
+def _attempts(solve: Callable[[str, float], Run], tolerances: Sequence[float]) -> list[Attempt]:
+    return [
+        Attempt(name, f"rtol={each:.3g}", functools.partial(solve, method, each))
+        for method, name in METHODS.items()
+        for each in tolerances
+    ]
 
 
 Slope = Callable[[float, Any], tuple[float, float]]
@@ -62,14 +65,17 @@ def _flight(case: FlightCase) -> Slope:
     return slope
 
 
-def _flown(case: FlightCase, state: Any, evaluations: int) -> Run:
+def _flown(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Run:
+    calls = itertools.count()
+    if method.islower():
+        state = _compiled(slope, calls, method, tolerance).set_initial_value(START).integrate(case.duration)
+        evaluations = next(calls)
+    else:
+        span, least = (0.0, case.duration), _least(tolerance)
+        found = solve_ivp(slope, span, START, method=method, rtol=least, atol=tolerance)
+        state, evaluations = found.y[:, -1], found.nfev
     angle, rate = state.tolist()
     return Run((angle * case.scale[0], rate * case.scale[1]), evaluations)
-
-
-def _solved(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Run:
-    found = solve_ivp(slope, (0.0, case.duration), START, method=method, rtol=_least(tolerance), atol=tolerance)
-    return _flown(case, found.y[:, -1], found.nfev)
 
 
 def _least(tolerance: float) -> float:
@@ -77,84 +83,55 @@ def _least(tolerance: float) -> float:
     return max(tolerance, 2.5e-14)
 
 
-def _stepped_in_compiled_code(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Run:
-    count = 0
+def _compiled(slope: Callable[..., Any], calls: Iterator[int], method: str, tolerance: float) -> ode:
+    """Return the solver whose loop over steps is compiled; it takes one from ``calls`` with each evaluation."""
 
-    def counted(time: float, state: Any) -> tuple[float, float]:
-        nonlocal count
-        count += 1
+    def counted(time: float, state: Any) -> Any:
+        next(calls)
         return slope(time, state)
 
-    solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
-    solver.set_initial_value(START)
-    return _flown(case, solver.integrate(case.duration), count)
-
-
-def strike_attempts(case: StrikeCase) -> list[Attempt]:
-    """Return attempts at the bilinear compliant contact in contact space, phase by phase, each ended by an event."""
-    methods = {f"scipy {each.lower()}": (_struck, each) for each in ("RK45", "DOP853", "LSODA", "Radau")}
-    methods |= {f"scipy ode {each}": (_struck_in_compiled_code, each) for each in COMPILED}
-    return [
-        _attempt(name, each, solve, case, method)
-        for name, (solve, method) in methods.items()
-        for each in TOLERANCES[::2]
-    ]
+    return ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
 
 
 def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
-    evaluations = 0
-
-    def follow(contact: TipContact, phase: ContactPhase, state: list[float]) -> list[float]:
-        nonlocal evaluations
-        events = [_terminal(*each) for each in contact.ends(phase)]
-        found = solve_ivp(
-            contact.derivative(phase),
-            (0.0, contact.LONGEST),
-            state,
-            method=method,
-            events=events,
-            rtol=_least(tolerance),
-            atol=tolerance,
-        )
-        evaluations += found.nfev
-        return list(found.y[:, -1].tolist())
-
-    return Run(TipContact(case.chain, case.surface).solve(follow), evaluations)
-
-
-def _struck_in_compiled_code(case: StrikeCase, method: str, tolerance: float) -> Run:
-    """Strike with a compiled loop over steps, and within the step in which a phase ends Brent's method."""
-    evaluations = 0
+    evaluations, calls = 0, itertools.count()
 
     def follow(contact: TipContact, phase: ContactPhase, state: list[float]) -> list[float]:
         nonlocal evaluations
         slope, ends = contact.derivative(phase), contact.ends(phase)
-        steps: list[tuple[float, list[float]]] = []
+        if method.islower():
+            return _followed(lambda: _compiled(slope, calls, method, tolerance), ends, state)
+        span, given = (0.0, LONGEST), {"method": method, "rtol": _least(tolerance), "atol": tolerance}
+        found = solve_ivp(slope, span, state, events=[_terminal(*each) for each in ends], **given)
+        evaluations += found.nfev
+        return list(found.y[:, -1].tolist())
 
-        def over(y: Any) -> float:
-            return max(direction * function(0.0, y) for function, direction in ends)
+    rates = TipContact(case.chain, case.surface).solve(follow)
+    return Run(rates, evaluations + next(calls))
 
-        def look(time: float, y: Any) -> int:
-            steps.append((time, y.tolist()))
-            return -1 if len(steps) > 1 and over(y) > 0.0 else 0
 
-        def after(span: float) -> Any:
-            solver.set_initial_value(begin)
-            return solver.integrate(span) if span else np.array(begin)
+def _followed(build: Callable[[], ode], ends: list[tuple[Ends, float]], state: list[float]) -> list[float]:
+    """Follow a phase with a compiled loop over steps, and within the step in which it ends with Brent's method."""
+    steps: list[tuple[float, list[float]]] = []
 
-        def counted(time: float, y: Any) -> tuple[float, float, float]:
-            nonlocal evaluations
-            evaluations += 1
-            return slope(time, y)
+    def over(y: Any) -> float:
+        return max(direction * function(0.0, y) for function, direction in ends)
 
-        solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
-        solver.set_solout(look)
-        solver.set_initial_value(state).integrate(contact.LONGEST)
-        (start, begin), (end, _) = steps[-2:]
-        solver = ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
-        return list(after(brentq(lambda span: over(after(span)), 0.0, end - start)).tolist())
+    def look(time: float, y: Any) -> int:
+        steps.append((time, y.tolist()))
+        return -1 if len(steps) > 1 and over(y) > 0.0 else 0
 
-    return Run(TipContact(case.chain, case.surface).solve(follow), evaluations)
+    solver = build()
+    solver.set_solout(look)
+    solver.set_initial_value(state).integrate(LONGEST)
+    (start, begin), (end, _) = steps[-2:]
+    solver = build()
+
+    def after(span: float) -> Any:
+        solver.set_initial_value(begin)
+        return solver.integrate(span) if span else np.array(begin)
+
+    return list(after(brentq(lambda span: over(after(span)), 0.0, end - start)).tolist())
 
 
 def _terminal(function: Callable[..., float], direction: float) -> Any:

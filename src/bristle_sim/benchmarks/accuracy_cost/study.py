@@ -10,7 +10,16 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost import cases, exudyn_methods, mujoco_methods, own_methods, scipy_methods
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.effects import effects
-from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Effort, Point, measure, package_of, thinned
+from bristle_sim.benchmarks.accuracy_cost.measure import (
+    OURS,
+    Attempt,
+    Effort,
+    Point,
+    measure,
+    package_of,
+    plain,
+    thinned,
+)
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, tables
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
 from bristle_sim.comparison import Quantity, Report, Unfinished
@@ -72,7 +81,7 @@ def accuracy_cost(effort: Effort) -> Report:
         extra={
             "curves": _curves(measured),
             "comparisons": [each.as_dict() for each in comparisons(measured)],
-            "effects": [row.as_dict() for row in measured.effects],
+            "effects": [plain(row) for row in measured.effects],
             "machine": circumstances,
         },
         subject=measured,
@@ -80,7 +89,7 @@ def accuracy_cost(effort: Effort) -> Report:
 
 
 def _curves(measured: AccuracyCost) -> list[dict[str, Any]]:
-    return [point.as_dict() for point in measured.points]
+    return [plain(point) for point in measured.points]
 
 
 def _measure(measured: AccuracyCost, effort: Effort) -> None:
@@ -94,7 +103,8 @@ def _measure(measured: AccuracyCost, effort: Effort) -> None:
         for name, offer in offers.items():
             if name in taking_part:
                 attempts += _offered(name, offer, case, measured.missing)
-        measured.points += tuple(measure(case, thinned(attempts, effort.settings), effort))
+        attempts = attempts if effort.effort == "full" else thinned(attempts, 2)
+        measured.points += tuple(measure(case, attempts, effort))
         measured.cases += (case,)
     struck = next(case for case in measured.cases if isinstance(case, StrikeCase))
     measured.effects = tuple(effects(struck, effort))

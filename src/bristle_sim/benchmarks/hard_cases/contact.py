@@ -1,28 +1,24 @@
-"""Lasting contact where it is hard: taps that add up in finite time, both obstacles at once, and budgets that are too small."""
+"""Lasting contact where it is hard: taps that add up in finite time, and both obstacles at once."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, refusal, row
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, refusal, row
 from bristle_sim.benchmarks.hard_cases.measures import (
     ACCURACY,
-    ONE_INTERVAL,
-    RELEASED,
     Start,
     agrees_with_reference,
     impacts_of,
     is_finite,
-    spends_budget,
     sustained_contacts_of,
 )
-from bristle_sim.parameters import Bar, Belt, Contact, Hub, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
@@ -189,50 +185,3 @@ def _jams(tool: Tool, step: float | None) -> Finding:
     run = simulate(tool, Settings(step=step, maximum_steps=100_000), **WEDGE)
     told = f"{run.stop_reason} after {len(run.contacts)} contacts"
     return Finding(told, run.stop_reason == "jam" and is_finite(run), run.cost.steps)
-
-
-ATTEMPTS = 100
-"""Most attempts to locate an event: the engine steps of an interval with an event where each takes one fixed step."""
-
-GAMMA = math.acos(TOOL.workpart_depth / (ROOT + LENGTH))
-"""Angle from the workpart's direction at which a radial tip touches it, rad."""
-
-LONG = 1e4
-"""Turn of the hub, rad, that no budget here suffices for."""
-
-
-def budget() -> list[HardCase]:
-    """Return every kind of motion with budgets of 1 to 3000 engine steps, which are looked at between intervals."""
-    rows = []
-    for name, (tool, settings, start) in _motions().items():
-        beyond = ATTEMPTS if settings.step else ONE_INTERVAL
-        promise = f"says so, at most {beyond} steps beyond it (one interval), all numbers finite"
-        for budgets, quick in (((1, 10, 1000), True), ((3000,), False)):
-            told = f"{name}; {', '.join(map(str, budgets))} steps"
-            spend = partial(spends_budget, tool, beyond=beyond, settings=settings, start=start)
-            rows.append(row("budget", told, promise, _spends_each, spend, budgets, quick=quick))
-    return rows
-
-
-def _spends_each(spend: Callable[[int], Finding], budgets: tuple[int, ...]) -> Finding:
-    return all_of(*map(spend, budgets))
-
-
-def _motions() -> dict[str, tuple[Tool, Settings, Start]]:
-    """Return tool, settings and start of every kind of motion."""
-    bare = replace(TOOL, bar=None)
-    free, slow = replace(bare, workpart=None), Contact("compliant", duration=1e-3)
-    long, fixed = Settings(hub_turn=LONG), Settings(step=1e-6, hub_turn=LONG)
-    striking: Start = {"start_hub_angle": -GAMMA, "start_relative_rate": 583.8}
-    on_bar, folded = starting_at("bar")
-    return {
-        "flight": (free, long, RELEASED),
-        "flight, fixed steps": (free, fixed, RELEASED),
-        "sustained contact with the bar": (replace(on_bar, hub=Hub(speed=1e-3)), long, folded),
-        "chatter on the bar, restitution 0.999": (tapping(0.999), long, {}),
-        "taps that never end": (falling(1.0), long, above(0.3)),
-        "elastic wedge": (wedged(1.0), long, WEDGE),
-        "long contact resolved in time": (replace(bare, contact=slow), long, striking),
-        "contact by the engine's law": (replace(bare, contact=Contact("engine")), long, striking),
-        "whole pass": (TOOL, long, {}),
-    }

@@ -25,7 +25,6 @@ from bristle_sim.scene.tool import START, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impulse_course import contact_inverse_mass
 from bristle_sim.theory.monofilament import LEAST_ANGLE
-from bristle_sim.trajectory import ContactRecord
 
 TOOL = Tool()
 ROOT, LENGTH = TOOL.hub.radius, TOOL.bristle.length
@@ -190,56 +189,3 @@ def _dips(what: str, depth: float) -> Finding:
     tip = (TIP * math.sin(angle), -TIP * math.cos(angle))
     gap = tool.workpart_depth + tip[1] if tool.bar is None else math.dist(tip, tool.bar.centre) - tool.bar_reach
     return all_of(within(gap / LENGTH, GAP, "gap", run.cost.steps), Finding(run.stop_reason, is_finite(run)))
-
-
-LIMITS = {"energetic": ROUNDING, "compliant": 10.0 * STRIKE_ACCURACY}
-"""Limits of velocities and works, relative to those of the approach: rounding, or ten times the requested accuracy."""
-
-CHAINS = {
-    "single rod": Chain((5.0,), (1.0,), ANGLES[1:], (0.2,)),
-    "radial bristle on a hub": Chain((8.387e-5,), (0.027,), ANGLES[1:], (845.6,), 0.0275, 261.8, ANGLES[1]),
-    "two rods": Chain((5.0, 5.0), (1.0, 1.0), ANGLES, (0.1, 0.2)),
-}
-"""Chains that strike. Single rods jam with friction from tan 30 deg on; two slip, stick or reverse as friction is small or
-large."""
-
-
-def limits() -> list[HardCase]:
-    """Return strikes with restitution 0 and 1 and friction from 0 to 1e9, by both laws."""
-    rows, case = [], partial(row, "limits")
-    for law, limit in LIMITS.items():
-        timed = "" if law == "energetic" else ", in time"
-        works = f"restitution returns e*^2 of the work of compression; no energy gained, to {limit:g}"
-        for e in (0.0, 1.0):
-            for mu in (0.0, 0.3, 1e6, 1e9):
-                place = f"restitution {e:g}, friction {mu:g}{timed}"
-                for word, chain in CHAINS.items():
-                    rows.append(case(f"{word}, {place}", works, _obeys, chain, e, mu, law, quick=mu != 1e6))
-    return rows
-
-
-def _obeys(chain: Chain, restitution: float, friction: float, law: str) -> Finding:
-    hit, limit = struck(chain, friction, restitution, law), LIMITS[law]
-    contact = hit.contact
-    found = [obeys_law(contact, restitution, limit), Finding(contact.outcome, True, hit.steps)]
-    if restitution == 0.0 and contact.outcome != "jam":
-        found.append(within(contact.velocity_after[0] / contact.velocity_before[0], limit, "normal velocity after"))
-    if hit.kinetic_energy_ratio is not None and not chain.hub_radius:
-        found.append(within(max(0.0, hit.kinetic_energy_ratio - 1.0), limit, "energy ratio above 1"))
-    return all_of(*found)
-
-
-def obeys_law(contact: ContactRecord, restitution: float, limit: float) -> Finding:
-    """Compare the work of restitution with e*^2 of the normal work of compression, and the sum of works with 0.
-
-    A point that no impulse can part from the surface, and one that never came to rest, may return less.
-    """
-    assert contact.compressive_work is not None
-    assert contact.restitutive_work is not None
-    taken, rubbed, returned, later = (*contact.compressive_work, *contact.restitutive_work)
-    size = -taken if taken else 1.0
-    beyond = (returned + restitution**2 * taken) / size
-    if contact.outcome in ("stiction", "jam"):
-        beyond = max(beyond, 0.0)
-    gained = max(0.0, (taken + rubbed + returned + later) / size)
-    return all_of(within(beyond, limit, "off the law by"), within(gained, limit, "gained"))

@@ -210,6 +210,22 @@ def agrees_in_time(
     return all_of(Finding(outcome, outcome == rigid.outcome), within(off, limit, "off by", timed.steps))
 
 
+def obeys_law(contact: ContactRecord, restitution: float, limit: float) -> Finding:
+    """Compare the work of restitution with e*^2 of the normal work of compression, and the sum of works with 0.
+
+    A point that no impulse can part from the surface, and one that never came to rest, may return less.
+    """
+    assert contact.compressive_work is not None
+    assert contact.restitutive_work is not None
+    taken, rubbed, returned, later = (*contact.compressive_work, *contact.restitutive_work)
+    size = -taken if taken else 1.0
+    beyond = (returned + restitution**2 * taken) / size
+    if contact.outcome in ("stiction", "jam"):
+        beyond = max(beyond, 0.0)
+    gained = max(0.0, (taken + rubbed + returned + later) / size)
+    return all_of(within(beyond, limit, "off the law by"), within(gained, limit, "gained"))
+
+
 def agrees_with_closed_form(strikes: list[tuple[Chain, float, float]], limit: float) -> Finding:
     """Compare strikes of one or two rods, each with friction and restitution, with Zhang's closed forms (2020, ch. 2)."""
     off, alike = [], True

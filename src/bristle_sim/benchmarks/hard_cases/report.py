@@ -19,14 +19,12 @@ TABLES = {
     "damping": "motion",
     "jam": "impacts",
     "grazing": "impacts",
-    "limits": "impacts",
     "size": "motion",
     "hub_speed": "motion",
     "tunnelling": "motion",
     "long_run": "motion",
     "chatter": "contact",
     "touching": "contact",
-    "budget": "contact",
     "wires": "wires",
 }
 """Module of this package with the rows of each theme, which the function of the theme's name returns."""

@@ -10,8 +10,13 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, row, within, worst
-from bristle_sim.benchmarks.hard_cases.impacts import obeys_law
-from bristle_sim.benchmarks.hard_cases.measures import agrees_with_reference, end_difference, strike_difference, struck
+from bristle_sim.benchmarks.hard_cases.measures import (
+    agrees_with_reference,
+    end_difference,
+    obeys_law,
+    strike_difference,
+    struck,
+)
 from bristle_sim.parameters import Bristle, ContactStiffness, Strike, Tool, Workpart
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate_row

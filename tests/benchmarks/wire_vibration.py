@@ -1,4 +1,4 @@
-"""Measure what one free vibration of a wire costs, here and elsewhere. ``python -m bristle_sim.benchmarks.wire_vibration``
+"""Measure what one free vibration of a wire costs, here and elsewhere. ``python tests/benchmarks/wire_vibration.py``
 
 The wire on its belt, hub at rest, starts straight with the velocities of its first bending mode. After one period of the beam
 its end is where it started; how far it is away, over the amplitude, is the error: 2 pi times that of the frequency. MuJoCo has

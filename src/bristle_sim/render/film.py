@@ -1,0 +1,245 @@
+"""Films without a display: slow motion, a picture of which only what moves is drawn anew, its header, and mp4 and gif files."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import sys
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike
+from PIL import Image, ImageDraw, ImageFont
+
+from bristle_sim.arrays import Array
+from bristle_sim.files import checked_target, complete_or_absent
+from bristle_sim.render.colours import BLACK
+from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
+
+HIGHEST = {".gif": 50.0, ".mp4": 1000.0}
+"""Most frames per second by kind of film; a gif counts time in hundredths of a second."""
+
+LONGEST = 3600.0
+"""Longest film, s."""
+
+NODES = 4001
+"""Instants of a time warp: enough for a bump of a thousandth of the run to be smooth."""
+
+
+@dataclass(frozen=True, slots=True)
+class TimeWarp:
+    """Film time and physical time at the same nodes, both ascending, s; ``slow_down`` is d film/d physical."""
+
+    film: Array
+    physical: Array
+    slow_down: Array
+
+    def physical_time(self, film_time: ArrayLike) -> Array:
+        """Return the run's instant that the film shows at a film time, s."""
+        return np.asarray(np.interp(np.asarray(film_time), self.film, self.physical))
+
+    def film_time(self, physical_time: ArrayLike) -> Array:
+        """Return the film time at which an instant of the run is shown, s."""
+        return np.asarray(np.interp(np.asarray(physical_time), self.physical, self.film))
+
+    def slow_down_at(self, film_time: ArrayLike) -> Array:
+        """Return how many seconds of film one second of the run takes."""
+        return np.asarray(np.interp(np.asarray(film_time), self.film, self.slow_down))
+
+
+def slow_motion(
+    start: float, end: float, duration: float, focus: Sequence[float] = (), *, slower: float = 4.0, width: float = 0.04
+) -> TimeWarp:
+    """Show a run from ``start`` to ``end`` in ``duration`` seconds of film.
+
+    The slow-down is s(t) = s_0 (1 + (slower - 1) max_i exp(-((t - t_i)/w)^2/2)), with w = ``width`` (end - start) about
+    each instant t_i of ``focus``, and s_0 such that its integral over the run is the duration.
+
+    Raises:
+        ValueError: if the run or the film lasts no time, or ``slower`` is less than 1.
+    """
+    if not end > start:
+        raise ValueError(f"film of a run from {start:g} to {end:g}: a run that lasts some time is needed (in s)")
+    if not 0.0 < duration <= LONGEST:
+        raise ValueError(f"duration = {duration:g}: must be 0 < duration <= {LONGEST:g} (in s)")
+    if not 1.0 <= slower < np.inf:
+        raise ValueError(f"slower = {slower:g}: must be a finite factor of at least 1 (dimensionless)")
+    physical = np.linspace(start, end, NODES)
+    distance = (physical - np.reshape(focus, (-1, 1))) / (width * (end - start))
+    shape = 1.0 + (slower - 1.0) * np.exp(-0.5 * distance**2).max(axis=0, initial=0.0)
+    steps = 0.5 * (shape[1:] + shape[:-1]) * np.diff(physical)
+    elapsed = np.concatenate([[0.0], np.cumsum(steps)])
+    return TimeWarp(elapsed * (duration / elapsed[-1]), physical, shape * (duration / elapsed[-1]))
+
+
+HEADER = 0.135
+"""Fraction of the picture's height above the drawing: caption and read-outs."""
+
+LEFTS = (0.02, 0.25, 0.47, 0.735)
+"""Where the read-outs begin, as fractions of the picture's width."""
+
+DOTS_PER_INCH = 100.0
+
+
+class Film(ABC):
+    """The picture that a film shows, at any film time; a subclass draws what is below the header and moves it.
+
+    Attributes:
+        size, letter_size: width and height of the picture by default, px, and height of its letters, px.
+        moving: artists of the figure that are drawn with every frame, in this order, over everything still.
+        hands: those among them that show the instant: lines across panels over time.
+        texts: caption and read-outs.
+    """
+
+    size, letter_size = (640, 480), 13.0
+
+    def __init__(
+        self, warp: TimeWarp, width: int, height: int, colours: Sequence[str], clock: Scale | None = None
+    ) -> None:
+        """``colours``: of the read-outs after time and slow-down; ``clock``: unit of the time, by default ms."""
+        if not all(16 <= edge <= 8192 for edge in (width, height)):
+            raise ValueError(f"size = {width} x {height}: must be 16 to 8192 along either edge (in px)")
+        self.warp, self.clock, self.pixels = warp, clock or Scale(MILLISECONDS, "ms"), (width, height)
+        self.letters = self.letter_size * min(width / self.size[0], height / self.size[1])
+        with styled():
+            self.figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
+        self._canvas: Any = FigureCanvasAgg(self.figure)
+        self._still: Any = None
+        self._colours = (BLACK, BLACK, *colours)
+        self.moving: list[Artist] = []
+        self.hands: list[Line2D] = []
+        self.texts: tuple[str, ...] = ()
+
+    @abstractmethod
+    def move(self, time: float) -> Sequence[str]:
+        """Move everything to an instant of the run, s; return the caption and the texts of the read-outs."""
+
+    def show(self, film_time: float) -> None:
+        """Move everything to a film time, s."""
+        time, slow = float(self.warp.physical_time(film_time)), float(self.warp.slow_down_at(film_time))
+        shown = time * self.clock.factor
+        for hand in self.hands:
+            hand.set_xdata([shown, shown])
+        caption, *texts = self.move(time)
+        slowed = f"slowed {slow:{'7.0f' if slow < 1e7 else '7.0e'}}\N{MULTIPLICATION SIGN}"
+        self.texts = (caption, f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts)
+
+    def frame(self, film_time: float) -> Image.Image:
+        """Return the picture at a film time, s."""
+        self.show(film_time)
+        if self._still is None:
+            with styled():
+                for artist in self.moving:
+                    artist.set_animated(True)
+                self._canvas.draw()
+            self._still = self._canvas.copy_from_bbox(self.figure.bbox)
+        self._canvas.restore_region(self._still)
+        for artist in self.moving:
+            artist.draw(self._canvas.get_renderer())
+        picture, (width, height) = Image.fromarray(np.asarray(self._canvas.buffer_rgba())).convert("RGB"), self.pixels
+        pen, (caption, *texts) = ImageDraw.Draw(picture), self.texts
+        bold, mono = _font("DejaVuSans-Bold", 1.39 * self.letters), _font("DejaVuSansMono", self.letters)
+        pen.text((LEFTS[0] * width, 0.33 * HEADER * height), caption, BLACK, bold, "lm")
+        for left, text, colour in zip(LEFTS, texts, self._colours, strict=False):
+            pen.text((left * width, 0.78 * HEADER * height), text, colour, mono, "lm")
+        return picture
+
+
+@lru_cache(maxsize=8)
+def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
+    """Return letters that matplotlib carries; it draws a line of text in milliseconds, Pillow in a twentieth of that."""
+    return ImageFont.truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size)
+
+
+def write_film(path: str | Path, build: Callable[[], Film], fps: float) -> Path:
+    """Check the file's name before anything is computed, then build the film and write it to an mp4 or gif file.
+
+    The first and the last instant are shown; the file appears only when complete.
+
+    Raises:
+        ValueError: for a file that cannot be written, mp4 where imageio-ffmpeg is missing, or settings out of range.
+        OSError: if the encoder fails.
+    """
+    target = checked_target(path, tuple(HIGHEST))
+    kind = target.suffix.lower()
+    if kind == ".mp4":
+        _require_encoder(target)
+    if not 0.0 < fps <= HIGHEST[kind]:
+        raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST[kind]:g} for {kind} (in 1/s)")
+    film = build()
+    if kind == ".mp4" and any(edge % 2 for edge in film.pixels):
+        raise ValueError(f"size = {film.pixels[0]} x {film.pixels[1]}: must be even numbers for .mp4 (in px)")
+    end = float(film.warp.film[-1])
+    times = np.linspace(0.0, end, max(2, math.ceil(fps * end - 1e-6))).tolist()
+    with complete_or_absent(target) as partial:
+        (_write_mp4 if kind == ".mp4" else _write_gif)(partial, film, times, fps)
+    return target
+
+
+def _counted(times: Sequence[float]) -> Iterable[float]:
+    """Return the instants of the frames, counted on a terminal where tqdm is installed."""
+    with contextlib.suppress(ImportError):
+        from tqdm import tqdm
+
+        look = {"unit": "frame", "leave": False, "file": sys.stderr, "disable": not sys.stderr.isatty()}
+        counted: Iterable[float] = tqdm(times, **look)
+        return counted
+    return times
+
+
+def _require_encoder(target: Path) -> None:
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+    except ImportError:
+        raise ValueError(f"{target}: mp4 needs imageio-ffmpeg: pip install bristle-sim[video], or a .gif") from None
+    try:
+        get_ffmpeg_exe()
+    except RuntimeError:
+        raise ValueError(f"{target}: imageio-ffmpeg carries no ffmpeg for this machine; a .gif needs none") from None
+
+
+def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
+    """Write h264 in yuv420p."""
+    from imageio_ffmpeg import count_frames_and_secs, write_frames
+
+    # Two encoding threads leave the drawing its own core; fixed numbers of threads give the same file anywhere.
+    container = ["-threads", "2", "-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4"]
+    codec = {"codec": "libx264", "quality": None, "output_params": ["-preset", "veryfast", "-crf", "18", *container]}
+    encoder = write_frames(str(partial), film.pixels, fps=fps, macro_block_size=1, ffmpeg_log_level="quiet", **codec)
+    encoder.send(None)
+    # A frame that the encoder refuses ends the film; what has been written is counted below.
+    with contextlib.closing(encoder), contextlib.suppress(OSError):
+        for time in _counted(times):
+            encoder.send(film.frame(time).tobytes())
+    written = 0
+    with contextlib.suppress(RuntimeError):
+        written = count_frames_and_secs(str(partial))[0]
+    if written != len(times):
+        raise OSError(f"{partial.name}: ffmpeg failed, it wrote {written} of {len(times)} frames")
+
+
+GIF_COLOURS, GIF_SAMPLES = 64, 30
+"""Colours of a gif's one palette, and from how many frames it is taken."""
+
+
+def _write_gif(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
+    # Every other pixel and line will do; maximum coverage keeps small areas' colours, one round of k-means the large ones'.
+    chosen = [np.asarray(film.frame(time))[::2, ::2] for time in times[:: -(-len(times) // GIF_SAMPLES)]]
+    montage, plain = Image.fromarray(np.concatenate(chosen)), Image.Dither.NONE
+    palette = montage.quantize(GIF_COLOURS, Image.Quantize.MAXCOVERAGE, kmeans=1, dither=plain)
+    first, *others = [film.frame(time).quantize(palette=palette, dither=plain) for time in _counted(times)]
+    # A gif counts hundredths of a second: rounding the instants, not the durations, keeps the film's length.
+    instants = [round(100.0 * number / fps) for number in range(len(times) + 1)]
+    durations = [10 * (after - before) for before, after in pairwise(instants)]
+    first.save(partial, "GIF", save_all=True, append_images=others, duration=durations, loop=0, optimize=True)
