@@ -23,7 +23,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import state_at_strike
+from bristle_sim.studies.strike_point import from_radial, state_at_strike
 from bristle_sim.theory import cueing
 from bristle_sim.trajectory import Trajectory
 
@@ -145,7 +145,12 @@ def stiffness_readings(tool: Tool) -> dict[str, float]:
 
 
 def simulated_cue(tool: Tool, retraction: float, run: Trajectory) -> cueing.Cue | None:
-    """Return the cue of a simulated release (Zhang 2020, eq. 2.1); None if no speed is the highest."""
+    """Return the cue of a simulated release (Zhang 2020, eq. 2.1); None if no speed is the highest.
+
+    The release of a wire that bends ends when its tip is radial, where an undamped rigid bristle is fastest.
+    """
+    if tool.bristle.links > 1:
+        return cueing.placed_cue(tool, retraction, float(run.time[-1]), float(from_radial(run, tool.bristle)[1][-1]))
     time = run.event_time("highest relative speed")
     if time is None or tool.workpart is None:
         return None

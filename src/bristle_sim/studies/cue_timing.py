@@ -27,6 +27,7 @@ from bristle_sim.studies.cue_places import (
     simulated_cue,
     stiffness_readings,
 )
+from bristle_sim.studies.inertia_driven import Run, reference_run, scene_run, until_radial
 from bristle_sim.studies.strike_point import ran, require_result
 from bristle_sim.theory.cueing import Cue, field_stiffness
 from bristle_sim.trajectory import Trajectory
@@ -61,6 +62,14 @@ LEFT_OUT = (
     "left out by the formulas: centrifugal stiffening of the rotating root, belt damping beyond the linear oscillator,",
     "and the bar's dynamics (first tap, swing beyond the last touch), which a full pass simulates.",
 )
+
+OF_WIRE = (
+    "a wire that bends is cued when its tip is radial, where an undamped rigid bristle is fastest; its lag and its rate are",
+    "those of the line from root to tip.",
+)
+
+WIRE_RUNS = 10
+"""Runs of a wire that bends that share the budget of steps: releases and passes for each belt stiffness."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +111,8 @@ def cue_timing(
             computed within the settings' steps.
     """
     given = bar or tool.bar or Bar()
+    if tool.bristle.links > 1:
+        settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
     run = _release(tool, retraction, settings)
     found = _rows(tool, retraction, run, settings, UNITS, with_reference=with_reference)
     places: dict[str, ReadingPlaces] = {}
@@ -124,7 +135,11 @@ def cue_timing(
             "bar_stands_at_deg": math.degrees(BarPlace.of(given).direction),
             "full_passes": [row for each in places.values() for row in each.pass_rows(given)],
         },
-        remarks=(*(line for each in places.values() for line in each.in_words(given)), *LEFT_OUT),
+        remarks=(
+            *(line for each in places.values() for line in each.in_words(given)),
+            *LEFT_OUT,
+            *(OF_WIRE if tool.bristle.links > 1 else ()),
+        ),
         subject=CueTiming(tool, retraction, given, run, formula, mine, places, *lines),
     )
 
@@ -137,6 +152,8 @@ def _bare(tool: Tool) -> Tool:
 
 
 def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
+    if tool.bristle.links > 1:
+        return _released_wire(tool, scene_run(settings, retraction))
     # An overdamped release is over in a small part of the period that samples are counted in.
     samples = math.ceil(settings.samples_per_period * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
@@ -150,6 +167,16 @@ def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
             " (dimensionless)"
         )
     return run
+
+
+def _released_wire(tool: Tool, run: Run) -> Trajectory:
+    radial = until_radial(_bare(tool), run)
+    if radial is None:
+        raise ValueError(
+            f"wire_links = {tool.bristle.links}: must be 1 for a bristle that does not come back to the radial direction, where"
+            " a wire that bends is cued (dimensionless)"
+        )
+    return radial.trajectory
 
 
 def _tolerance(settings: Settings) -> float:
@@ -170,7 +197,10 @@ def _rows(
     """Return one belt stiffness's release by simulation, formula and reference, which judges it."""
     simulated, theory = _values(simulated_cue(tool, retraction, run)), _values(formula_cue(tool, retraction))
     time, reference, printed = simulated["cue_time"], _values(None), _at_print(tool, retraction, any_belt=bool(reading))
-    if with_reference and time is not None:
+    if with_reference and tool.bristle.links > 1:
+        referred = _released_wire(tool, reference_run(1e-10, retraction))
+        reference = _values(simulated_cue(tool, retraction, referred))
+    elif with_reference and time is not None:
         from bristle_sim.reference import simulate_reference
 
         referred = simulate_reference(
