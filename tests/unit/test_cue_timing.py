@@ -143,9 +143,9 @@ def test_bars_that_a_wire_needs() -> None:
     assert cues["cue_time"].theory == pytest.approx(1.4631e-3, rel=5e-5)
     assert 1e-4 < abs(cues["cue_time"].simulated / 1.4052e-3 - 1.0) < 0.05
     assert any("cued when its tip is radial" in each for each in report.remarks)
-    creeping = Tool(bristle=Bristle(links=2), belt=Belt(damping_ratio=5.0))
+    undriven = Tool(hub=Hub(radius=0.0), belt=Belt(stiffness=0.0), bristle=Bristle(links=2))
     with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1 for a bristle that does not come back"):
-        cue_timing(creeping, 0.7, Settings(1e-4), with_reference=False)
+        cue_timing(undriven, 0.7, Settings(1e-4), with_reference=False)
 
 
 def test_bars_need_a_bar() -> None:
