@@ -17,6 +17,7 @@ from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
 from bristle_sim.studies.cue_places import BarPlace, FullPass, Release
 from bristle_sim.studies.cue_timing import OWN, CueTiming
+from bristle_sim.studies.strike_point import from_radial
 from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 NEARBY = math.radians(25.0)
@@ -43,7 +44,7 @@ def cue_figure(timing: CueTiming) -> Figure:
     """
     figure = blank_figure(16.0, 12.6)
     retraction = add_panel(figure, (1.5, 7.1, 5.8, 4.3), "released from rest: retraction")
-    below = "up to the cue time, at which it is highest"
+    below = "up to the cue time" + (", at which it is highest" if timing.tool.bristle.links == 1 else "")
     speed = add_panel(figure, (1.5, 1.2, 5.8, 4.4), "released from rest: relative speed", below, sharex=retraction)
     _draw_motion(retraction, speed, timing)
     plan = add_panel(figure, (8.6, 5.2, 7.2, 6.2), "where the bar must stand", "to scale, with this tool's wire")
@@ -54,8 +55,12 @@ def cue_figure(timing: CueTiming) -> Figure:
 
 def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
     """Draw the simulated release and the formula's, each up to its own cue time, which is marked and named."""
-    course = SampledMotion(timing.trajectory).course()
-    lines = [("simulated", BLUE, "-", Release(course.time, course.retraction, course.relative_speed))]
+    course, bristle = SampledMotion(timing.trajectory).course(), timing.tool.bristle
+    simulated = Release(course.time, course.retraction, course.relative_speed)
+    if bristle.links > 1:
+        angle, rate = from_radial(timing.trajectory, bristle)
+        simulated = Release(timing.trajectory.time, -angle, rate)
+    lines = [("simulated", BLUE, "-", simulated)]
     if timing.formula is not None:
         lines.append(("quasi-static formula", VERMILION, "--", timing.formula))
     latest = max(float(line.time[-1]) for *_, line in lines)

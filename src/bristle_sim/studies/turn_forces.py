@@ -8,6 +8,7 @@ h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth, at which 
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -67,9 +68,9 @@ def _weighed(force: Callable[[Array], Array], start: Array, length: Array, pole:
     return np.asarray(0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS))
 
 
-CLOSEST = 1e-3
-"""Least distance of a spline's nodes, of the interval's length: where the scene closes in on a release its samples are so
-close that a spline through them would follow their rounding."""
+CLOSEST = 0.05
+"""Least distance of a spline's nodes, of their largest: where the scene closes in on a release its samples are so close that a
+spline through them would follow their rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,12 +89,16 @@ class Impulse:
 
 @dataclass(frozen=True, slots=True)
 class SampledForce:
-    """A smooth interval of a sustained contact: ``course`` gives normal and tangential force and moment, N and N m."""
+    """A smooth interval of a sustained contact: ``course`` gives normal and tangential force and moment, N and N m.
+
+    ``missed`` is the moment of the impulse, N m s, by which the force's spline falls short of the scene's own sum.
+    """
 
     obstacle: str
     begin: float
     end: float
     course: Any
+    missed: float = 0.0
 
     @property
     def edges(self) -> tuple[float, ...]:
@@ -103,7 +108,7 @@ class SampledForce:
     @property
     def integral(self) -> Array:
         """Return the impulses of normal and tangential force, N s, and that of their moment, N m s."""
-        return np.asarray(self.course.integrate(self.begin, self.end))
+        return np.asarray(self.course.integrate(self.begin, self.end)) + [0.0, 0.0, self.missed]
 
 
 def turn_forces(tool: Tool, turn: PeriodicTurn) -> list[Impulse | SampledForce]:
@@ -170,14 +175,17 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
         forces = np.stack([force[own], -part.friction * slips[first] * force[own]], axis=-1)
         values = np.column_stack([forces, (levers[own] * forces).sum(axis=-1)])
         found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
+    # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
+    short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
+    found[-1] = dataclasses.replace(found[-1], missed=float(levers[-1] @ short))
     return found
 
 
 def _spaced(time: Array, first: int, last: int) -> list[int]:
     """Return the samples after the first up to the last, without those that are too close to the next that is kept."""
-    kept = [last]
+    kept, closest = [last], CLOSEST * np.diff(time[first : last + 1]).max()
     for row in range(last - 1, first, -1):
-        if time[kept[-1]] - time[row] >= CLOSEST * (time[last] - time[first]):
+        if time[kept[-1]] - time[row] >= closest:
             kept.append(row)
     return kept[::-1]
 
