@@ -216,7 +216,10 @@ PROMISES = {
             "force_envelope_low",
             "force_envelope_high",
         ),
-        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "load_cell_bandwidth"),
+        (
+            *(*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy"),
+            *("bristles", "load_cell_bandwidth"),
+        ),
         strikes=False,
     ),
     "tolerances": Promise(

@@ -108,7 +108,7 @@ class SampledForce:
     @property
     def integral(self) -> Array:
         """Return the impulses of normal and tangential force, N s, and that of their moment, N m s."""
-        return np.asarray(self.course.integrate(self.begin, self.end)) + [0.0, 0.0, self.missed]
+        return np.asarray(self.course.integrate(self.begin, self.end) + np.array([0.0, 0.0, self.missed]))
 
 
 def turn_forces(tool: Tool, turn: PeriodicTurn) -> list[Impulse | SampledForce]:
@@ -144,8 +144,10 @@ def dissipated(tool: Tool, turn: PeriodicTurn, breaks: Iterable[float]) -> float
 
 
 def _impulse(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> Impulse:
-    hub_angle = turn.trajectory.hub_angle[0] + turn.trajectory.hub_speed * contact.time
-    corners = _corners(tool, np.array([hub_angle]), np.array(contact.angles[-1:]))
+    run = turn.trajectory
+    corners = _corners(tool, np.array([run.hub_angle[0] + run.hub_speed * contact.time]), np.array(contact.angles[-1:]))
+    if tool.bristle.links > 1:
+        corners = run.centre_line[[abs(run.time - contact.time).argmin()]]
     (arms,) = _levers(*_touched(tool, contact.obstacle, corners))
     return Impulse(contact.obstacle, contact.time, np.array([*contact.impulse, arms @ contact.impulse]))
 
@@ -154,7 +156,8 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
 
     The sample at such an instant holds the force before it, so that each spline begins one sample later and is
-    extrapolated to its beginning.
+    extrapolated to its beginning. Of a wire that bends, which slips and sticks in turns, force and friction are scaled to the
+    scene's sums.
     """
     run, end = turn.trajectory, contact.time + contact.duration
     rows = np.arange(np.searchsorted(run.time, contact.time, "right") - 1, np.searchsorted(run.time, end, "left") + 1)
@@ -164,17 +167,25 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     slips = np.sign(_slip(tool, contact.obstacle, *middle))
     states = np.stack([slips, _at_corner(tool, contact.obstacle, _corners(tool, *middle[:2]))])
     jumps = np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1
-    levers = _levers(*_touched(tool, contact.obstacle, _corners(tool, hub_angle, angle)))
-    force, part = run.normal_force[rows], tool.workpart if contact.obstacle == "workpart" else tool.bar
+    corners, force = _corners(tool, hub_angle, angle), run.normal_force[rows]
+    part = tool.workpart if contact.obstacle == "workpart" else tool.bar
     assert part is not None
+    rubs = -part.friction * slips
+    if tool.bristle.links > 1:
+        corners, jumps = run.centre_line[rows], jumps[:0]
+        rubs = np.full(len(slips), contact.impulse[1] / contact.impulse[0])
+    levers = _levers(*_touched(tool, contact.obstacle, corners))
     if contact.outcome == "release":
         force[-1] = 0.0
     found = []
     for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
         own = _spaced(time, first, last)
-        forces = np.stack([force[own], -part.friction * slips[first] * force[own]], axis=-1)
+        forces = np.stack([force[own], rubs[first] * force[own]], axis=-1)
         values = np.column_stack([forces, (levers[own] * forces).sum(axis=-1)])
-        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
+        course = _course(time[own], values)
+        if tool.bristle.links > 1:
+            course.c *= contact.impulse[0] / course.integrate(time[first], time[last])[0]
+        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), course))
     # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
     short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
     found[-1] = dataclasses.replace(found[-1], missed=float(levers[-1] @ short))
