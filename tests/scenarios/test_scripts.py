@@ -101,7 +101,7 @@ PROMISES = {
             "bar_horizontal",
             "bar_vertical",
         ),
-        (*TOOL, *BELT, "bar_radius", "wire_diameter", "penetration", "retraction_deg", "accuracy"),
+        (*TOOL, *WIRE, *BELT, "bar_radius", "wire_diameter", "penetration", "retraction_deg", "accuracy"),
         strikes=False,
         integrates=True,
     ),
@@ -136,7 +136,7 @@ PROMISES = {
             "tip_speed_at_radial",
             "hub_speed_for_equal_tip_speed",
         ),
-        (*TOOL, *BELT, *BAR, "penetration", "reference"),
+        (*TOOL, *WIRE, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
         strikes=False,
         film=("bristle_sim.render.inertia_video", "inertia_video"),
@@ -216,7 +216,10 @@ PROMISES = {
             "force_envelope_low",
             "force_envelope_high",
         ),
-        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "load_cell_bandwidth"),
+        (
+            *(*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy"),
+            *("bristles", "load_cell_bandwidth"),
+        ),
         strikes=False,
     ),
     "tolerances": Promise(
@@ -503,6 +506,8 @@ def other_values(found: Range | Choice, default: Any) -> list[str]:
     """Values that a key could be changed to: near the default, and far from it."""
     if isinstance(found, Choice):
         return [option for option in found.options if option != default]
+    if found.whole and default is not None:
+        return [f"{default + 1}"]
     if default is None:
         return (
             {"s": ["1e-5"], "1": ["0.2"], "column": ["1"], "N/V": ["2.0"]}[found.unit]

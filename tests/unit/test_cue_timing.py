@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Hub, Tool
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing, formula_motion
+from bristle_sim.studies.inertia_driven import reference_run, scene_run, until_radial
 
 DAMPINGS = (0.0, 0.3, 1.0, 4.0)
 
@@ -79,6 +80,34 @@ def test_the_released_wire_ends_on_the_bar_that_it_needs(cued: Report) -> None:
     reach = bar.bar_distance - tool.bar_reach
     np.testing.assert_allclose(released[-1], reach * towards, atol=1e-12)  # m; rounding and the event's instant
     assert fastest[-1, 1] == pytest.approx(-tool.workpart_depth, abs=1e-8)  # radial to the accuracy, 1e-6
+
+
+def test_a_wire_is_cued_when_its_tip_is_radial() -> None:
+    """The tip is on the line from the hub's centre through the root, and the independent solution finds the same instant."""
+    tool, retraction = Tool(bristle=Bristle(links=2)), math.radians(44.5)
+    found, referred = (
+        until_radial(tool, each(accuracy, retraction))
+        for each, accuracy in ((lambda a, lag: scene_run(Settings(a), lag), 1e-6), (reference_run, 1e-9))
+    )
+    assert found is not None
+    assert referred is not None
+    # Ten times the accuracy, of a motion whose rate changes by a tenth within a tenth of the time.
+    assert found.time == pytest.approx(referred.time, rel=1e-5)
+    assert found.relative_rate == pytest.approx(referred.relative_rate, rel=1e-5)
+    root, tip = found.trajectory.centre_line[-1, [0, -1]]
+    assert math.atan2(root[0] * tip[1] - root[1] * tip[0], root @ tip) == pytest.approx(0.0, abs=1e-8)
+
+
+def test_bars_that_a_wire_needs() -> None:
+    report = cue_timing(Tool(bristle=Bristle(links=2)), math.radians(44.5), Settings(1e-4), with_reference=False)
+    cues = {row.name: row for row in report.quantities}
+    # It bends by some per cent of the retraction, load over stiffness; theory remains the rigid bristle's.
+    assert cues["cue_time"].theory == pytest.approx(1.4631e-3, rel=5e-5)
+    assert 1e-4 < abs(cues["cue_time"].simulated / 1.4052e-3 - 1.0) < 0.05
+    assert any("cued when its tip is radial" in each for each in report.remarks)
+    undriven = Tool(hub=Hub(radius=0.0), belt=Belt(stiffness=0.0), bristle=Bristle(links=2))
+    with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1 for a bristle that does not come back"):
+        cue_timing(undriven, 0.7, Settings(1e-4), with_reference=False)
 
 
 def test_bars_need_a_bar() -> None:

@@ -11,7 +11,7 @@ from scipy.special import ellipk
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.render.inertia_video import InertiaFilm
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import _scene, inertia_driven, until_radial
+from bristle_sim.studies.inertia_driven import inertia_driven, scene_run, until_radial
 from bristle_sim.theory.inertia_drive import (
     largest_retraction,
     time_to_radial,
@@ -154,7 +154,7 @@ def test_a_wire_that_bends():
     near = []
     for modulus in (2e11, 2e12):
         wire = dataclasses.replace(bare, bristle=Bristle(links=2, modulus=modulus))
-        found, rigid = (until_radial(tool, _scene(Settings(accuracy=1e-6))) for tool in (wire, bare))
+        found, rigid = (until_radial(tool, scene_run(Settings(accuracy=1e-6))) for tool in (wire, bare))
         near.append([found.time / rigid.time - 1.0, found.retraction / rigid.retraction - 1.0])
     assert near[1] == pytest.approx([0.1 * each for each in near[0]], rel=0.25)
 

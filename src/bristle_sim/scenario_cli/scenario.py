@@ -35,6 +35,7 @@ class Scenario:
         series: gives the time series of a report, by name and unit, one entry a sample; None without a motion.
         defaults: key values that differ from the parameter classes' own, each with its source.
         without: keys of the parts that mean nothing to the question.
+        most: largest values of keys of which the parts would take more, each with its reason.
         plot_is_folder: ``--plot`` names a folder, or a PDF of several pages, instead of a picture.
         options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
@@ -48,6 +49,7 @@ class Scenario:
     series: Callable[[Report], Columns] | None = None
     defaults: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
     without: tuple[str, ...] = ()
+    most: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     plot_is_folder: bool = False
     options: tuple[str, ...] = ()
 
@@ -59,6 +61,10 @@ class Scenario:
             found |= {each.key: (each, defaults[name]) for name, each in declarations(part).items()}
         for key, (default, source) in self.defaults.items():
             found[key] = (dataclasses.replace(found[key][0], source=source), default)
+        for key, (most, reason) in self.most.items():
+            declared, default = found[key]
+            assert isinstance(declared, Range)
+            found[key] = (dataclasses.replace(declared, highest=most, meaning=f"{declared.meaning}; {reason}"), default)
         return {key: each for key, each in found.items() if key not in self.without}
 
 

@@ -30,9 +30,6 @@ from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
 
-MOST_LINKS = 8
-"""Links of a wire; three passes of so many take a minute."""
-
 REST = 1e-4
 """Fraction of the fastest slip below which the tip is at rest."""
 
@@ -108,14 +105,10 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     """Simulate a pass with the tool's knee bent backwards, straightened, and bent forwards.
 
     Raises:
-        ValueError: if the wire has too many links, the tool's contact is not resolved in time, or a pass does not end within the settings' steps.
+        ValueError: if the tool's contact is not resolved in time, or a pass does not end within the settings' steps.
     """
     if tool.contact.law != "compliant":
         raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")
-    if tool.bristle.links > MOST_LINKS:
-        raise ValueError(
-            f"wire_links = {tool.bristle.links}: must be at most {MOST_LINKS} in three passes (dimensionless)"
-        )
     refuse_endless(tool, settings)
     knee = abs(tool.bristle.knee_angle_deg)
     tools, runs, slides = {}, {}, {}

@@ -22,7 +22,8 @@ from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Bar, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import ran, require_result
+from bristle_sim.studies.inertia_driven import Run, reference_run, scene_run, until_radial
+from bristle_sim.studies.strike_point import from_radial, ran, require_result
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory
@@ -49,6 +50,12 @@ FULL_TURNS = 1e3
 
 MOST_DAMPED = 10.0
 """Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
+
+
+OF_WIRE = (
+    "a wire that bends is cued when its tip is radial, where an undamped rigid bristle is fastest; its lag and its rate are",
+    "those of the line from root to tip",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,9 +104,12 @@ def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_refere
     if with_reference and found is not None:
         from bristle_sim.reference import simulate_reference
 
-        options = {"accuracy": 1e-10, "duration": 2.0 * found.cue_time}
-        stop = "highest relative speed"
-        bare = simulate_reference(_bare(tool), start_relative_angle=-retraction, stop_after=stop, **options)
+        if tool.bristle.links > 1:
+            bare = _released_wire(tool, reference_run(1e-10, retraction))
+        else:
+            options = {"accuracy": 1e-10, "duration": 2.0 * found.cue_time}
+            stop = "highest relative speed"
+            bare = simulate_reference(_bare(tool), start_relative_angle=-retraction, stop_after=stop, **options)
         referred = _cue(tool, retraction, bare)
     formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
     simulated, theory, reference = (_values(each) for each in (found, formula, referred))
@@ -114,7 +124,10 @@ def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_refere
         outcome=None,
         quantities=rows(UNITS, simulated, theory, reference, printed, tolerance),
         **ran(run),
-        remarks=("left out by the formula: centrifugal stiffening of the rotating root",),
+        remarks=(
+            "left out by the formula: centrifugal stiffening of the rotating root",
+            *(OF_WIRE if tool.bristle.links > 1 else ()),
+        ),
         subject=CueTiming(tool, retraction, run, found, formula),
     )
 
@@ -127,6 +140,8 @@ def _bare(tool: Tool) -> Tool:
 
 
 def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
+    if tool.bristle.links > 1:
+        return _released_wire(tool, scene_run(settings, retraction))
     # An overdamped release is over in a small part of the period that samples are counted in.
     samples = math.ceil(settings.samples * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
@@ -142,13 +157,28 @@ def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
     return run
 
 
+def _released_wire(tool: Tool, run: Run) -> Trajectory:
+    radial = until_radial(_bare(tool), run)
+    if radial is None:
+        raise ValueError(
+            f"wire_links = {tool.bristle.links}: must be 1 for a bristle that does not come back to the radial direction, where"
+            " a wire that bends is cued (dimensionless)"
+        )
+    return radial.trajectory
+
+
 def _tolerance(settings: Settings) -> float:
     """Return the relative difference from the reference that a release may have."""
     return max(1e-8, 10.0 * settings.accuracy)
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
-    """Return the cue of a release (Zhang 2020, eq. 2.1); None if no speed is the highest."""
+    """Return the cue of a release (Zhang 2020, eq. 2.1); None if no speed is the highest.
+
+    The release of a wire that bends ends when its tip is radial, where an undamped rigid bristle is fastest.
+    """
+    if tool.bristle.links > 1:
+        return cueing.placed_cue(tool, retraction, float(run.time[-1]), float(from_radial(run, tool.bristle)[1][-1]))
     time = run.event_time("highest relative speed")
     if time is None:
         return None

@@ -29,10 +29,6 @@ RATIO = "impulse_ratio_to_rigid"
 
 UNITS = {"normal_final_impulse": "N s", "peak_force": "N", "time_in_touch": "s", "crater_depth": "m"}
 
-MOST_LINKS = 32
-"""Links of a wire in the scene. The fastest hinge needs steps in proportion to n^2: a strike of 8 links takes 0.3 s, of 32 links
-2 s; one of 64 is not over within the intervals that a contact may take."""
-
 CUTTING_FRICTION = 0.5
 """mu with which chapter 4 of the dissertation cuts, whatever the friction of the strike."""
 
@@ -144,16 +140,11 @@ def flexible_wire(
     """Strike with a wire of links and with the rigid bristle, and compare.
 
     Raises:
-        ValueError: for values that do not fit together, too many links, or a contact that comes to no end.
+        ValueError: for values that do not fit together, or a contact that comes to no end.
     """
     for key, value, unit in (("hub_speed", hub.speed, "rad/s"), ("wire_diameter", bristle.wire_diameter, "m")):
         if not value:
             raise ValueError(f"{key} = 0: must be above 0, or no wire strikes that bends back (in {unit})")
-    if bristle.links > MOST_LINKS:
-        raise ValueError(
-            f"wire_links = {bristle.links}: must be at most {MOST_LINKS}, as one strike would take the scene minutes"
-            " (dimensionless)"
-        )
     tool = _tool(hub, belt, bristle, surface, math.radians(strike.impact_angle_deg))
     struck = FlexibleStrike(
         tool, math.radians(strike.impact_angle_deg), strike.speed_ratio * hub.speed, contact, settings

@@ -1,8 +1,8 @@
 """Compares a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
 
 The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
--omega. Reported are its tip's speed when it is radial again (of a wire that bends, its first link), and the pulley speed that
-equals the bar-cued tool's speed at its strike.
+-omega. Reported are its tip's speed when it is radial again (of a wire that bends, the tip), and the pulley speed that equals
+the bar-cued tool's speed at its strike.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import dataclasses
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from bristle_sim.comparison import Report, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import require_result
+from bristle_sim.studies.strike_point import from_radial, require_result
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory
 
@@ -86,7 +87,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
     with_bar = simulate(tool, settings, stop_after="strike")
-    run, strike_speed = _scene(settings), _tip_speed_at_strike(with_bar)
+    run, strike_speed = scene_run(settings), _tip_speed_at_strike(with_bar)
     radial = until_radial(tool, run)
     simulated = _values(tool, run, radial, strike_speed)
     reference = _reference(tool) if with_reference else {}
@@ -120,7 +121,7 @@ def until_radial(tool: Tool, run: Run) -> Radial | None:
     inertia = bare.bristle.inertia_about_root
     for _ in range(CORRECTIONS):
         end = run(bare, time)
-        angle, rate = float(end.relative_angle[-1]), float(end.relative_rate[-1])
+        angle, rate = (float(each[-1]) for each in from_radial(end, bare.bristle))
         # Close to alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
         missing = -angle / rate
         time, rate = float(end.time[-1]) + missing, rate * (1.0 - bare.belt_damping / inertia * missing)
@@ -142,7 +143,7 @@ def _first_crossing(bare: Tool, run: Run) -> float | None:
     length = HALF_PERIODS * math.pi * math.sqrt(bare.bristle.inertia_about_root / stiffness)
     for doubling in range(DOUBLINGS + 1):
         found = run(bare, length * 2.0**doubling)
-        angle = np.asarray(found.relative_angle)
+        angle = from_radial(found, bare.bristle)[0]
         lagging = np.flatnonzero((angle[1:-1] < 0.0) & (angle[2:] >= 0.0))
         if lagging.size:
             at = int(lagging[0]) + 1
@@ -153,7 +154,9 @@ def _first_crossing(bare: Tool, run: Run) -> float | None:
     return None
 
 
-def _scene(settings: Settings) -> Run:
+def scene_run(settings: Settings, retraction: float | None = None) -> Run:
+    """Return the run of a bristle that enters the pulley, or is released from rest at a retraction, rad, by the simulation."""
+
     def run(bare: Tool, time: float) -> Trajectory:
         turn = bare.hub.speed * time
         if turn < LEAST_TURN:
@@ -162,20 +165,31 @@ def _scene(settings: Settings) -> Run:
                 " bristle swings (in rad/s)"
             )
         turning = dataclasses.replace(settings, hub_turn=turn)
-        found = simulate(bare, turning, start_relative_rate=-bare.hub.speed)
+        found = simulate(bare, turning, **_start(bare, retraction))
         require_result(found, settings)
         return found
 
     return run
 
 
-def _reference(tool: Tool) -> dict[str, float | None]:
+def reference_run(accuracy: float, retraction: float | None = None) -> Run:
+    """Return the run of a bristle that enters the pulley, or is released from rest, by the independent solution."""
     from bristle_sim.reference import simulate_reference
 
     def run(bare: Tool, time: float) -> Trajectory:
-        return simulate_reference(bare, start_relative_rate=-bare.hub.speed, duration=time, accuracy=1e-11)
+        return simulate_reference(bare, **_start(bare, retraction), duration=time, accuracy=accuracy)
 
-    with_bar = simulate_reference(tool, accuracy=1e-10, stop_after="strike")
+    return run
+
+
+def _start(bare: Tool, retraction: float | None) -> dict[str, Any]:
+    return {"start_relative_rate": -bare.hub.speed} if retraction is None else {"start_relative_angle": -retraction}
+
+
+def _reference(tool: Tool) -> dict[str, float | None]:
+    from bristle_sim.reference import simulate_reference
+
+    run, with_bar = reference_run(1e-11), simulate_reference(tool, accuracy=1e-10, stop_after="strike")
     return _values(tool, run, until_radial(tool, run), _tip_speed_at_strike(with_bar))
 
 

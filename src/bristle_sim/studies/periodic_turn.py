@@ -26,6 +26,9 @@ TURN = 2.0 * math.pi
 MOST_TURNS = 24
 """Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period."""
 
+WIRE_TURNS = 2
+"""Turns of a wire that bends, of which the last counts: each takes seconds, and what vibrates need not repeat."""
+
 REPEATED = 1e-9
 """Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn."""
 
@@ -63,15 +66,17 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
 
     Raises:
         TurnNotCompleted: if the bristle jams or lies down on the hub.
-        ValueError: if the hub stands still, the wire bends, or a run is not computed within the settings' steps.
+        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
-    if tool.bristle.links > 1:
-        raise ValueError(
-            f"wire_links = {tool.bristle.links}: must be 1, turns are those of a rigid bristle (dimensionless)"
-        )
     least, rate = max(REPEATED, MAGNIFIED * settings.accuracy), _natural_rate(tool)
+    if tool.bristle.links > 1:
+        run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=WIRE_TURNS * TURN)), settings)
+        found = run.at(np.linspace(0.0, run.time[-1], WIRE_TURNS + 1))
+        lags, rates = (each - each[0] for each in (found.angles - found.hub_angle[:, np.newaxis], found.rates / rate))
+        moved = np.abs(np.diff(np.hstack([lags, rates]), axis=0)).max(axis=1)
+        return PeriodicTurn(run, float(found.time[-2]), float(found.time[-1]), 1, tuple(moved.tolist()), False)
     run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=TURN)), settings)
     states, ends, changes = [np.zeros(2)], [0.0], list[float]()
     while True:

@@ -6,7 +6,10 @@ import dataclasses
 import math
 from typing import Any
 
-from bristle_sim.parameters import PARTS, Tool
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.parameters import PARTS, Bristle, Tool
 from bristle_sim.quantity import Choice, Range
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
@@ -37,8 +40,25 @@ def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) 
     if contact is None:
         return dict.fromkeys(STATE_UNITS)
     lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
-    values = (math.degrees(lag), contact.rates_before[0] - tool.hub.speed, math.hypot(*contact.velocity_before))
+    rate = contact.rates_before[0] - tool.hub.speed
+    if tool.bristle.links > 1:
+        before = int(abs(run.time - contact.time).argmin())
+        angle, rate = (float(each[before]) for each in from_radial(run, tool.bristle))
+        lag = -angle
+    values = (math.degrees(lag), rate, math.hypot(*contact.velocity_before))
     return dict(zip(STATE_UNITS, values, strict=True))
+
+
+def from_radial(run: Trajectory, bristle: Bristle) -> tuple[Array, Array]:
+    """Return the bristle's angle from the radial direction and its rate relative to the hub, rad and rad/s, at all samples.
+
+    Of a wire that bends, whose links vibrate, they are those of the line from root to tip, as of a rigid bristle.
+    """
+    if bristle.links == 1:
+        return run.relative_angle, run.relative_rate
+    ends, velocities = (each[:, [0, -1]] @ [1.0, 1j] for each in (run.centre_line, run.centre_line_velocity))
+    line, unbent = ends[:, 1] - ends[:, 0], ends[:, 0] * complex(*bristle.tip) * 1j
+    return np.angle(line / unbent), ((velocities[:, 1] - velocities[:, 0]) / line).imag - run.hub_speed
 
 
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:

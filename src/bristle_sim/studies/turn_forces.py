@@ -8,6 +8,7 @@ h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth, at which 
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable
@@ -68,9 +69,9 @@ def _weighed(force: Callable[[Array], Array], start: Array, length: Array, pole:
     return np.asarray(0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS))
 
 
-CLOSEST = 1e-3
-"""Least distance of a spline's nodes, of the interval's length: where the scene closes in on a release its samples are so
-close that a spline through them would follow their rounding."""
+CLOSEST = 0.05
+"""Least distance of a spline's nodes, of their largest: where the scene closes in on a release its samples are so close that a
+spline through them would follow their rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,12 +90,16 @@ class Impulse:
 
 @dataclass(frozen=True, slots=True)
 class SampledForce:
-    """A smooth interval of a sustained contact: ``course`` gives normal and tangential force and moment, N and N m."""
+    """A smooth interval of a sustained contact: ``course`` gives normal and tangential force and moment, N and N m.
+
+    ``missed`` is the moment of the impulse, N m s, by which the force's spline falls short of the scene's own sum.
+    """
 
     obstacle: str
     begin: float
     end: float
     course: Any
+    missed: float = 0.0
 
     @property
     def edges(self) -> tuple[float, ...]:
@@ -104,7 +109,7 @@ class SampledForce:
     @property
     def integral(self) -> Array:
         """Return the impulses of normal and tangential force, N s, and that of their moment, N m s."""
-        return np.asarray(self.course.integrate(self.begin, self.end))
+        return np.asarray(self.course.integrate(self.begin, self.end) + np.array([0.0, 0.0, self.missed]))
 
 
 def turn_forces(tool: Tool, turn: PeriodicTurn) -> list[Impulse | SampledForce]:
@@ -140,8 +145,10 @@ def dissipated(tool: Tool, turn: PeriodicTurn, breaks: Iterable[float]) -> float
 
 
 def _impulse(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> Impulse:
-    hub_angle = turn.trajectory.hub_angle[0] + turn.trajectory.hub_speed * contact.time
-    lines = corners(tool, np.array([hub_angle]), np.array(contact.angles[-1:]))
+    run = turn.trajectory
+    lines = corners(tool, np.array([run.hub_angle[0] + run.hub_speed * contact.time]), np.array(contact.angles[-1:]))
+    if tool.bristle.links > 1:
+        lines = run.centre_line[[abs(run.time - contact.time).argmin()]]
     (arms,) = levers(*touched(tool, contact.obstacle, lines))
     return Impulse(contact.obstacle, contact.time, np.array([*contact.impulse, arms @ contact.impulse]))
 
@@ -150,7 +157,8 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
 
     The sample at such an instant holds the force before it, so that each spline begins one sample later and is
-    extrapolated to its beginning.
+    extrapolated to its beginning. Of a wire that bends, which slips and sticks in turns, force and friction are scaled to the
+    scene's sums.
     """
     run, end = turn.trajectory, contact.time + contact.duration
     rows = np.arange(np.searchsorted(run.time, contact.time, "right") - 1, np.searchsorted(run.time, end, "left") + 1)
@@ -160,25 +168,36 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     slips = np.sign(_slip(tool, contact.obstacle, *middle))
     states = np.stack([slips, _at_corner(tool, contact.obstacle, corners(tool, *middle[:2]))])
     jumps = np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1
-    arms = levers(*touched(tool, contact.obstacle, corners(tool, hub_angle, angle)))
-    force, part = run.normal_force[rows], tool.workpart if contact.obstacle == "workpart" else tool.bar
+    lines, force = corners(tool, hub_angle, angle), run.normal_force[rows]
+    part = tool.workpart if contact.obstacle == "workpart" else tool.bar
     assert part is not None
+    rubs = -part.friction * slips
+    if tool.bristle.links > 1:
+        lines, jumps = run.centre_line[rows], jumps[:0]
+        rubs = np.full(len(slips), contact.impulse[1] / contact.impulse[0])
+    arms = levers(*touched(tool, contact.obstacle, lines))
     if contact.outcome == "release":
         force[-1] = 0.0
     found = []
     for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
         own = _spaced(time, first, last)
-        forces = np.stack([force[own], -part.friction * slips[first] * force[own]], axis=-1)
+        forces = np.stack([force[own], rubs[first] * force[own]], axis=-1)
         values = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)])
-        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
+        course = _course(time[own], values)
+        if tool.bristle.links > 1:
+            course.c *= contact.impulse[0] / course.integrate(time[first], time[last])[0]
+        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), course))
+    # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
+    short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
+    found[-1] = dataclasses.replace(found[-1], missed=float(arms[-1] @ short))
     return found
 
 
 def _spaced(time: Array, first: int, last: int) -> list[int]:
     """Return the samples after the first up to the last, without those that are too close to the next that is kept."""
-    kept = [last]
+    kept, closest = [last], CLOSEST * np.diff(time[first : last + 1]).max()
     for row in range(last - 1, first, -1):
-        if time[kept[-1]] - time[row] >= CLOSEST * (time[last] - time[first]):
+        if time[kept[-1]] - time[row] >= closest:
             kept.append(row)
     return kept[::-1]
 

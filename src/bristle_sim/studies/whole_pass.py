@@ -62,21 +62,12 @@ class WholePass:
     reference: Trajectory | None
 
 
-MOST_LINKS = 16
-"""Links of a wire in a whole pass, which takes 1,500 n^2 engine steps to the strike and 7,000 n^2 in all, to 1e-6."""
-
-
 def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) -> Report:
     """Simulate a pass and compare it with the formulas.
 
     Raises:
-        ValueError: if the wire has too many links, the bristle overlaps an obstacle at the start, a fixed step is too short
-            for the run, or the run is given up before its strike.
+        ValueError: if the bristle overlaps an obstacle at the start, a fixed step is too short for the run, or the run is given up before its strike.
     """
-    if tool.bristle.links > MOST_LINKS:
-        raise ValueError(
-            f"wire_links = {tool.bristle.links}: must be at most {MOST_LINKS} in a whole pass (dimensionless)"
-        )
     refuse_endless(tool, settings)
     run, reference, referred = simulate(tool, settings), None, dict[str, float | None]()
     contact = run.first_contact("workpart")

@@ -164,7 +164,9 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
     turns = whole.assembly.bristles * speed / (2.0 * math.pi)
     theory = (turns, normal, 0.0 - tangential, torque, None, power, None, None)
     one, other = (dict(zip(UNITS, side, strict=True)) for side in (simulated, theory))
-    judged = ("mean_normal_force", "mean_tangential_force", "mean_torque", "drive_power")
+    judged: tuple[str, ...] = ("mean_normal_force", "mean_tangential_force", "mean_torque", "drive_power")
+    if tool.bristle.links > 1:
+        other, judged = {"impact_rate": turns}, ()
     return rows(UNITS, one, other, tolerance=lambda name: tolerance if name in judged else None)
 
 
@@ -194,6 +196,8 @@ def _remarks(whole: WholeTool) -> tuple[str, ...]:
         f"impacts on the workpart of a turn: {counted / turn.turns:g} of at least 1 % of the largest impulse, and"
         f" {sum(each.obstacle == 'workpart' for each in whole.forces if isinstance(each, SampledForce)) / turn.turns:g}"
         " sustained",
-        "theory: impulses' sum for the forces; energy lost in a turn for torque and power",
+        "theory: impulses' sum for the forces; energy lost in a turn for torque and power"
+        if whole.tool.bristle.links == 1
+        else "theory: none for a wire that bends, whose forces are scaled to the impulses' sum",
         "impact_rate counts arrivals; rebounds belong to their arrival",
     )
