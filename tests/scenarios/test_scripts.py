@@ -686,10 +686,11 @@ def test_values_that_do_not_fit_together(name: str, setting: str, capsys: pytest
 def test_one_picture_of_a_folder_can_be_drawn_alone(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     folder = tmp_path / "figures"
     assert main(scenario(name), ["--only", "2.24", "--plot", str(folder), "--json", "-"]) == 0
-    assert parsed(capsys.readouterr().out)["scenario"] == name
-    (picture,) = folder.iterdir()
-    assert "2.24" in picture.name
-    assert picture.read_bytes().startswith(SIGNATURES[picture.suffix])
+    out, err = capsys.readouterr()
+    assert parsed(out)["scenario"] == name
+    assert err == f"--plot: wrote {folder}\n"
+    assert [path.name for path in folder.iterdir()] == ["figure_2.24.png"]
+    assert (folder / "figure_2.24.png").read_bytes().startswith(SIGNATURES[".png"])
 
 
 def test_a_picture_needs_no_display(tmp_path: Path):
