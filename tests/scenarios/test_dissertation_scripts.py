@@ -10,8 +10,6 @@ import functools
 import importlib.util
 import io
 import json
-import subprocess
-import sys
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,7 +25,6 @@ from bristle_sim.scenario_cli import Scenario, main
 from bristle_sim.theory.force_history import BALL
 
 ROOT = Path(__file__).parents[2]
-PNG = b"\x89PNG"
 
 
 @functools.cache
@@ -49,11 +46,6 @@ class Ended:
     returncode: int
     stdout: str
     stderr: str
-
-
-def process(name: str, *arguments: str, folder: Path = ROOT.parent) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(ROOT / "scenarios" / f"{name}.py"), *arguments]
-    return subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
 
 
 def ended(call: Callable[[], int]) -> Ended:
@@ -81,7 +73,7 @@ def quantity(found: dict[str, Any], name: str) -> dict[str, Any]:
     return row
 
 
-def refused(found: Ended | subprocess.CompletedProcess[str], *words: str) -> None:
+def refused(found: Ended, *words: str) -> None:
     assert (found.returncode, found.stdout) == (2, "")
     assert found.stderr.count("\n") == 1
     for word in words:
@@ -103,9 +95,7 @@ def test_force_history_of_measured_points(tmp_path: Path):
     lines = [f"{t:.9g};{f:.9g}" for t, f in zip(time, BALL(time), strict=True)]
     path = tmp_path / "ball.csv"
     path.write_text("\n".join(["time (s);force (N)", *lines]))
-    run_ = process("force_history", "--json", "-", "--set", f"force_csv={path}")
-    found = json.loads(run_.stdout)
-    assert run_.returncode == 0
+    found = document("force_history", "--set", f"force_csv={path}")
     assert all(row["simulated"] is None and row["ok"] is None for row in found["quantities"][:3])
     # (3.5) peaks at 340.75 N and 2.329 ms and carries 0.46288 N s; its offset is rounded by 0.02 %.
     assert quantity(found, "peak_force")["theory"] == pytest.approx(340.75, rel=1e-3)
@@ -147,7 +137,7 @@ def test_crater_depth_beside_print():
 
 
 def test_crater_depth_without_a_chip():
-    found = process("crater_depth", "--set", "friction=0.31")
+    found = run("crater_depth", "--set", "friction=0.31")
     assert found.returncode == 0
     assert "friction = 0.31: must be friction >= tan(impact_angle)" in found.stdout
     numbers = document("crater_depth", "--set", "friction=0.31")
@@ -169,10 +159,8 @@ def test_crater_parameters_out_of_range(setting: str, words: tuple[str, ...]):
     refused(run("crater_depth", "--json", "-", "--set", setting), *words)
 
 
-def test_the_audit_has_every_row(tmp_path: Path):
-    found = process("dissertation_audit", "--json", "-", folder=tmp_path)
-    assert (found.returncode, found.stderr) == (0, "")
-    parsed = json.loads(found.stdout)
+def test_the_audit_has_every_row():
+    parsed = document("dissertation_audit")
     rows = parsed["rows"]
     assert len(rows) >= 120
     assert len({row["where"] for row in rows}) == len(rows)
@@ -184,7 +172,6 @@ def test_the_audit_has_every_row(tmp_path: Path):
         assert isinstance(row["printed"], float | str)
         assert (row["computed"] is None) == (row["status"] == "not computable")
         assert row["why"] or row["status"] != "differs"
-    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("show", ["all", "differs"])
@@ -199,8 +186,7 @@ def test_the_audit_fits_a_terminal(show: str):
 def test_the_audit_page_is_what_its_command_makes(tmp_path: Path):
     """The page in media/ is up to date: digits may move by rounding from machine to machine, rows and words may not."""
     target = tmp_path / "audit.md"
-    command = [sys.executable, "-m", "bristle_sim.render.audit_table", str(target)]
-    found = subprocess.run(command, capture_output=True, text=True, check=False)
+    found = ended(lambda: audit_table.main([str(target)]))
     assert (found.returncode, found.stderr) == (0, "")
     made, kept = (path.read_text(encoding="utf-8") for path in (target, ROOT / "media" / "audit.md"))
     places = [[line.split(" | ")[0] for line in text.splitlines() if line.startswith("|")] for text in (made, kept)]
@@ -214,14 +200,6 @@ def test_the_audit_page_is_what_its_command_makes(tmp_path: Path):
 def test_pages_are_written_where_they_can_be(writer: Callable[[list[str]], int], target: str, tmp_path: Path):
     refused(ended(lambda: writer([str(tmp_path / target)])), target, "must be ")
     assert not list(tmp_path.iterdir())
-
-
-def test_one_figure_alone(tmp_path: Path):
-    folder = tmp_path / "pictures"
-    found = process("dissertation_figures", "--only", "2.24", "--plot", str(folder))
-    assert (found.returncode, found.stderr) == (0, f"--plot: wrote {folder}\n")
-    assert [path.name for path in folder.iterdir()] == ["figure_2.24.png"]
-    assert (folder / "figure_2.24.png").read_bytes().startswith(PNG)
 
 
 def test_figures_on_the_pages_of_one_pdf(tmp_path: Path):

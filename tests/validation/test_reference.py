@@ -408,8 +408,7 @@ class TestImpact:
 
 
 class TestHold:
-    @pytest.mark.parametrize("friction", [0.0, 0.4])
-    @pytest.mark.parametrize(("horizontal", "vertical"), BARS)
+    @pytest.mark.parametrize(("horizontal", "vertical", "friction"), [(*BARS[0], 0.0), (*BARS[1], 0.4)])
     def test_force_gives_the_bristle_its_momentum(self, horizontal, vertical, friction):
         """I d(alpha') = (torque of belt, weight and hub's turning + moment of the contact) dt, over the samples.
 
@@ -432,8 +431,7 @@ class TestHold:
         # On the bar to rounding of its distance, and pushed by it.
         assert np.abs(bar_gap(tool, run)[rows]).max() < 1e-15 * 55.0
 
-    @pytest.mark.parametrize("friction", [0.0, 0.4])
-    @pytest.mark.parametrize(("horizontal", "vertical"), BARS)
+    @pytest.mark.parametrize(("horizontal", "vertical", "friction"), [(*BARS[0], 0.0), (*BARS[1], 0.4)])
     def test_slow_hub_balances_belt_and_contact(self, horizontal, vertical, friction):
         """A hub a thousand times slower than the belt: statics about the root.
 
@@ -478,7 +476,7 @@ class TestHold:
 
     def test_friction_does_not_change_the_path_along_an_inelastic_bar(self, cued):
         """Geometry leads the wire in contact, and whether it is pressed on does not depend on friction; its force does."""
-        run = simulate_reference(with_bar(friction=0.5), stop_after="strike", sample_interval=1e-6)
+        run = simulate_reference(with_bar(friction=0.5), stop_after="strike")
         # Rounding: the first tap's normal velocity is brought to zero along another impulse.
         assert run.event_time("strike") == pytest.approx(cued.event_time("strike"), rel=1e-10)
         assert run.relative_rate[-2] == pytest.approx(cued.relative_rate[-2], rel=1e-8)
@@ -659,8 +657,7 @@ class TestKnee:
             kinetic
         )
 
-    @pytest.mark.parametrize("sign", [-1.0, 1.0])
-    @pytest.mark.parametrize(("horizontal", "vertical"), BARS)
+    @pytest.mark.parametrize(("horizontal", "vertical", "sign"), [(*BARS[0], 1.0), (*BARS[1], -1.0)])
     def test_a_vanishing_knee_is_a_straight_bristle(self, horizontal, vertical, sign):
         """A knee of 1e-9 rad moves the wire by less than 1e-9 of itself; the strike notices at most a hundred times that."""
         bar = Bar(horizontal=horizontal, vertical=vertical, friction=0.4, restitution=0.42)
@@ -674,7 +671,7 @@ class TestKnee:
 
     @pytest.mark.parametrize(
         ("angle", "position", "nearness"),
-        [(-40.0, 0.8, 0.88), (-30.0, 0.5, 0.86), (20.0, 0.75, 0.867), (31.0, 0.9, 0.875)],
+        [(-40.0, 0.8, 0.88), (31.0, 0.9, 0.875)],
     )
     def test_force_gives_the_bristle_its_momentum(self, angle, position, nearness):
         """As for the straight bristle, over touches that pass the knee outside, and inside on both sides of the blow.
@@ -724,7 +721,7 @@ class TestKnee:
 
     def test_hold_on_the_workpart_keeps_the_tip_on_it(self):
         tool = bent(40.0, bar=None, workpart=Workpart(restitution=0.0, friction=0.1))
-        run = simulate_reference(tool, sample_interval=1e-6)
+        run = simulate_reference(tool, sample_interval=1e-5)
         sustained = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
         rows = (run.time > sustained.time) & (run.time < sustained.time + sustained.duration)
         assert rows.sum() > 100
@@ -735,10 +732,8 @@ class TestKnee:
         ("angle", "position", "nearness", "restitution"),
         [
             (-60.0, 0.5, 0.75, 0.0),
-            (-40.0, 0.8, 0.9, 0.9),
             (25.0, 0.75, 0.75, 0.9),
             (31.0, 0.9, 0.875, 0.42),
-            (60.0, 0.6, 0.75, 0.0),
             (90.0, 0.3, 0.9, 0.0),
         ],
     )
