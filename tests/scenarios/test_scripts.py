@@ -496,8 +496,8 @@ def test_a_script_gives_the_source_of_its_own_default():
 def other_values(found: Range | Choice, default: Any) -> list[str]:
     """Values that a key could be changed to: near the default, and far from it."""
     if isinstance(found, Choice):
-        return [option for option in found.options if option != default]
-    if found.whole and default is not None:
+        return list(found.options)
+    if isinstance(found, Range) and found.whole and default is not None:
         return [f"{default + 1}"]
     if default is None:
         return (

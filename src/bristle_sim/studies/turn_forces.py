@@ -160,7 +160,8 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     extrapolated to its beginning. Of a wire that bends, which slips and sticks in turns, force and friction are scaled to the
     scene's sums.
     """
-    run, end = turn.trajectory, contact.time + contact.duration
+    # But for the rounding of the sum, by which the sample at the end could be missed.
+    run, end = turn.trajectory, (contact.time + contact.duration) * (1.0 - 1e-15)
     rows = np.arange(np.searchsorted(run.time, contact.time, "right") - 1, np.searchsorted(run.time, end, "left") + 1)
     rows = rows[rows < len(run.time)]
     time, hub_angle, angle, rate = run.time[rows], run.hub_angle[rows], run.angles[rows, -1], run.rates[rows, -1]
