@@ -8,8 +8,7 @@ import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Tool, Workpart
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.engine_contact import contact_row
-from bristle_sim.scene.gaps import Gaps
+from bristle_sim.scene.gaps import Gaps, contact_row
 from bristle_sim.scene.joint_projection import close_joints
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bristle_sim.scene.arbiters import pushes
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.sustained_contact import Sustained
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.sustained_contact import Sustained
 
 PULL = 1e-14
 """Impulse of a step, in the scene's unit, below which a pull is rounding."""

@@ -1,9 +1,15 @@
-"""Gaps between a mechanism's links and what they can touch, state by state."""
+"""Gaps between a mechanism's links and what they can touch, state by state, and the nearest states in which they are closed."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from bristle_sim.arrays import Array
 from bristle_sim.scene.events import interpolate
-from bristle_sim.scene.mechanism import Mechanism, Pose, State
+from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
 from bristle_sim.scene.obstacles import Obstacle, Touch
 
 GAP_ROUNDING = 1e-11
@@ -38,3 +44,94 @@ class Gaps:
     def poses(self, state: State) -> list[Pose]:
         """Return where every link is and how it moves."""
         return self.mechanism.poses(state)
+
+
+LEAST_LEVER = 1e-6
+"""With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
+
+CLOSED = 1e-10
+"""Closing a gap below this fraction of the link changes the rate by as little, less than any accuracy leaves it."""
+
+NEWTON = 3
+"""Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
+
+
+def contact_row(
+    mechanism: Mechanism, poses: Sequence[Pose], obstacle: Obstacle, touch: Touch, direction: Vector
+) -> Array:
+    """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
+    row = mechanism.row(poses, obstacle.link, touch.arm, direction)
+    if obstacle.partner is not None and touch.partner_arm is not None:
+        row -= mechanism.row(poses, obstacle.partner, touch.partner_arm, direction)
+    return row
+
+
+def set_back(
+    gaps: Gaps,
+    obstacles: Sequence[Obstacle],
+    state: State,
+    pieces: Sequence[int | None] | None = None,
+    slips: Sequence[int | None] = (),
+) -> State:
+    """Return the nearest state at which links touch what they are in contact with, and keep touching it.
+
+    By Newton's method; nearest in the norm of the kinetic energy, a change of M^-1 J^T (J M^-1 J^T)^-1 times what the gaps
+    and their rates are off. Contacts that stick do not slip either.
+    """
+    pieces = pieces or [None] * len(obstacles)
+    if len(state.angles) == 1:
+        return _turned_back(gaps, obstacles[0], state, pieces[0])
+    mechanism = gaps.mechanism
+    for _ in range(NEWTON):
+        poses = mechanism.poses(state)
+        touches = [each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
+        stuck = [index for index, each in enumerate(slips) if each == 0]
+        across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
+        along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]
+        mass = mechanism.mass_matrix(poses)
+        angles = _nearest(mass, np.array(across), [touch.gap for touch in touches])
+        speeds = [touch.velocity[0] for touch in touches] + [touches[i].velocity[1] for i in stuck]
+        rates = _nearest(mass, np.array([*across, *along]), speeds)
+        state = State(
+            state.time,
+            tuple(a - b for a, b in zip(state.angles, angles, strict=True)),
+            tuple(a - b for a, b in zip(state.rates, rates, strict=True)),
+        )
+    return state
+
+
+def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
+    """Return the smallest change, in the norm of the mass, that the rows turn into the amounts."""
+    response = np.linalg.solve(mass, rows.T)
+    found = np.linalg.lstsq(rows @ response, np.array(amounts), rcond=1e-12)[0]
+    changes: list[float] = (response @ found).tolist()
+    return changes
+
+
+def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None) -> State:
+    """Turn a single link back onto an obstacle."""
+    (angle,), (rate,) = state.angles, state.rates
+    for _ in range(NEWTON):
+        placed = State(state.time, (angle,), (rate,))
+        touch = obstacle.touch_between(gaps.mechanism.poses(placed), placed.rates, piece)
+        lever = cross(touch.arm, touch.normal)
+        if abs(lever) < LEAST_LEVER:
+            return state
+        angle -= touch.gap / lever
+        rate -= touch.velocity[0] / lever
+        if abs(touch.gap) < CLOSED:
+            break
+    return State(state.time, (angle,), (rate,))
+
+
+def opening_rate(first: Touch, second: Touch, rate: float) -> float:
+    """Return how fast two contacts of a link that turns about its joint leave it free between them, whatever its rate.
+
+    Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if
+    this sum of drift / abs(lever) is; below 0 they close on the link as a wedge does. Infinite for levers of one sign.
+    """
+    levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
+    if levers[0] * levers[1] >= 0.0:
+        return math.inf
+    drifts = (touch.velocity[0] - lever * rate for touch, lever in zip((first, second), levers, strict=True))
+    return sum(drift / abs(lever) for drift, lever in zip(drifts, levers, strict=True))

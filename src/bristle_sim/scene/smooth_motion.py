@@ -10,13 +10,13 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from bristle_sim.scene.engine_contact import SustainedContacts
+from bristle_sim.scene.contact_events import at_work, extremes, inner_states, limits, until_release
 from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import GROWTH, Progress
 from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import Sustained, at_work, extremes, inner_states, limits, until_release
+from bristle_sim.scene.sustained_contact import Sustained, SustainedContacts
 from bristle_sim.scene.touch_search import SHORTEST, Interval, first_touch_of_all
 from bristle_sim.stop_reason import StopReason
 

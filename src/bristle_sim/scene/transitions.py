@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.engine_contact import opening_rate
 from bristle_sim.scene.event_functions import Change, HandOver, Slip, Touch
+from bristle_sim.scene.gaps import opening_rate
 from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import Progress, Rebound
 from bristle_sim.scene.smooth_motion import SmoothMotion
