@@ -13,18 +13,18 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import shown
-from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.build import Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients
 from bristle_sim.scene.contact_motion import SAMPLES
 from bristle_sim.scene.extrapolation import Extrapolation
-from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import WorkpartObstacle
 from bristle_sim.scene.repetitions import WIDE
 from bristle_sim.scene.results import contact_in_si
 from bristle_sim.scene.time_scales import damped_interval
+from bristle_sim.scene.tool import build_tool
 from bristle_sim.scene.units import Units
-from bristle_sim.scene.wire_links import wire_hinges, wire_links
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 
@@ -108,38 +108,20 @@ def strike_wire(
     )
 
 
-SLOWEST = 1e-100
-"""Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
-
-
 def build_wire(
     tool: Tool, hub_angle: float, angles: Sequence[float], rates: Sequence[float]
 ) -> tuple[Scene, Units, WorkpartObstacle]:
     """Return the scene of a tool's wire, its units, and the workpart through the wire's end."""
-    bristle, part = tool.bristle, tool.workpart
+    links, part = tool.bristle.links, tool.workpart
     if part is None:
         raise ValueError("workpart = None: must be a Workpart, or nothing is struck")
-    if len(angles) != bristle.links or len(rates) != bristle.links:
+    if len(angles) != links or len(rates) != links:
         raise ValueError(
-            f"angles, rates: {len(angles)}, {len(rates)} of them; must be one for each of the {bristle.links} links"
+            f"angles, rates: {len(angles)}, {len(rates)} of them; must be one for each of the {links} links"
         )
-    fastest = max(*(abs(rate) for rate in rates), tool.hub.speed)
-    units = Units(bristle.length, bristle.mass, 1.0 / fastest if fastest > SLOWEST else 1.0)
-    mechanism = Mechanism(
-        wire_links(bristle), tool.hub.radius / units.length, tool.hub.speed * units.time, hub_start=hub_angle
-    )
-    start = State(0.0, tuple(angles), (0.0,) * bristle.links)
-    obstacle = WorkpartObstacle(
-        -mechanism.poses(start)[-1].tip[1], part.friction, part.friction_in_restitution, part.restitution
-    )
-    effects = Effects(
-        stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness else None,
-        damping=tool.belt_damping / units.angular_damping,
-        gravity=tool.gravity / units.acceleration,
-        obstacles=(obstacle,),
-        hinges=wire_hinges(bristle, tool.belt.stiffness, units),
-    )
-    return Scene(mechanism, effects), units, obstacle
+    scene, units = build_tool(dataclasses.replace(tool, bar=None), hub_start=hub_angle)
+    height = scene.mechanism.poses(State(0.0, tuple(angles), (0.0,) * links))[-1].tip[1]
+    return scene, units, WorkpartObstacle(-height, part.friction, part.friction_in_restitution, part.restitution)
 
 
 SMALL_ANGLE = 1e-8
