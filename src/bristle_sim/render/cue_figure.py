@@ -15,9 +15,7 @@ from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, n
 from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, blank_figure, styled
 from bristle_sim.studies.cue_timing import CueTiming, formula_motion
-from bristle_sim.studies.strike_point import from_radial
 from bristle_sim.theory.cueing import Cue
-from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 POINTS = 400
 """Instants of the formula's curve."""
@@ -35,7 +33,7 @@ def cue_figure(timing: CueTiming) -> Figure:
     """
     figure = blank_figure(16.0, 12.6)
     retraction = add_panel(figure, (1.5, 7.1, 5.8, 4.3), "released from rest: retraction")
-    below = "up to the cue time" + (", at which it is highest" if timing.tool.bristle.links == 1 else "")
+    below = "up to the cue time" + ("" if timing.bends else ", at which it is highest")
     speed = add_panel(figure, (1.5, 1.2, 5.8, 4.4), "released from rest: relative speed", below, sharex=retraction)
     _draw_motion(retraction, speed, timing)
     _draw_plan(add_panel(figure, (8.6, 2.3, 7.2, 9.1), "where the bar must stand", "to scale"), timing)
@@ -44,12 +42,7 @@ def cue_figure(timing: CueTiming) -> Figure:
 
 def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
     """Draw the simulated release and the formula's, each up to its own cue time, which is marked and named."""
-    course, bristle = SampledMotion(timing.trajectory).course(), timing.tool.bristle
-    simulated = (course.time, course.retraction, course.relative_speed)
-    if bristle.links > 1:
-        angle, rate = from_radial(timing.trajectory, bristle)
-        simulated = (timing.trajectory.time, -angle, rate)
-    lines = [("simulated", BLUE, "-", simulated)]
+    lines = [("simulated", BLUE, "-", timing.motion)]
     if timing.formula is not None:
         instants = np.linspace(0.0, timing.formula.cue_time, POINTS)
         formula = (instants, *formula_motion(timing.tool, timing.retraction, instants))

@@ -27,6 +27,7 @@ from bristle_sim.studies.strike_point import from_radial, ran, require_result
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 UNITS = {
     "cue_time": "s",
@@ -70,6 +71,20 @@ class CueTiming:
     trajectory: Trajectory
     simulated: Cue | None
     formula: Cue | None
+
+    @property
+    def bends(self) -> bool:
+        """Whether the wire bends: it is cued when its tip is radial, not when it is fastest."""
+        return self.tool.bristle.links > 1
+
+    @property
+    def motion(self) -> tuple[Array, Array, Array]:
+        """Return instants, s, retraction, rad, and relative speed, rad/s; of a wire that bends, of the line from root to tip."""
+        if self.bends:
+            angle, rate = from_radial(self.trajectory, self.tool.bristle)
+            return self.trajectory.time, -angle, rate
+        course = SampledMotion(self.trajectory).course()
+        return course.time, course.retraction, course.relative_speed
 
     @property
     def wires(self) -> tuple[Array, Array]:
