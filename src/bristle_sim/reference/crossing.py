@@ -92,9 +92,6 @@ def _sign_changes(function: Function, probes: Array, values: Array) -> Iterator[
     sign, last = 0.0, probes[0]
     for probe, value in zip(probes, values, strict=True):
         if value and sign * value < 0.0:
-            yield _root(function, float(last), float(probe)), int(np.sign(value))
+            at = brentq(lambda time: float(function(np.array([time]))[0]), last, probe, xtol=1e-300, maxiter=400)
+            yield float(at), int(np.sign(value))
         sign, last = (np.sign(value) if value else sign), probe
-
-
-def _root(function: Function, low: float, high: float) -> float:
-    return float(brentq(lambda time: float(function(np.array([time]))[0]), low, high, xtol=1e-300, maxiter=400))

@@ -18,8 +18,7 @@ from scipy.integrate import DOP853
 from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import nodes
 from bristle_sim.reference.decisions import record
-from bristle_sim.reference.events import Follow, events_of, first_event
-from bristle_sim.reference.extremes import note_extremes
+from bristle_sim.reference.events import Follow, Step, events_of, first_event, note_extremes
 from bristle_sim.reference.forces import freedom
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, Sustained, System
@@ -72,24 +71,21 @@ class Run:
             solver.step()
             if solver.status == "failed":
                 raise Finished(StopReason.ACCURACY, self.state)
-            values, step = solver.dense_output(), (solver.t_old, solver.t)
+            values = solver.dense_output()
             self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0
 
             def motion(times: Array, values: Callable[[Array], Array] = values) -> list[State]:
-                return [
-                    self.system.closed(self._state(*each)) for each in zip(times.tolist(), values(times).T, strict=True)
-                ]
+                pairs = zip(times.tolist(), values(times).T, strict=True)
+                return [self.system.closed(self._state(*each)) for each in pairs]
 
-            instants = [self.system.at(each) for each in motion(nodes(*step))]
-            first = first_event(self.system, events, motion, instants, step)
-            until = step[1] if first is None else first[0]
-            extremes = [
-                note_extremes(self.system, self.log, each, motion, instants, (step[0], until))
-                for each in self.log.records
-            ]
+            instants = [self.system.at(each) for each in motion(nodes(solver.t_old, solver.t))]
+            step = Step(self.system, motion, instants, solver.t_old, solver.t)
+            first = first_event(events, step)
+            until = step.end if first is None else first[0]
+            extremes = [note_extremes(self.log, each, step._replace(end=until)) for each in self.log.records]
             stop = min((each for each in extremes if each is not None), default=None)
             until = until if stop is None else stop
-            *between, self.state = motion(np.array([*self.log.times(step[0], until), until]))
+            *between, self.state = motion(np.array([*self.log.times(step.start, until), until]))
             for each in between:
                 self._sample(each)
             sums = values(until)[2 * self.system.chain.links :].reshape(-1, 4)

@@ -119,7 +119,8 @@ def key_list(scenario: Scenario) -> str:
     cells = [("key", "default", "unit", "range")]
     notes = ["meaning (source of the default)"]
     for key, (declared, default) in scenario.keys().items():
-        cells.append((key, _shown(default), declared.unit, declared.allowed))
+        shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
+        cells.append((key, shown, declared.unit, declared.allowed))
         only = f"; only with {declared.needs}" if declared.needs else ""
         notes.append(f"{declared.meaning}{only} (default: {declared.source})")
     widths = [max(len(row[column]) for row in cells) for column in range(3)]
@@ -130,7 +131,3 @@ def key_list(scenario: Scenario) -> str:
         lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
     lines.insert(2, "-" * WIDTH)
     return "\n".join(lines)
-
-
-def _shown(default: Any) -> str:
-    return "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"

@@ -154,13 +154,10 @@ class FitProblem:
     @property
     def sizes(self) -> dict[str, float]:
         """Return the size that each unknown is measured in, by name and in order."""
-        later = {
-            "duration": (self.duration is None, self.unit),
-            "start": (self.shifted, self.unit),
-            "baseline": (self.based, self.peak_force),
-        }
-        fitted = {name: size for name, (unknown, size) in later.items() if unknown}
-        return {"amplitude 1": 1.0, "decay 1": 1.0 / self.unit, **fitted}
+        duration = {"duration": self.unit} if self.duration is None else {}
+        start = {"start": self.unit} if self.shifted else {}
+        baseline = {"baseline": self.peak_force} if self.based else {}
+        return {"amplitude 1": 1.0, "decay 1": 1.0 / self.unit, **duration, **start, **baseline}
 
     @property
     def units(self) -> Array:
