@@ -79,10 +79,8 @@ class Bristle(Declared):
     @property
     def centre(self) -> Vector:
         """Return the centre of mass, seen from the root as in ``path``, m."""
-        x = y = 0.0
-        for start, end, fraction in self._pieces():
-            x += fraction * 0.5 * (start[0] + end[0])
-            y += fraction * 0.5 * (start[1] + end[1])
+        pieces = self._pieces()
+        x, y = (sum(part * 0.5 * (start[axis] + end[axis]) for start, end, part in pieces) for axis in (0, 1))
         return (x, y)
 
     @property
