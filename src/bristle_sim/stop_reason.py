@@ -22,8 +22,7 @@ EVENTS = (
 )
 """Events that a run records and that can end it, by name."""
 
-OBSTACLES = ("bar", "workpart", "wire")
-"""What a wire touches, by name."""
+OBSTACLES = ("bar", "workpart", "wire")  # what a wire touches, by name
 
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
 """Events recorded at the end of a run in which the other event never happened."""

@@ -10,16 +10,11 @@ from bristle_sim.quantity import Declared, choice, count, quantity, shown, valid
 
 Vector = tuple[float, float]
 
-PRINTED_BELT_STIFFNESS = 0.00041
-"""Belt stiffness as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree."""
-
+PRINTED_BELT_STIFFNESS = 0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
 USUAL_HUB_SPEEDS = (1.0, 1500.0)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
 
-RETRACTION_AT_RELEASE = math.radians(44.5)
-"""Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
-
-WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")
-"""Keys of a wire that bends."""
+RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
+WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
 
 
 @dataclass(frozen=True, slots=True)

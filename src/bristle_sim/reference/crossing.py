@@ -24,11 +24,8 @@ WEIGHTS[0] *= 0.5
 
 DEEPEST = 24  # halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over
 
-MOST_PIECES = 400
-"""Pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding would take them all."""
-
-ROUNDING = 1e-13
-"""The series' last coefficients are rounding below this fraction of the function's size."""
+MOST_PIECES = 400  # pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding all
+ROUNDING = 1e-13  # the series' last coefficients are rounding below this fraction of the function's size
 
 
 def nodes(start: float, end: float) -> Array:

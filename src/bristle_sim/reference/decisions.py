@@ -14,12 +14,8 @@ from bristle_sim.reference.row import Wires
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
-LOWEST_REBOUND = 1e-10
-"""A rebound that the forces end below this fraction of hub radius and length is taken for a sustained contact."""
-
-MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
-"""The number of impacts in a run after which it gives up, and at one instant after which a lone wire is wedged."""
-
+LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
+MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64  # impacts after which a run gives up, and at one instant a lone wire is wedged
 AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
 
 

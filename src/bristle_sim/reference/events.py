@@ -19,15 +19,9 @@ from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Finished
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
-Follow = Callable[[State], State]
-"""What follows an event: the state before it -> the state after it."""
-
-INSIDE = 1e-13
-"""A touch is located where the gap is this fraction of hub radius and length below zero: a hundred roundings of a gap."""
-
-PAST = 1e-9
-"""A contact passes a corner when it is this fraction of the length beyond it, so that rounding does not bring it back."""
-
+Follow = Callable[[State], State]  # what follows an event: the state before it -> the state after it
+INSIDE = 1e-13  # overlap at which a touch is located, as a fraction of hub radius and length: 100 roundings of a gap
+PAST = 1e-9  # a contact has passed a corner by this fraction of the length, so that rounding does not bring it back
 ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
 IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 

@@ -22,8 +22,7 @@ from bristle_sim.reference.system import Obstacles, State, System
 from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Cost, Trajectory
 
-METHOD = "scipy DOP853"
-"""Says in a trajectory's parameters that the reference was integrated."""
+METHOD = "scipy DOP853"  # says in a trajectory's parameters that the reference was integrated
 
 PERIODS_AT_REST = 3.0
 SAMPLES_PER_PERIOD = 64

@@ -11,8 +11,7 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import TYPICAL_UNITS, Range, conversion
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
-WIDTH = 100
-"""Columns of the list of keys."""
+WIDTH = 100  # columns of the list of keys
 
 
 def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:

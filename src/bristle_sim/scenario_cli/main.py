@@ -26,8 +26,7 @@ from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
 
-MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130
-"""Exit statuses; the last is that of a shell whose command was ended by SIGINT."""
+MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit statuses; the last is a shell's after SIGINT
 
 
 def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program: str = "") -> int:

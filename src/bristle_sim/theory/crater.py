@@ -33,12 +33,8 @@ from bristle_sim.theory.crater_kinematics import (
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 
-CUTTING_FRICTION = 0.5
-"""Friction coefficient while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact."""
-
-PLIES = 300
-"""Number of plies of the dissertation's depths (Zhang 2020, below eq. 4.56)."""
-
+CUTTING_FRICTION = 0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
+PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)
 ROUNDING = 1e-12  # relative error that must not refuse the depth at the end of its range
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)

@@ -24,29 +24,15 @@ from bristle_sim.theory.checks import checked_arguments
 from bristle_sim.theory.force_history import ForceCurve
 from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 
-AROUND = 0.5
-"""Part of the duration before and after the contact that the fit of a record takes in: what lies farther off (ringing,
-another contact) says nothing about this one."""
-
+AROUND = 0.5  # part of the duration before and after the contact that the fit takes in: nearer than other contacts
 ENDS = 0.05  # part of the duration by which the start found may be late and the end early
 FEWEST_OUTSIDE = 4  # samples from outside the contact that a baseline needs
 
-MOST_CHANCE = 0.01
-"""Probability that noise alone, independent and normal, shows as good a contact somewhere in the record."""
-
-LEVEL = 0.03
-"""Part of the peak force by which both ends of a record without samples outside the contact may be off zero."""
-
-PLACES = 50.0
-"""Independent contacts that noise may show in a record, for each further duration that it lasts: the search tries
-16 starts in a duration and as many durations within a factor of 20 as differ."""
-
-MISSING_START = 0.1
-"""Part of the duration by which a contact may begin before the record does: the curve is extrapolated there."""
-
-BINS = 16
-"""Averages in a duration: the start is located to D/16, which is close enough for a least-squares fit to converge."""
-
+MOST_CHANCE = 0.01  # probability that noise alone, independent and normal, shows as good a contact in the record
+LEVEL = 0.03  # part of the peak by which both ends of a record of the contact alone may be off zero
+PLACES = 50.0  # contacts that noise may show for each further duration: 16 starts, and durations that differ
+MISSING_START = 0.1  # part of the duration by which a contact may begin before the record does: extrapolated there
+BINS = 16  # averages in a duration: a start located to D/16 is close enough for least squares to converge
 LEVEL_BINS = 8  # averages before and after the pulse that fix the level on which it stands
 RATIO = 1.2  # ratio of successive durations: the best one is at most 10 % off
 LEAST_BINS = 7  # averages of the pulse that the record must hold, i.e. nearly up to its peak

@@ -15,14 +15,11 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
 
-INDISTINCT = 1e-10
-"""Ratio of singular values of the scaled Jacobian below which the points leave a parameter undetermined."""
+INDISTINCT = 1e-10  # singular values below this fraction of the largest leave a parameter undetermined
 
 INDISTINCT_WORDS = "force: no contact found in the record; there must be more points, or less noise"
 
-TRUSTED_SHARE = 0.2
-"""Points whose bracket in (3.3) is below this fraction of its largest value say little about the exponential."""
-
+TRUSTED_SHARE = 0.2  # points whose bracket in (3.3) is a smaller fraction of its largest say little of the exponential
 STEEPEST = 3.0  # largest decay times duration from which the search begins in a record
 
 

@@ -29,12 +29,8 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 
-Surface = Literal["parallel", "inclined"]
-"""How the surface lies to the path where the shear plane ends."""
-
-API_5L = 1.2e8
-"""Shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)."""
-
+Surface = Literal["parallel", "inclined"]  # how the surface lies to the path where the shear plane ends
+API_5L = 1.2e8  # shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)
 RAKE_OFFSET = math.radians(11.5)  # rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
 
 

@@ -17,10 +17,7 @@ if TYPE_CHECKING:
 
 SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
 
-UNEVEN = 20.0
-"""Largest ratio of a sample interval to that of the instant: where an event falls next to a sample, a polynomial through
-both would magnify their rounding."""
-
+UNEVEN = 20.0  # largest ratio of neighbouring intervals; next to an event a polynomial would magnify their rounding
 SAME = 1e-6  # rounding of a contact's end, as a fraction of its duration
 
 

@@ -17,8 +17,7 @@ from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
 from bristle_sim.trajectory.storage import read, to_dataframe, to_xarray, write
 
-NOTABLE = 0.01
-"""Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""
+NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
