@@ -12,7 +12,7 @@ from typing import Any
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub, Surface
-from bristle_sim.parameters.crater import ForceHistory, Measurement
+from bristle_sim.parameters.experiments import ForceHistory, Measurement
 from bristle_sim.scenario_cli import Scenario, build, main
 from bristle_sim.scenario_cli.scenario import figure, series_of_contact
 from bristle_sim.settings import Settings

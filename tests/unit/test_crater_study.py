@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from bristle_sim.parameters import Bristle, Hub
-from bristle_sim.parameters.crater import Crater
+from bristle_sim.parameters.experiments import Crater
 from bristle_sim.render.crater_figure import crater_floor
 from bristle_sim.settings import Settings
 from bristle_sim.studies.crater_study import MEASURED, crater_study

@@ -199,10 +199,7 @@ def _best(time: Array, integral: Array, duration: float) -> tuple[float, _Pulse]
 
 
 def _sums(average: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Return the sums over a pulse and its surroundings that starts at each average: of 1, F, g, F g and g^2.
-
-    Outside the record there is nothing to sum.
-    """
+    """Return the sums over a pulse and its surroundings that starts at each average: of 1, F, g, F g and g^2."""
     curve = ForceCurve.of_impact(1.0, 0.0, 1.0, 1.0)
     edges = np.linspace(0.0, 1.0, BINS + 1)
     shape = np.zeros(BINS + 2 * LEVEL_BINS)

@@ -143,11 +143,7 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, i
 
 
 def _smooth_pieces(time: Array, kinks: set[int]) -> list[tuple[int, int]]:
-    """First and last sample of each piece in which no contact begins or ends.
-
-    Before and after an impact are samples of their own; where a sustained contact begins or ends one sample belongs to both
-    pieces.
-    """
+    """First and last sample of each piece in which no contact begins or ends; it shares that of a sustained contact's end."""
     jumps = np.flatnonzero(np.diff(time) <= 0.0)
     edges = [0, *np.sort(np.concatenate([jumps, jumps + 1])).tolist(), time.size - 1]
     found = []
