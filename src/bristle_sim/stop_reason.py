@@ -8,18 +8,9 @@ from enum import StrEnum
 from bristle_sim.quantity import shown
 
 EVENTS = (
-    "bar touch",
-    "bar release",
-    "strike",
-    "workpart touch",
-    "workpart release",
-    "wire touch",
-    "wire release",
-    "largest retraction",
-    "highest relative speed",
-    "retraction limit",
-    "jam",
-)
+    "bar touch", "bar release", "strike", "workpart touch", "workpart release", "wire touch", "wire release",
+    "largest retraction", "highest relative speed", "retraction limit", "jam",
+)  # fmt: skip
 """Events that a run records and that can end it, by name."""
 
 OBSTACLES = ("bar", "workpart", "wire")  # what a wire touches, by name
