@@ -93,8 +93,7 @@ def read_force_csv(
         force_column: likewise; by default the one that says it is a force, or the only other one.
         force_per_volt: sensitivity, N/V, of a force recorded as a voltage.
 
-    Raises:
-        ValueError: in one line that names the file, and the line where there is one, for anything else.
+    Raises ValueError in one line that names the file, and the line where there is one, for anything else.
     """
     lines = _lines(path)
     separator, decimal, places = _layout(path, lines)

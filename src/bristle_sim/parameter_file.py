@@ -105,8 +105,7 @@ def read_tool(path: str | Path) -> Tool:
 def write_tool(tool: Tool, path: str | Path) -> None:
     """Write a tool to a TOML file that ``read_tool`` reads back, every digit of it, with a comment to each key.
 
-    Raises:
-        OSError: naming the file, if it cannot be written.
+    Raises OSError naming the file, if it cannot be written.
     """
     lines = ['# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".']
     tables = list[str]()

@@ -74,8 +74,7 @@ class StopReason(StrEnum):
 def checked_name(key: str, name: object, known: Iterable[str]) -> str:
     """Return a name that is known.
 
-    Raises:
-        ValueError: if nothing is called so; the message says which name is likely meant.
+    Raises ValueError if nothing is called so; the message says which name is likely meant.
     """
     names = tuple(known)
     if isinstance(name, str) and name in names:

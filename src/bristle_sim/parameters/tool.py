@@ -190,8 +190,7 @@ class Contact:
 class Tool:
     """The bristle-blasting tool; ``bar`` and ``workpart`` are absent when None, gravity (m/s^2, along -y) when 0.
 
-    Raises:
-        ValueError: if a part stands where another one is.
+    Raises ValueError if a part stands where another one is.
     """
 
     hub: Hub = field(default_factory=Hub)

@@ -43,8 +43,7 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
 def decide(system: System, log: Log, state: State, new: Point | None = None) -> State:
     """Resolve impacts among the closed contacts, then find which of them stay closed; return the state after it.
 
-    Raises:
-        Finished: if the run ends here.
+    Raises Finished if the run ends here.
     """
     springs = [each for each in system.sustained if each.spring is not None]
     points = system.rigid

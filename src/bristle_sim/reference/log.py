@@ -215,10 +215,6 @@ class Log:
         return all(record.seen(name) for record in self.records)
 
     def check_stop(self, state: State) -> None:
-        """End the run if the event that it was to stop after has happened.
-
-        Raises:
-            Finished: if it has.
-        """
+        """End the run if the event that it was to stop after has happened. Raises Finished if it has."""
         if self.stop_after is not None and self.seen(self.stop_after):
             raise Finished(StopReason.EVENT, state)

@@ -120,8 +120,7 @@ class CuttingWidth:
     h = d/2 is the half-width, m; the swing s, m, the trace of the final depth on the face times a_2/a_1: the other printed
     constant, 1.39e-4, is h - s. The decay is lambda, 1/s.
 
-    Raises:
-        ValueError: unless 0 < swing <= half_width; deeper than its centre line the face no longer widens.
+    Raises ValueError unless 0 < swing <= half_width; deeper than its centre line the face no longer widens.
     """
 
     half_width: float = 3.55e-4

@@ -73,8 +73,7 @@ class FitProblem:
     def solve(self, guesses: list[float], *, origin: float = 0.0, baseline: float = 0.0) -> ForceFit:
         """Search from each guess of the duration, s, and report the best; origin is the clock's zero of these points, s.
 
-        Raises:
-            ValueError: if the points are too few, do not tell the unknowns apart, or no search comes to an end.
+        Raises ValueError if the points are too few, do not tell the unknowns apart, or no search comes to an end.
         """
         from scipy.optimize import least_squares
 

@@ -76,8 +76,7 @@ def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool 
     The shear angle is that of least work (4.25), (4.45) with C = pi/2. mu > 0 is the ratio of tangential to normal force on
     the workpart, 0 <= gamma < pi/2 in rad.
 
-    Raises:
-        ShearAngleError: where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
+    Raises ShearAngleError where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
     """
     gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")

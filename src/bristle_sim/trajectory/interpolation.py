@@ -35,8 +35,7 @@ def motion_at(run: Trajectory, time: ArrayLike, *, side: str = "after") -> Motio
         time: s, of any shape.
         side: ``before`` or ``after``, which of the two states at the instant of an impact.
 
-    Raises:
-        ValueError: for an instant outside the run, or another side.
+    Raises ValueError for an instant outside the run, or another side.
     """
     if side not in ("before", "after"):
         raise ValueError(f"side = {side!r}: must be before or after")

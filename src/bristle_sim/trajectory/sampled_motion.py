@@ -42,8 +42,7 @@ class SampledMotion:
     Two samples that share an instant (before and after an impact) end one interval and begin the next; at that very
     instant the later one holds. Instants outside the run are taken as its ends.
 
-    Raises:
-        ValueError: if the run has no two different instants.
+    Raises ValueError if the run has no two different instants.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
