@@ -21,13 +21,7 @@ Sample = tuple[State, tuple[float, float]]  # a state, and the sums of normal an
 
 
 class Finished(Exception):
-    """Ends a run at a state."""
-
-    def __init__(self, reason: StopReason, state: State) -> None:
-        """For a reason."""
-        super().__init__(reason)
-        self.reason = reason
-        self.state = state
+    """Ends a run; the arguments are the reason and the state."""
 
 
 class Record:

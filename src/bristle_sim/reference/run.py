@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -25,22 +26,20 @@ from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
 
+@dataclass(slots=True)
 class Run:
     """One run of a system from a state up to a time, s.
 
     ``tolerance`` is the integrator's relative tolerance; ``most_evaluations`` of the right-hand side stop the run.
     """
 
-    def __init__(
-        self, system: System, log: Log, start: State, end: float, tolerance: float, most_evaluations: float = math.inf
-    ) -> None:
-        self.system = system
-        self.log = log
-        self.state = start
-        self.end = end
-        self.tolerance = tolerance
-        self.most_evaluations = most_evaluations
-        self.evaluations = 0
+    system: System
+    log: Log
+    state: State
+    end: float
+    tolerance: float
+    most_evaluations: float = math.inf
+    evaluations: int = 0
 
     def run(self) -> StopReason:
         """Run to the end and return the reason for stopping."""
@@ -52,7 +51,7 @@ class Run:
                 self.state = follow(self.state)
                 self._sample(self.state)
         except Finished as finished:
-            self.state, reason = finished.state, finished.reason
+            reason, self.state = finished.args
             self._sample(self.state)
         except np.linalg.LinAlgError:  # more contacts than the links can keep closed
             self.log.event("jam", self.state.time)
