@@ -200,12 +200,15 @@ RAMP = np.arange(12.0)
     [
         (RAMP, 0 * RAMP, "no contact found"),
         (RAMP, 0 * RAMP + 5.3, "no contact found"),
-        (RAMP, RAMP, "time: ends at 11 s; must end after the force has passed its peak"),
-        (RAMP, 11 - RAMP, "time: begins at .* must begin before the contact"),
+        (RAMP, RAMP, "time: ends at 11 s; its end must be after the peak of the force"),
+        (RAMP, 11 - RAMP, "time: begins at .* its start must be before that of the contact"),
         (RAMP, np.where(RAMP == 6, 5.0, 0.0), "force: no contact found"),
         (*record(baseline=6.0), "force: begins at 6.0"),
         (*record(baseline=-6.0), "force: begins at -5.9"),
-        (*(each[20:] for each in record(after=1e-4)), "time: begins at .* must begin before the contact"),
+        (
+            *(each[20:] for each in record(after=1e-4)),
+            "time: begins at .* its start must be before that of the contact",
+        ),
         (1e9 * RAMP**9, 0 * RAMP + [0, 1, 2, 2, 1, 0, 0, 0, 0, 0, 0, 0], "."),
     ],
 )

@@ -112,14 +112,16 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
     if not (ratio > 0.0 and places * fdtrc(unknowns, freedom, ratio) <= MOST_CHANCE):
         raise ValueError(NO_CONTACT)
     if fit.start < time[0] - MISSING_START * fit.curve.duration - (time[1] - time[0]):
-        raise ValueError(f"time: begins at {time[0]:.9g} s; must begin before the contact, at {fit.start:.9g} s")
+        raise ValueError(
+            f"time: begins at {time[0]:.9g} s; its start must be before that of the contact, {fit.start:.9g} s"
+        )
     if fit.start + peak > time[-1] + MISSING_START * fit.curve.duration:
-        raise ValueError(f"time: ends at {time[-1]:.9g} s; must end after the force has passed its peak")
+        raise ValueError(f"time: ends at {time[-1]:.9g} s; its end must be after the peak of the force")
     level = max(LEVEL * float(fit.curve(peak)), 4.0 * fit.root_mean_square)
     if "baseline" not in fit.names and force[0] * force[-1] > 0.0 and min(abs(force[0]), abs(force[-1])) > level:
         ends = f"begins at {force[0]:g} N and ends at {force[-1]:g} N"
         raise ValueError(
-            f"force: {ends}, where a contact has 0; must hold samples outside the contact to show its zero"
+            f"force: {ends}, where a contact has 0; samples outside the contact must be in it, for its zero"
         )
 
 
