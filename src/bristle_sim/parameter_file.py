@@ -23,14 +23,10 @@ ABSENT = "false"  # what ``read_keys`` returns for a part that the file says is 
 MAY_BE_ABSENT = ("bar", "workpart")
 
 
-def _declared(part: type) -> dict[str, tuple[str, Range | Choice]]:
-    """Each key of a parameter class with its field's name and its declaration."""
-    return {each.key: (name, each) for name, each in declarations(part).items()}
-
-
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
     """Return the keys of each part of a tool, and of the tool itself as part "", with fields and declarations."""
-    return {"": _declared(Tool), **{name: _declared(kinds[0]) for name, kinds in PARTS.items()}}
+    parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
+    return {part: {each.key: (name, each) for name, each in declarations(of).items()} for part, of in parts.items()}
 
 
 def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:

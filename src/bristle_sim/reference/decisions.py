@@ -48,7 +48,9 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     springs = [each for each in system.sustained if each.spring is not None]
     points = system.rigid
     if new is not None and new.obstacle == "workpart" and system.stiffness is not None:
-        springs.append(_compliant(system, system.stiffness, state, new))
+        touch = system.at(state).touch(new)
+        spring = Spring(system.stiffness, system.obstacles[new.obstacle].surface.restitution, touch.gap)
+        springs.append(Sustained(new, 0, state, touch.velocity, spring))
     elif new is not None and new not in points:
         points.append(new)
     state = _low_rebounds_stopped(system, _impacts(system, log, state, points), points)
@@ -59,8 +61,8 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     if kept is None:
         jam(log, state)
     slips = dict(kept)
-    for number, spring in enumerate(springs, len(resting)):
-        spring.slip = slips.pop(number)
+    for number, each in enumerate(springs, len(resting)):
+        each.slip = slips.pop(number)
     staying = {resting[number]: slip for number, slip in slips.items()}
     _end(system, log, state, staying, "release" if new is None else new.obstacle)
     lasting = {each.point: each for each in system.sustained if each.spring is None}
@@ -103,13 +105,6 @@ def jam(log: Log, state: State) -> NoReturn:
 
 
 # Compliant contacts
-
-
-def _compliant(system: System, stiffness: float, state: State, point: Point) -> Sustained:
-    """Return a compliant contact that begins."""
-    touch = system.at(state).touch(point)
-    spring = Spring(stiffness, system.obstacles[point.obstacle].surface.restitution, touch.gap)
-    return Sustained(point, 0, state, touch.velocity, spring)
 
 
 def turn(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:

@@ -41,11 +41,6 @@ def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
     return values
 
 
-def takes_tool(scenario: Scenario) -> bool:
-    """Whether a part of the tool is among the scenario's parameters, so that a file may give them."""
-    return any(kinds[0] in scenario.parts for kinds in PARTS.values())
-
-
 def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
     """Settings that a parameter file makes, and a warning for each value that the scenario does not use.
 
