@@ -29,28 +29,10 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "Bar",
-    "Belt",
-    "Bristle",
-    "Contact",
-    "EnergeticContact",
-    "Hub",
-    "Settings",
-    "Tool",
-    "Trajectory",
-    "Workpart",
-    "__version__",
-    "energetic_impact",
-    "newton_impact",
-    "operating_point",
-    "poisson_impact",
-    "read_tool",
-    "simulate",
-    "simulate_reference",
-    "simulate_row",
-    "sweep",
-    "write_tool",
-]
+    "Bar", "Belt", "Bristle", "Contact", "EnergeticContact", "Hub", "Settings", "Tool", "Trajectory", "Workpart",
+    "__version__", "energetic_impact", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
+    "simulate_reference", "simulate_row", "sweep", "write_tool",
+]  # fmt: skip
 
 _MODULES = {
     "EnergeticContact": "scene.energetic_contact",

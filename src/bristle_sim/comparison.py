@@ -125,9 +125,7 @@ def finite(value: float | None) -> float | None:
     return float(value) if value is not None and math.isfinite(value) else None
 
 
-WIDTH = 100
-"""Columns that a table fits in."""
-
+WIDTH = 100  # columns that a table fits in
 WIDEST = ("reference", "within")  # columns that are left out, in this order, where a table would be too wide with them
 
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e-9}

@@ -20,8 +20,7 @@ _STREAM = re.compile(r"/dev/(stdin|stdout|stderr)|/(?:dev|proc/self)/fd/(\d+)")
 def checked_target(path: str | Path, suffixes: Collection[str] = (), *, option: str = "", folder: bool = False) -> Path:
     """Return the path of a file (or folder) that can be written; no suffixes admit any.
 
-    Raises:
-        ValueError: in one line that begins with the option, if one names the path, or with the path itself.
+    Raises ValueError in one line that begins with the option, if one names the path, or with the path itself.
     """
     target = Path(path)
     named = f"{option} = {str(path)!r}" if option else str(path)

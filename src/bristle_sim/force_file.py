@@ -93,13 +93,18 @@ def read_force_csv(
         force_column: likewise; by default the one that says it is a force, or the only other one.
         force_per_volt: sensitivity, N/V, of a force recorded as a voltage.
 
-    Raises:
-        ValueError: in one line that names the file, and the line where there is one, for anything else.
+    Raises ValueError in one line that names the file, and the line where there is one, for anything else.
     """
     lines = _lines(path)
     separator, decimal, places = _layout(path, lines)
     rows = [_cells(line, separator) for line in lines]
-    first = next(number for number, row in enumerate(rows) if is_data(lines[number]) and _has(row, decimal, places))
+    first = next(
+        number
+        for number, row in enumerate(rows)
+        if is_data(lines[number])
+        and len(row) > places[-1]
+        and all(number_in(row[i], decimal) is not None for i in places)
+    )
     columns = _columns(lines[:first], rows[: first + SAMPLED_LINES], separator, places)
     time = _chosen(path, "time", time_column, columns)
     force = _chosen(path, "force", force_column, [each for each in columns if each is not time])
@@ -143,10 +148,6 @@ def _layout(path: str | Path, lines: list[str]) -> tuple[str | None, str, tuple[
     if not lines_of_numbers:
         raise ValueError(f"{path}: no line with two numbers; there must be columns of time and force")
     return found
-
-
-def _has(row: list[str], decimal: str, places: tuple[int, ...]) -> bool:
-    return len(row) > places[-1] and all(number_in(row[i], decimal) is not None for i in places)
 
 
 def _columns(above: list[str], rows: list[list[str]], separator: str | None, places: tuple[int, ...]) -> list[Column]:

@@ -23,14 +23,10 @@ ABSENT = "false"  # what ``read_keys`` returns for a part that the file says is 
 MAY_BE_ABSENT = ("bar", "workpart")
 
 
-def _declared(part: type) -> dict[str, tuple[str, Range | Choice]]:
-    """Each key of a parameter class with its field's name and its declaration."""
-    return {each.key: (name, each) for name, each in declarations(part).items()}
-
-
 def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
     """Return the keys of each part of a tool, and of the tool itself as part "", with fields and declarations."""
-    return {"": _declared(Tool), **{name: _declared(kinds[0]) for name, kinds in PARTS.items()}}
+    parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
+    return {part: {each.key: (name, each) for name, each in declarations(of).items()} for part, of in parts.items()}
 
 
 def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
@@ -105,8 +101,7 @@ def read_tool(path: str | Path) -> Tool:
 def write_tool(tool: Tool, path: str | Path) -> None:
     """Write a tool to a TOML file that ``read_tool`` reads back, every digit of it, with a comment to each key.
 
-    Raises:
-        OSError: naming the file, if it cannot be written.
+    Raises OSError naming the file, if it cannot be written.
     """
     lines = ['# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".']
     tables = list[str]()

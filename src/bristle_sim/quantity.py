@@ -63,8 +63,7 @@ class Range:
     def parse(self, text: str) -> float:
         """Turn a typed decimal number, with a unit (``27mm``) or in the declared one, into a checked value.
 
-        Raises:
-            ValueError: in one line, for what is no number, of another dimension, or out of range.
+        Raises ValueError in one line, for what is no number, of another dimension, or out of range.
         """
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])
@@ -87,13 +86,11 @@ class Range:
         return self._checked(number, number)
 
     def _checked(self, number: float, given: Any) -> float:
-        if not self._admits(number):
-            raise self.refusal(given)
-        return int(number) if self.whole else number + 0.0  # no negative zero
-
-    def _admits(self, number: float) -> bool:
+        """Return a number that is in range, without a negative zero."""
         above = number >= self.lowest if self.lowest_allowed else number > self.lowest
-        return above and number <= self.highest and math.isfinite(number) and (not self.whole or number.is_integer())
+        if not (above and number <= self.highest and math.isfinite(number) and (not self.whole or number.is_integer())):
+            raise self.refusal(given)
+        return int(number) if self.whole else number + 0.0
 
     def refusal(self, value: Any, why: str = "") -> ValueError:
         """Return what to raise for a value that is refused."""
@@ -106,8 +103,7 @@ class Range:
         if self.usual is None and not default:
             return False
         least, most = self.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
-        rounding = 1e-12
-        return value != 0.0 and not least * (1.0 + rounding) < abs(value) < most * (1.0 - rounding)
+        return value != 0.0 and not least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12)  # but for rounding
 
 
 _UNIT = r"[A-Za-z%\u00b0\u00b5\u03bc]+(?:(?:\^|\*\*)-?\d|[\u00b2\u00b3])?"

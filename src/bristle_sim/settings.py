@@ -11,8 +11,7 @@ MAXIMUM_STEPS = 500_000
 """Engine steps of a run by default: sixty whole passes of a rigid bristle, or one of a wire of 8 links; 2 to 6 s of CPU time, of a
 wire that bends 12 to 20 s."""
 
-MOST_SAMPLES = 1_000_000_000
-"""More than a run could hold."""
+MOST_SAMPLES = 1_000_000_000  # more than a run could hold
 
 LEAST_NEEDED, MOST_NEEDED = 8, 24
 """Samples in a period by default: fewer make a poor picture, and more are not worth their time, although the cubic through 24

@@ -8,22 +8,12 @@ from enum import StrEnum
 from bristle_sim.quantity import shown
 
 EVENTS = (
-    "bar touch",
-    "bar release",
-    "strike",
-    "workpart touch",
-    "workpart release",
-    "wire touch",
-    "wire release",
-    "largest retraction",
-    "highest relative speed",
-    "retraction limit",
-    "jam",
-)
+    "bar touch", "bar release", "strike", "workpart touch", "workpart release", "wire touch", "wire release",
+    "largest retraction", "highest relative speed", "retraction limit", "jam",
+)  # fmt: skip
 """Events that a run records and that can end it, by name."""
 
-OBSTACLES = ("bar", "workpart", "wire")
-"""What a wire touches, by name."""
+OBSTACLES = ("bar", "workpart", "wire")  # what a wire touches, by name
 
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}
 """Events recorded at the end of a run in which the other event never happened."""
@@ -84,8 +74,7 @@ class StopReason(StrEnum):
 def checked_name(key: str, name: object, known: Iterable[str]) -> str:
     """Return a name that is known.
 
-    Raises:
-        ValueError: if nothing is called so; the message says which name is likely meant.
+    Raises ValueError if nothing is called so; the message says which name is likely meant.
     """
     names = tuple(known)
     if isinstance(name, str) and name in names:

@@ -11,8 +11,19 @@ from functools import partial
 from typing import Any, TypeVar
 
 from bristle_sim import parameters
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, DoublePendulum, Hub, Strike, Surface, Tool, Workpart
-from bristle_sim.parameters import crater as crater_parameters
+from bristle_sim.parameters import (
+    Bar,
+    Belt,
+    Bristle,
+    Contact,
+    DoublePendulum,
+    Hub,
+    Strike,
+    Surface,
+    Tool,
+    Workpart,
+    experiments,
+)
 from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.strike import Chain, strike
@@ -29,7 +40,7 @@ CLASSES: tuple[type[Any], ...] = (
     parameters.Surface,
     parameters.SinglePendulum,
     parameters.DoublePendulum,
-    *(getattr(crater_parameters, name) for name in ("Crater", "ForceHistory", "Measurement")),
+    *(getattr(experiments, name) for name in ("Crater", "ForceHistory", "Measurement")),
     Settings,
 )
 """Every class of parameters."""

@@ -50,7 +50,7 @@ def measured(name: str) -> bool:
 
 
 def test_a_range_that_lets_everything_pass_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Range, "_admits", lambda *_: True)
+    monkeypatch.setattr(Range, "_checked", lambda self, number, _: int(number) if self.whole else number)
     assert not measured("every value of Hub")
     assert not measured("every argument of EnergeticContact")
 
@@ -246,8 +246,8 @@ def test_numbers_of_all_kinds_become_floats(value: object) -> None:
         (True, "True"),
         ("1", "'1'"),
         (1j, "1j"),
-        (10**400, "inf"),
-        (-(10**400), "-inf"),
+        (10**400, "1" + 17 * "0" + "..." + 19 * "0"),
+        (-(10**400), "-1" + 16 * "0" + "..." + 19 * "0"),
         ([1.0, 0.0], "0.0"),
         ([1.0, math.nan], "nan"),
         ([[1], [1, 2]], "[[1], [1, 2]]"),

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle, Hub
-from bristle_sim.parameters.crater import Crater
+from bristle_sim.parameters.experiments import Crater
 from bristle_sim.settings import Settings
 from bristle_sim.studies.crater_study import MEASURED, crater_study
 from bristle_sim.studies.crater_sums import energy_depth_course, merchant_depth_course

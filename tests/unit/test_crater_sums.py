@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.parameters.crater import Crater
+from bristle_sim.parameters.experiments import Crater
 from bristle_sim.studies.crater_sums import (
     FRICTIONS,
     IMPACT_ANGLES_DEG,

@@ -188,7 +188,7 @@ def test_a_contact_recorded_up_to_just_behind_its_peak():
 def test_no_contact_is_found_in_noise(points, seed):
     """One record of noise in a hundred may show one; these nine do not."""
     time = 1e-6 * np.arange(points)
-    with pytest.raises(ValueError, match=r"^force: (no contact found|\d points in)"):
+    with pytest.raises(ValueError, match=r"^force: (no contact found|\d+ points)"):
         fit_force_history(time, np.random.default_rng(seed).standard_normal(points))
 
 
@@ -200,12 +200,15 @@ RAMP = np.arange(12.0)
     [
         (RAMP, 0 * RAMP, "no contact found"),
         (RAMP, 0 * RAMP + 5.3, "no contact found"),
-        (RAMP, RAMP, "time: the record ends at 11 s, before the force has passed its peak"),
-        (RAMP, 11 - RAMP, "time: the contact seems to begin at"),
+        (RAMP, RAMP, "time: ends at 11 s; its end must be after the peak of the force"),
+        (RAMP, 11 - RAMP, "time: begins at .* its start must be before that of the contact"),
         (RAMP, np.where(RAMP == 6, 5.0, 0.0), "force: no contact found"),
-        (*record(baseline=6.0), "force: the record begins at 6.0"),
-        (*record(baseline=-6.0), "force: the record begins at -5.9"),
-        (*(each[20:] for each in record(after=1e-4)), "time: the contact seems to begin at"),
+        (*record(baseline=6.0), "force: begins at 6.0"),
+        (*record(baseline=-6.0), "force: begins at -5.9"),
+        (
+            *(each[20:] for each in record(after=1e-4)),
+            "time: begins at .* its start must be before that of the contact",
+        ),
         (1e9 * RAMP**9, 0 * RAMP + [0, 1, 2, 2, 1, 0, 0, 0, 0, 0, 0, 0], "."),
     ],
 )

@@ -24,9 +24,9 @@ from bristle_sim.parameters import (
     Strike,
     Tool,
     Workpart,
+    experiments,
     operating_point,
 )
-from bristle_sim.parameters import crater as crater_parameters
 from bristle_sim.quantity import Choice, Range
 
 
@@ -36,7 +36,7 @@ def fields(part: type) -> tuple[dataclasses.Field[Any], ...]:
 
 PARTS = [
     part
-    for module in (parameters, crater_parameters)
+    for module in (parameters, experiments)
     for _, part in inspect.getmembers(module, inspect.isclass)
     if part.__module__.startswith(module.__name__) and any("declaration" in each.metadata for each in fields(part))
 ]

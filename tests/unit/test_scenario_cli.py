@@ -24,7 +24,7 @@ import pytest
 
 from bristle_sim import __version__
 from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.parameters.crater import Measurement
+from bristle_sim.parameters.experiments import Measurement
 from bristle_sim.quantity import choice, quantity, validate
 from bristle_sim.scenario_cli import Scenario, build, ending, main
 

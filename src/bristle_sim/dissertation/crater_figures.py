@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
-from bristle_sim.parameters.crater import Crater
+from bristle_sim.parameters.experiments import Crater
 from bristle_sim.studies.crater_study import MEASURED
 from bristle_sim.studies.crater_sums import cut_of, energy_depth_course, merchant_depth_course
 from bristle_sim.theory.crater import (

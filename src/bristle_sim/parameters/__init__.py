@@ -34,24 +34,7 @@ from bristle_sim.parameters.tool import (
 )
 
 __all__ = [
-    "PARTS",
-    "PRINTED_BELT_STIFFNESS",
-    "RETRACTION_AT_RELEASE",
-    "WIRE_KEYS",
-    "Bar",
-    "Belt",
-    "Bristle",
-    "Comparison",
-    "Contact",
-    "ContactStiffness",
-    "DoublePendulum",
-    "Hub",
-    "Neighbours",
-    "Release",
-    "SinglePendulum",
-    "Strike",
-    "Surface",
-    "Tool",
-    "Workpart",
-    "operating_point",
-]
+    "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "WIRE_KEYS", "Bar", "Belt", "Bristle", "Comparison",
+    "Contact", "ContactStiffness", "DoublePendulum", "Hub", "Neighbours", "Release", "SinglePendulum", "Strike",
+    "Surface", "Tool", "Workpart", "operating_point",
+]  # fmt: skip

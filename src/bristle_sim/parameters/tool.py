@@ -10,16 +10,11 @@ from bristle_sim.quantity import Declared, choice, count, quantity, shown, valid
 
 Vector = tuple[float, float]
 
-PRINTED_BELT_STIFFNESS = 0.00041
-"""Belt stiffness as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree."""
-
+PRINTED_BELT_STIFFNESS = 0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
 USUAL_HUB_SPEEDS = (1.0, 1500.0)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
 
-RETRACTION_AT_RELEASE = math.radians(44.5)
-"""Retraction angle at release, theta_p (Zhang 2020, eq. 2.2)."""
-
-WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")
-"""Keys of a wire that bends."""
+RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
+WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +74,8 @@ class Bristle(Declared):
     @property
     def centre(self) -> Vector:
         """Return the centre of mass, seen from the root as in ``path``, m."""
-        x = y = 0.0
-        for start, end, fraction in self._pieces():
-            x += fraction * 0.5 * (start[0] + end[0])
-            y += fraction * 0.5 * (start[1] + end[1])
+        pieces = self._pieces()
+        x, y = (sum(part * 0.5 * (start[axis] + end[axis]) for start, end, part in pieces) for axis in (0, 1))
         return (x, y)
 
     @property
@@ -197,8 +190,7 @@ class Contact:
 class Tool:
     """The bristle-blasting tool; ``bar`` and ``workpart`` are absent when None, gravity (m/s^2, along -y) when 0.
 
-    Raises:
-        ValueError: if a part stands where another one is.
+    Raises ValueError if a part stands where another one is.
     """
 
     hub: Hub = field(default_factory=Hub)

@@ -5,7 +5,7 @@ With the scene it shares the parameters, the result's type and the impact law, a
 
 Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch, ``forces`` forces of sustained contacts and
 impacts, ``system`` a state with its contacts, ``crossing`` where a function of time changes sign, ``events`` what ends an
-interval of smooth motion, ``decisions`` what follows, ``extremes`` largest retraction and highest speed, ``run`` the loop,
+interval of smooth motion, and its extremes, ``decisions`` what follows, ``run`` the loop,
 ``log`` the record, ``row`` bristles of one hub and their contacts with each other, ``simulate`` the entry, ``strike`` one
 compliant strike.
 """

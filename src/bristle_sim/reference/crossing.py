@@ -24,11 +24,8 @@ WEIGHTS[0] *= 0.5
 
 DEEPEST = 24  # halvings at most: a jump is confined to 6e-8 of the interval before the bracketing search takes over
 
-MOST_PIECES = 400
-"""Pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding would take them all."""
-
-ROUNDING = 1e-13
-"""The series' last coefficients are rounding below this fraction of the function's size."""
+MOST_PIECES = 400  # pieces at most: a kink or a jump takes fifty; a function that is nothing but rounding all
+ROUNDING = 1e-13  # the series' last coefficients are rounding below this fraction of the function's size
 
 
 def nodes(start: float, end: float) -> Array:
@@ -92,9 +89,6 @@ def _sign_changes(function: Function, probes: Array, values: Array) -> Iterator[
     sign, last = 0.0, probes[0]
     for probe, value in zip(probes, values, strict=True):
         if value and sign * value < 0.0:
-            yield _root(function, float(last), float(probe)), int(np.sign(value))
+            at = brentq(lambda time: float(function(np.array([time]))[0]), last, probe, xtol=1e-300, maxiter=400)
+            yield float(at), int(np.sign(value))
         sign, last = (np.sign(value) if value else sign), probe
-
-
-def _root(function: Function, low: float, high: float) -> float:
-    return float(brentq(lambda time: float(function(np.array([time]))[0]), low, high, xtol=1e-300, maxiter=400))

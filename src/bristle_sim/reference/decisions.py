@@ -14,12 +14,8 @@ from bristle_sim.reference.row import Wires
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
-LOWEST_REBOUND = 1e-10
-"""A rebound that the forces end below this fraction of hub radius and length is taken for a sustained contact."""
-
-MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64
-"""The number of impacts in a run after which it gives up, and at one instant after which a lone wire is wedged."""
-
+LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
+MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64  # impacts after which a run gives up, and at one instant a lone wire is wedged
 AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
 
 
@@ -47,13 +43,14 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
 def decide(system: System, log: Log, state: State, new: Point | None = None) -> State:
     """Resolve impacts among the closed contacts, then find which of them stay closed; return the state after it.
 
-    Raises:
-        Finished: if the run ends here.
+    Raises Finished if the run ends here.
     """
     springs = [each for each in system.sustained if each.spring is not None]
     points = system.rigid
     if new is not None and new.obstacle == "workpart" and system.stiffness is not None:
-        springs.append(_compliant(system, system.stiffness, state, new))
+        touch = system.at(state).touch(new)
+        spring = Spring(system.stiffness, system.obstacles[new.obstacle].surface.restitution, touch.gap)
+        springs.append(Sustained(new, 0, state, touch.velocity, spring))
     elif new is not None and new not in points:
         points.append(new)
     state = _low_rebounds_stopped(system, _impacts(system, log, state, points), points)
@@ -64,8 +61,8 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     if kept is None:
         jam(log, state)
     slips = dict(kept)
-    for number, spring in enumerate(springs, len(resting)):
-        spring.slip = slips.pop(number)
+    for number, each in enumerate(springs, len(resting)):
+        each.slip = slips.pop(number)
     staying = {resting[number]: slip for number, slip in slips.items()}
     _end(system, log, state, staying, "release" if new is None else new.obstacle)
     lasting = {each.point: each for each in system.sustained if each.spring is None}
@@ -108,13 +105,6 @@ def jam(log: Log, state: State) -> NoReturn:
 
 
 # Compliant contacts
-
-
-def _compliant(system: System, stiffness: float, state: State, point: Point) -> Sustained:
-    """Return a compliant contact that begins."""
-    touch = system.at(state).touch(point)
-    spring = Spring(stiffness, system.obstacles[point.obstacle].surface.restitution, touch.gap)
-    return Sustained(point, 0, state, touch.velocity, spring)
 
 
 def turn(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:

@@ -1,4 +1,4 @@
-"""Events that end an interval of smooth motion: an obstacle is touched, or something about a sustained contact changes."""
+"""Events that end an interval of smooth motion, where an obstacle is touched or a sustained contact changes, and its extremes."""
 
 from __future__ import annotations
 
@@ -15,21 +15,15 @@ from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
 from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
 from bristle_sim.reference.forces import freedom
-from bristle_sim.reference.log import Finished, Log, Record
+from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Finished, Log, Record
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
-Follow = Callable[[State], State]
-"""What follows an event: the state before it -> the state after it."""
-
-INSIDE = 1e-13
-"""A touch is located where the gap is this fraction of hub radius and length below zero: a hundred roundings of a gap."""
-
-PAST = 1e-9
-"""A contact passes a corner when it is this fraction of the length beyond it, so that rounding does not bring it back."""
-
-ROUNDING = 1e-13
-"""Rounding of an event function, as a fraction of its size."""
+Follow = Callable[[State], State]  # what follows an event: the state before it -> the state after it
+INSIDE = 1e-13  # overlap at which a touch is located, as a fraction of hub radius and length: 100 roundings of a gap
+PAST = 1e-9  # a contact has passed a corner by this fraction of the length, so that rounding does not bring it back
+ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
+IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
 LOCKED = 1e-6
 """Friction is about to lock a contact where it lowers the response to a normal force to this fraction.
@@ -197,35 +191,37 @@ def _place_events(system: System, each: Sustained) -> list[Event]:
     return found
 
 
-def first_event(
-    system: System,
-    events: list[Event],
-    motion: Callable[[Array], list[State]],
-    instants: list[Instant],
-    step: tuple[float, float],
-) -> tuple[float, Follow] | None:
-    """Return the time of the first event on a step of the integrator, and what follows it.
+class Step(NamedTuple):
+    """A step of the integrator: its motion, times -> states, and the instants at its nodes, see the module ``crossing``."""
 
-    Args:
-        system, events: what moves, and what can end its interval.
-        motion: times -> states.
-        instants: those at the step's nodes, see the module ``crossing``.
-        step: its start and end, s.
-    """
-    first, (start, end) = None, step
-    near = _near(system, instants[-1], end - start)
+    system: System
+    motion: Callable[[Array], list[State]]
+    instants: list[Instant]
+    start: float
+    end: float
+
+    def sign(self, value: Callable[[Instant], float], resolution: float) -> int:
+        """Return the sign that a function of an instant has throughout the step; 0 if it may change."""
+        return of_one_sign(np.array([value(each) for each in self.instants]), resolution)
+
+    def along(self, value: Callable[[Instant], float]) -> Callable[[Array], Array]:
+        """Return a function of an instant as one of times."""
+        return lambda times: np.array([value(self.system.at(each)) for each in self.motion(times)])
+
+
+def first_event(events: list[Event], step: Step) -> tuple[float, Follow] | None:
+    """Return the time of the first event on a step of the integrator, s, and what follows it."""
+    first, end = None, step.end
+    near = _near(step.system, step.instants[-1], end - step.start)
     for event in events:
         if event.place is not None and event.place not in near:
             continue
-
-        def along(at: Array, value: Callable[[Instant], float] = event.value) -> Array:
-            return np.array([value(system.at(each)) for each in motion(at)])
-
-        if of_one_sign(np.array([event.value(each) for each in instants]), event.resolution) == -event.direction:
+        if step.sign(event.value, event.resolution) == -event.direction:
             continue
-        if event.direction * along(np.array([start]))[0] > 0.0:
-            return start, event.follow
-        for time, direction in crossings(along, start, end, event.resolution):
+        along = step.along(event.value)
+        if event.direction * along(np.array([step.start]))[0] > 0.0:
+            return step.start, event.follow
+        for time, direction in crossings(along, step.start, end, event.resolution):
             if direction == event.direction:
                 first, end = (time, event.follow), time
                 break
@@ -241,3 +237,46 @@ def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, i
         for name in system.obstacles
         for piece in np.flatnonzero(instant.gaps(name) < 2.0 * reach * duration)
     }
+
+
+def note_extremes(log: Log, own: Record, step: Step) -> float | None:
+    """Note where a wire lags most and its highest relative rate, up to the step's end; return the time at which the run ends there.
+
+    The hinges of a wire of several links vibrate: its first link has no single highest rate, and none is noted.
+    """
+    system, chain, link = step.system, own.chain, own.first
+
+    def rate(at: Instant) -> float:
+        return float(at.state.rates[link] - chain.speed)
+
+    def acceleration(at: Instant) -> float:
+        return float(at.balance.accelerations[link])
+
+    def changes(value: Callable[[Instant], float], resolution: float) -> list[tuple[float, int]]:
+        if step.end <= step.start or step.sign(value, resolution):
+            return []
+        return crossings(step.along(value), step.start, step.end, resolution)
+
+    for time, direction in changes(rate, ROUNDING * system.fastest):
+        if direction > 0:
+            own.turned(step.motion(np.array([time]))[0])
+            log.mark(time)
+            if log.stop_after == LARGEST_RETRACTION:
+                return time
+    touched = any(each.touch.normal_row[link] for each in step.instants[0].contacts)
+    if chain.links > 1 or touched or own.seen(PEAK) or own.seen(STRIKE) or _bar_ahead(system, own, step.start):
+        return None
+    for time, direction in changes(acceleration, ROUNDING * system.fastest**2):
+        if direction < 0 and step.along(rate)(np.array([time]))[0] > IDLE * system.fastest:
+            own.event(PEAK, time)
+            log.mark(time)
+            return time if log.stop_after == PEAK else None
+    return None
+
+
+def _bar_ahead(system: System, own: Record, time: float) -> bool:
+    """Whether an untouched bar is still within half a turn ahead of the root: the bristle has not been thrown yet."""
+    bar = system.obstacles.get("bar")
+    if not isinstance(bar, Bar) or own.seen("bar touch") or not own.chain.speed:
+        return False
+    return bool((bar.centre / own.chain.root(time)).imag > 0.0)

@@ -21,13 +21,7 @@ Sample = tuple[State, tuple[float, float]]  # a state, and the sums of normal an
 
 
 class Finished(Exception):
-    """Ends a run at a state."""
-
-    def __init__(self, reason: StopReason, state: State) -> None:
-        """For a reason."""
-        super().__init__(reason)
-        self.reason = reason
-        self.state = state
+    """Ends a run; the arguments are the reason and the state."""
 
 
 class Record:
@@ -215,10 +209,6 @@ class Log:
         return all(record.seen(name) for record in self.records)
 
     def check_stop(self, state: State) -> None:
-        """End the run if the event that it was to stop after has happened.
-
-        Raises:
-            Finished: if it has.
-        """
+        """End the run if the event that it was to stop after has happened. Raises Finished if it has."""
         if self.stop_after is not None and self.seen(self.stop_after):
             raise Finished(StopReason.EVENT, state)

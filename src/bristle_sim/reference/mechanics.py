@@ -93,15 +93,12 @@ class Chain:
             np.array(column) for column in zip(*(_mass(bristle, each) for each in cut), strict=True)
         )
         arms = np.where(np.tri(links, k=-1, dtype=bool), ends, 0.0) + np.diag(centres)
-        stiffness, damping = [tool.belt.stiffness], [tool.belt_damping]
+        hinge, damper, wire = 0.0, 0.0, (bristle.wire_diameter, bristle.length, bristle.modulus)
         if links > 1:
-            wire = (bristle.wire_diameter, bristle.length, bristle.modulus)
-            stiffness += [hinge_stiffness(*wire, links)] * (links - 1)
-            damper = 0.0
-            if bristle.bending_damping_ratio:
-                shape = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
-                damper = hinge_damping(*shape, bristle.bending_damping_ratio, links)
-            damping += [damper] * (links - 1)
+            hinge = hinge_stiffness(*wire, links)
+            if zeta := bristle.bending_damping_ratio:
+                diameter, length, modulus = wire
+                damper = hinge_damping(bristle.mass, length, diameter, modulus, tool.belt.stiffness, zeta, links)
         return cls(
             speed=tool.hub.speed,
             hub_radius=tool.hub.radius,
@@ -113,8 +110,8 @@ class Chain:
             ends=ends,
             centres=centres,
             pieces=tuple(itertools.chain.from_iterable(cut)),
-            stiffness=np.array(stiffness),
-            damping=np.array(damping),
+            stiffness=np.array([tool.belt.stiffness] + [hinge] * (links - 1)),
+            damping=np.array([tool.belt_damping] + [damper] * (links - 1)),
             products=np.conj(arms).T @ (masses[:, None] * arms),
             moments=masses @ arms,
         )

@@ -72,10 +72,7 @@ class Row:
 
 
 class _Place(NamedTuple):
-    """Nearest points of two centre lines: an end of one wire (0 the first one) and its foot on the other.
-
-    ``along`` are their distances from the wires' roots, m.
-    """
+    """Nearest points of two centre lines: an end of one wire, its foot on the other, and both distances from the roots, m."""
 
     distance: float
     end: int

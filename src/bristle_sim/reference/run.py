@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -18,30 +19,27 @@ from scipy.integrate import DOP853
 from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import nodes
 from bristle_sim.reference.decisions import record
-from bristle_sim.reference.events import Follow, events_of, first_event
-from bristle_sim.reference.extremes import note_extremes
+from bristle_sim.reference.events import Follow, Step, events_of, first_event, note_extremes
 from bristle_sim.reference.forces import freedom
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
 
+@dataclass(slots=True)
 class Run:
     """One run of a system from a state up to a time, s.
 
     ``tolerance`` is the integrator's relative tolerance; ``most_evaluations`` of the right-hand side stop the run.
     """
 
-    def __init__(
-        self, system: System, log: Log, start: State, end: float, tolerance: float, most_evaluations: float = math.inf
-    ) -> None:
-        self.system = system
-        self.log = log
-        self.state = start
-        self.end = end
-        self.tolerance = tolerance
-        self.most_evaluations = most_evaluations
-        self.evaluations = 0
+    system: System
+    log: Log
+    state: State
+    end: float
+    tolerance: float
+    most_evaluations: float = math.inf
+    evaluations: int = 0
 
     def run(self) -> StopReason:
         """Run to the end and return the reason for stopping."""
@@ -53,7 +51,7 @@ class Run:
                 self.state = follow(self.state)
                 self._sample(self.state)
         except Finished as finished:
-            self.state, reason = finished.state, finished.reason
+            reason, self.state = finished.args
             self._sample(self.state)
         except np.linalg.LinAlgError:  # more contacts than the links can keep closed
             self.log.event("jam", self.state.time)
@@ -72,24 +70,21 @@ class Run:
             solver.step()
             if solver.status == "failed":
                 raise Finished(StopReason.ACCURACY, self.state)
-            values, step = solver.dense_output(), (solver.t_old, solver.t)
+            values = solver.dense_output()
             self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0
 
             def motion(times: Array, values: Callable[[Array], Array] = values) -> list[State]:
-                return [
-                    self.system.closed(self._state(*each)) for each in zip(times.tolist(), values(times).T, strict=True)
-                ]
+                pairs = zip(times.tolist(), values(times).T, strict=True)
+                return [self.system.closed(self._state(*each)) for each in pairs]
 
-            instants = [self.system.at(each) for each in motion(nodes(*step))]
-            first = first_event(self.system, events, motion, instants, step)
-            until = step[1] if first is None else first[0]
-            extremes = [
-                note_extremes(self.system, self.log, each, motion, instants, (step[0], until))
-                for each in self.log.records
-            ]
+            instants = [self.system.at(each) for each in motion(nodes(solver.t_old, solver.t))]
+            step = Step(self.system, motion, instants, solver.t_old, solver.t)
+            first = first_event(events, step)
+            until = step.end if first is None else first[0]
+            extremes = [note_extremes(self.log, each, step._replace(end=until)) for each in self.log.records]
             stop = min((each for each in extremes if each is not None), default=None)
             until = until if stop is None else stop
-            *between, self.state = motion(np.array([*self.log.times(step[0], until), until]))
+            *between, self.state = motion(np.array([*self.log.times(step.start, until), until]))
             for each in between:
                 self._sample(each)
             sums = values(until)[2 * self.system.chain.links :].reshape(-1, 4)

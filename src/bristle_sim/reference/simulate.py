@@ -22,8 +22,7 @@ from bristle_sim.reference.system import Obstacles, State, System
 from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Cost, Trajectory
 
-METHOD = "scipy DOP853"
-"""Says in a trajectory's parameters that the reference was integrated."""
+METHOD = "scipy DOP853"  # says in a trajectory's parameters that the reference was integrated
 
 PERIODS_AT_REST = 3.0
 SAMPLES_PER_PERIOD = 64
@@ -103,17 +102,8 @@ def simulate_reference(
         ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
             fastest motion.
     """
-    request = Request(
-        start_hub_angle,
-        start_relative_angle,
-        start_relative_rate,
-        hub_turn,
-        duration,
-        accuracy,
-        sample_interval,
-        contact_stiffness,
-        stop_after,
-    )
+    start = (start_hub_angle, start_relative_angle, start_relative_rate)
+    request = Request(*start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after)
     chain = Chain.of(tool, request.start_hub_angle)
     return _simulate(tool, request, chain, [chain])[0]
 
@@ -155,13 +145,8 @@ def simulate_row_reference(
         ValueError: for settings out of range, a bristle that is not straight and rigid, wires that touch each other at the
             start, or one inside an obstacle.
     """
-    request = Request(
-        start_hub_angle,
-        hub_turn=hub_turn + (bristles - 1) * pitch,
-        accuracy=accuracy,
-        sample_interval=sample_interval,
-        stop_after=stop_after,
-    )
+    whole_turn = hub_turn + (bristles - 1) * pitch
+    request = Request(start_hub_angle, 0.0, 0.0, whole_turn, None, accuracy, sample_interval, None, stop_after)
     _check_row(tool, bristles, pitch, stop_after)
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
     row = Row(tool, [request.start_hub_angle - number * pitch for number in range(bristles)])

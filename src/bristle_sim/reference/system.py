@@ -17,8 +17,7 @@ from bristle_sim.reference.row import Row, Wires
 
 Obstacles = Mapping[str, Bar | Workpart | Wires]
 
-REST = 1e-10
-"""A velocity below this fraction of the fastest point's bound is rest: impacts between stiff hinges round this much."""
+REST = 1e-10  # a velocity below this fraction of the fastest point's bound is rest: rounding of stiff hinges
 
 
 class State(NamedTuple):

@@ -6,10 +6,9 @@ A wheel carries the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work t
 from __future__ import annotations
 
 import ast
+import runpy
 import sys
 from collections.abc import Sequence
-from importlib.machinery import SourceFileLoader
-from importlib.util import module_from_spec, spec_from_loader
 from pathlib import Path
 
 import bristle_sim
@@ -55,14 +54,8 @@ def scripts() -> dict[str, Path]:
 
 
 def load(path: Path) -> Scenario:
-    """Import a script as a module of bristle_sim.scenarios, and return its scenario."""
-    name = f"bristle_sim.scenarios.{path.stem}"
-    loader = SourceFileLoader(name, str(path))
-    specification = spec_from_loader(name, loader)
-    assert specification is not None
-    module = sys.modules[name] = module_from_spec(specification)
-    loader.exec_module(module)
-    scenario = module.SCENARIO
+    """Return the scenario of a script."""
+    scenario = runpy.run_path(str(path), run_name=f"bristle_sim.scenarios.{path.stem}")["SCENARIO"]
     assert isinstance(scenario, Scenario)
     return scenario
 

@@ -11,8 +11,7 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.quantity import TYPICAL_UNITS, Range, conversion
 from bristle_sim.scenario_cli.scenario import Scenario, Values
 
-WIDTH = 100
-"""Columns of the list of keys."""
+WIDTH = 100  # columns of the list of keys
 
 
 def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
@@ -40,11 +39,6 @@ def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
             raise ValueError(f"{key} = {typed[key]!r}: must be left out unless {declared.needs}, or it has no effect")
         values[key] = None if declared.optional else default
     return values
-
-
-def takes_tool(scenario: Scenario) -> bool:
-    """Whether a part of the tool is among the scenario's parameters, so that a file may give them."""
-    return any(kinds[0] in scenario.parts for kinds in PARTS.values())
 
 
 def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
@@ -119,7 +113,8 @@ def key_list(scenario: Scenario) -> str:
     cells = [("key", "default", "unit", "range")]
     notes = ["meaning (source of the default)"]
     for key, (declared, default) in scenario.keys().items():
-        cells.append((key, _shown(default), declared.unit, declared.allowed))
+        shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
+        cells.append((key, shown, declared.unit, declared.allowed))
         only = f"; only with {declared.needs}" if declared.needs else ""
         notes.append(f"{declared.meaning}{only} (default: {declared.source})")
     widths = [max(len(row[column]) for row in cells) for column in range(3)]
@@ -130,7 +125,3 @@ def key_list(scenario: Scenario) -> str:
         lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
     lines.insert(2, "-" * WIDTH)
     return "\n".join(lines)
-
-
-def _shown(default: Any) -> str:
-    return "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"

@@ -19,15 +19,15 @@ from typing import Any, NoReturn
 from bristle_sim import __version__
 from bristle_sim.comparison import WIDTH, Report, Unfinished, finite, table
 from bristle_sim.files import checked_target, complete_or_absent, is_special
+from bristle_sim.parameters import PARTS
 from bristle_sim.scenario_cli.ending import ending_in_order
-from bristle_sim.scenario_cli.keys import key_list, settings_from, takes_tool, values_of, warnings_of
+from bristle_sim.scenario_cli.keys import key_list, settings_from, values_of, warnings_of
 from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values
 
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
 
-MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130
-"""Exit statuses; the last is that of a shell whose command was ended by SIGINT."""
+MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit statuses; the last is a shell's after SIGINT
 
 
 def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program: str = "") -> int:
@@ -155,7 +155,12 @@ def _parser(scenario: Scenario, program: str) -> _Parser:
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
     where = "FOLDER|FILE.pdf" if scenario.plot_is_folder else "FILE"
     for name, offered, what, words in (
-        ("parameters", takes_tool(scenario), "FILE.toml", "read the tool from a file; --set overrides it"),
+        (
+            "parameters",
+            any(kinds[0] in scenario.parts for kinds in PARTS.values()),
+            "FILE.toml",
+            "read the tool from a file; --set overrides it",
+        ),
         ("json", True, "FILE", "write the results as JSON; - for standard output"),
         ("csv", scenario.series, "FILE", "write the time series, one row a sample"),
         ("plot", scenario.plot, where, "draw a figure (png, svg, pdf)"),

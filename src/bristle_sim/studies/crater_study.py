@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Bristle, Hub, Surface
-from bristle_sim.parameters.crater import Crater
+from bristle_sim.parameters.experiments import Crater
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.crater_sums import constant_row, constants_over, cut_of

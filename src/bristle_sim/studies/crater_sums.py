@@ -18,7 +18,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
 from bristle_sim.parameters import Bristle
-from bristle_sim.parameters.crater import Crater
+from bristle_sim.parameters.experiments import Crater
 from bristle_sim.theory.crater import constant_for_crater_depth
 
 FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Bristle, Hub, Surface
-from bristle_sim.parameters.crater import ForceHistory, Measurement
+from bristle_sim.parameters.experiments import ForceHistory, Measurement
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_fits import (

@@ -17,7 +17,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
 from bristle_sim.force_file import read_force_csv
-from bristle_sim.parameters.crater import Measurement
+from bristle_sim.parameters.experiments import Measurement
 from bristle_sim.theory.force_fit import fit_force_history
 from bristle_sim.theory.force_least_squares import ForceFit
 

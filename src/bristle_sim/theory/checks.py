@@ -101,15 +101,12 @@ def _floats(value: Any) -> Array | None:
         return None
     try:
         array = np.asarray(value)
-    except ValueError:
+        if array.dtype.kind == "O" and not all(isinstance(each, Real | None) for each in array.flat):
+            return None
+        with np.errstate(over="ignore"):  # whole numbers beyond 64 bits and fractions are objects
+            return array.astype(float, copy=False) if array.dtype.kind in "iufO" else None
+    except (ValueError, OverflowError):
         return None
-    if array.dtype.kind == "O":  # whole numbers beyond 64 bits, fractions, nothing at all
-        known = all(isinstance(each, Real | None) and not isinstance(each, bool) for each in array.flat)
-        return np.array([_float(each) for each in array.flat], dtype=float).reshape(array.shape) if known else None
-    if array.dtype == np.float64:
-        return array
-    with np.errstate(over="ignore"):
-        return array.astype(float) if array.dtype.kind in "iuf" else None
 
 
 def _has_truth_value(value: Any) -> bool:
@@ -117,13 +114,6 @@ def _has_truth_value(value: Any) -> bool:
     if isinstance(value, list | tuple):
         return any(map(_has_truth_value, value))
     return isinstance(value, bool) or (isinstance(value, np.ndarray | np.generic) and value.dtype.kind == "b")
-
-
-def _float(number: Any) -> float:
-    try:
-        return math.nan if number is None else float(number)
-    except OverflowError:
-        return -math.inf if number < 0 else math.inf
 
 
 def _in(unit: str) -> str:

@@ -33,12 +33,8 @@ from bristle_sim.theory.crater_kinematics import (
 from bristle_sim.theory.force_history import BRISTLE
 from bristle_sim.theory.merchant import API_5L, CuttingAngles, oblique_angles
 
-CUTTING_FRICTION = 0.5
-"""Friction coefficient while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact."""
-
-PLIES = 300
-"""Number of plies of the dissertation's depths (Zhang 2020, below eq. 4.56)."""
-
+CUTTING_FRICTION = 0.5  # friction while cutting (Zhang 2020, eq. 4.51); chapter 2 takes 0.31 for the impact
+PLIES = 300  # plies of the dissertation's depths (Zhang 2020, below eq. 4.56)
 ROUNDING = 1e-12  # relative error that must not refuse the depth at the end of its range
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
@@ -60,8 +56,7 @@ def merchant_crater_depth(
     mu while cutting, gamma in rad, tau_s in Pa, n whole numbers, t_c in s. The angles of the cut are exact ones for mu and
     gamma by default, PRINTED_ANGLES for the rounded ones of (4.52).
 
-    Raises:
-        ShearAngleError: where mu < tan(gamma), by default angles.
+    Raises ShearAngleError where mu < tan(gamma), by default angles.
     """
     counts = np.asarray(plies)
     sums = np.reshape([_ply_sum(int(n), compression_time) for n in counts.flat], counts.shape)
@@ -100,8 +95,7 @@ def friction_for_crater_depth(
 
     With the shear angle of least work, sin(eta) cos(eta + beta - alpha) = [1 - sin(arccot(mu) - gamma)]/2.
 
-    Raises:
-        ValueError: for a depth that no mu >= tan(gamma) gives.
+    Raises ValueError for a depth that no mu >= tan(gamma) gives.
     """
     gamma = np.asarray(impact_angle)
     deepest = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
@@ -129,8 +123,7 @@ def constant_for_crater_depth(
     [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The deepest crater is that of
     least work, C = pi/2. The shear plane comes out of the surface, eta >= gamma (4.35), where C >= arccot(mu) + gamma.
 
-    Raises:
-        ValueError: for a depth that no C within 0 < C <= pi/2 gives.
+    Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
     """
     gamma = np.asarray(impact_angle)
     positive("depth", depth, "m")

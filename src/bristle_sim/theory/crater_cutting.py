@@ -182,8 +182,7 @@ def crater_depth_from_contact(
     of shape (n,), n >= 2; gamma in rad, tau_s in Pa. mu while cutting is by default the contact's own at its peak.
     ``surface`` says where the shear plane ends, ``parallel`` or ``inclined``.
 
-    Raises:
-        ValueError: for arrays of unequal length, times that do not increase, or a contact without a pressing force.
+    Raises ValueError for arrays of unequal length, times that do not increase, or a contact without a pressing force.
     """
     _check_angle(impact_angle)
     forces = {"normal_force": normal_force, "tangential_force": tangential_force}

@@ -18,11 +18,8 @@ from bristle_sim.arrays import Number
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.theory.checks import checked_arguments, require
 
-COMPRESSION_TIME = 5e-5
-"""t_c, read off high-speed camera frames, s (Zhang 2020, eq. 3.20)."""
-
-IMPACT_ANGLE = math.radians(23.4)
-"""Impact angle, rad (Zhang 2020, eq. 4.51)."""
+COMPRESSION_TIME = 5e-5  # t_c, read off high-speed camera frames, s (Zhang 2020, eq. 3.20)
+IMPACT_ANGLE = math.radians(23.4)  # rad (Zhang 2020, eq. 4.51)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,8 +120,7 @@ class CuttingWidth:
     h = d/2 is the half-width, m; the swing s, m, the trace of the final depth on the face times a_2/a_1: the other printed
     constant, 1.39e-4, is h - s. The decay is lambda, 1/s.
 
-    Raises:
-        ValueError: unless 0 < swing <= half_width; deeper than its centre line the face no longer widens.
+    Raises ValueError unless 0 < swing <= half_width; deeper than its centre line the face no longer widens.
     """
 
     half_width: float = 3.55e-4
@@ -150,17 +146,10 @@ class CuttingWidth:
         return 2.0 * np.sqrt(gone * (2.0 * self.half_width - gone))
 
 
-PRINTED_KINEMATICS = CraterKinematics()
-"""Motion with the printed constants (Zhang 2020, eqs. 4.4-4.10)."""
-
-PRINTED_FACE = TipFace()
-"""Cutting face with the printed constants (Zhang 2020, eqs. 4.9-4.13)."""
-
-PRINTED_WIDTH = CuttingWidth()
-"""Width with the printed constants (Zhang 2020, eq. 4.16)."""
-
-PRINTED_ENERGY = (0.0126, 0.00303, 7.25e-4)
-"""Coefficients of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J (Zhang 2020, eq. 4.59)."""
+PRINTED_KINEMATICS = CraterKinematics()  # with the printed constants (Zhang 2020, eqs. 4.4-4.10)
+PRINTED_FACE = TipFace()  # with the printed constants (Zhang 2020, eqs. 4.9-4.13)
+PRINTED_WIDTH = CuttingWidth()  # with the printed constants (Zhang 2020, eq. 4.16)
+PRINTED_ENERGY = (0.0126, 0.00303, 7.25e-4)  # of e^(-2 lambda t), e^(-lambda t) and 1 in E_k, J (Zhang 2020, eq. 4.59)
 
 
 def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tuple[float, float, float]:

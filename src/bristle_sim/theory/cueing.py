@@ -27,8 +27,7 @@ from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
 from bristle_sim.quantity import shown
 from bristle_sim.theory.checks import checked_arguments, positive, require
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)
-"""Quadrature on [-1, 1]; 64 nodes leave only rounding for retractions up to 150 deg."""
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]; 64 leave only rounding up to 150 deg
 
 
 @checked_arguments

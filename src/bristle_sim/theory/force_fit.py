@@ -24,29 +24,17 @@ from bristle_sim.theory.checks import checked_arguments
 from bristle_sim.theory.force_history import ForceCurve
 from bristle_sim.theory.force_least_squares import FitProblem, ForceFit
 
-AROUND = 0.5
-"""Part of the duration before and after the contact that the fit of a record takes in: what lies farther off (ringing,
-another contact) says nothing about this one."""
-
+AROUND = 0.5  # part of the duration before and after the contact that the fit takes in: nearer than other contacts
 ENDS = 0.05  # part of the duration by which the start found may be late and the end early
 FEWEST_OUTSIDE = 4  # samples from outside the contact that a baseline needs
 
-MOST_CHANCE = 0.01
-"""Probability that noise alone, independent and normal, shows as good a contact somewhere in the record."""
+MOST_CHANCE = 0.01  # probability that noise alone, independent and normal, shows as good a contact in the record
+LEVEL = 0.03  # part of the peak by which both ends of a record of the contact alone may be off zero
+PLACES = 50.0  # contacts that noise may show for each further duration: 16 starts, and durations that differ
+MISSING_START = 0.1  # part of the duration by which a contact may begin before the record does: extrapolated there
+NO_CONTACT = "force: no contact found in the record; there must be a force in it that rises and falls above the noise"
 
-LEVEL = 0.03
-"""Part of the peak force by which both ends of a record without samples outside the contact may be off zero."""
-
-PLACES = 50.0
-"""Independent contacts that noise may show in a record, for each further duration that it lasts: the search tries
-16 starts in a duration and as many durations within a factor of 20 as differ."""
-
-MISSING_START = 0.1
-"""Part of the duration by which a contact may begin before the record does: the curve is extrapolated there."""
-
-BINS = 16
-"""Averages in a duration: the start is located to D/16, which is close enough for a least-squares fit to converge."""
-
+BINS = 16  # averages in a duration: a start located to D/16 is close enough for least squares to converge
 LEVEL_BINS = 8  # averages before and after the pulse that fix the level on which it stands
 RATIO = 1.2  # ratio of successive durations: the best one is at most 10 % off
 LEAST_BINS = 7  # averages of the pulse that the record must hold, i.e. nearly up to its peak
@@ -92,21 +80,15 @@ def _fit_record(time: Array, force: Array, duration: float | None, peak_force: f
     """Find the contact in the record, then fit its start and the baseline with its curve."""
     found = _find_contact(time, force)
     if found is None:
-        raise ValueError("force: no contact found in the record; there must be a force in it that rises and falls")
+        raise ValueError(NO_CONTACT)
     since = (time - found.start) / found.duration
     near = (since >= -AROUND) & (since <= 1.0 + AROUND)
     outside = near & ((since < -ENDS) | (since > 1.0 + ENDS))
     based = int(outside.sum()) >= FEWEST_OUTSIDE
     length, time, force = float(time[-1] - time[0]), time[near], force[near]
-    unknowns = 3 + (duration is None) + based
-    if force.size <= unknowns:
-        raise ValueError(
-            f"force: {force.size} points in and around the contact that begins at {found.start:.9g} s; there must be more"
-            f" than the {unknowns} unknowns"
-        )
     scale = peak_force if peak_force is not None else (found.amplitude if based else float(force.max()))
     if not scale > 0.0:
-        raise ValueError("force: no contact found in the record; the largest value must be above 0 (in N)")
+        raise ValueError(NO_CONTACT)
     problem = FitProblem(time - found.start, force, duration, scale, found.duration, True, based)
     guesses = [found.duration] if duration is None else [duration]
     fit = problem.solve(guesses, origin=found.start, baseline=found.baseline if based else 0.0)
@@ -121,30 +103,25 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
     try:
         peak = fit.curve.peak_time()
     except ValueError:
-        raise ValueError("force: no contact found in the record; there must be a force that rises and falls") from None
+        raise ValueError(NO_CONTACT) from None
     unknowns = len(fit.names)
     left, right = float(np.sum(fit.residuals**2)), float(np.sum((force - force.mean()) ** 2))
     freedom = force.size - unknowns
     ratio = (right - left) / unknowns / max(left / freedom, np.finfo(float).tiny)
     places = max(1.0, PLACES * (length / fit.curve.duration - 1.0))
     if not (ratio > 0.0 and places * fdtrc(unknowns, freedom, ratio) <= MOST_CHANCE):
-        raise ValueError(
-            "force: no contact found in the record; there must be a force that rises and falls above the noise"
-        )
+        raise ValueError(NO_CONTACT)
     if fit.start < time[0] - MISSING_START * fit.curve.duration - (time[1] - time[0]):
         raise ValueError(
-            f"time: the contact seems to begin at {fit.start:.9g} s, the record at {time[0]:.9g} s;"
-            " the contact's start must be in the record"
+            f"time: begins at {time[0]:.9g} s; its start must be before that of the contact, {fit.start:.9g} s"
         )
     if fit.start + peak > time[-1] + MISSING_START * fit.curve.duration:
-        raise ValueError(
-            f"time: the record ends at {time[-1]:.9g} s, before the force has passed its peak, which must be in it"
-        )
+        raise ValueError(f"time: ends at {time[-1]:.9g} s; its end must be after the peak of the force")
     level = max(LEVEL * float(fit.curve(peak)), 4.0 * fit.root_mean_square)
     if "baseline" not in fit.names and force[0] * force[-1] > 0.0 and min(abs(force[0]), abs(force[-1])) > level:
+        ends = f"begins at {force[0]:g} N and ends at {force[-1]:g} N"
         raise ValueError(
-            f"force: the record begins at {force[0]:g} N and ends at {force[-1]:g} N, where a"
-            " contact has 0; samples outside the contact must be in it, as they show its zero"
+            f"force: {ends}, where a contact has 0; samples outside the contact must be in it, for its zero"
         )
 
 
@@ -213,10 +190,7 @@ def _best(time: Array, integral: Array, duration: float) -> tuple[float, _Pulse]
 
 
 def _sums(average: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """Return the sums over a pulse and its surroundings that starts at each average: of 1, F, g, F g and g^2.
-
-    Outside the record there is nothing to sum.
-    """
+    """Return the sums over a pulse and its surroundings that starts at each average: of 1, F, g, F g and g^2."""
     curve = ForceCurve.of_impact(1.0, 0.0, 1.0, 1.0)
     edges = np.linspace(0.0, 1.0, BINS + 1)
     shape = np.zeros(BINS + 2 * LEVEL_BINS)

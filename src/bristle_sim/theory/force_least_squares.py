@@ -15,14 +15,11 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.theory.force_history import ForceCurve
 
-INDISTINCT = 1e-10
-"""Ratio of singular values of the scaled Jacobian below which the points leave a parameter undetermined."""
+INDISTINCT = 1e-10  # singular values below this fraction of the largest leave a parameter undetermined
 
 INDISTINCT_WORDS = "force: no contact found in the record; there must be more points, or less noise"
 
-TRUSTED_SHARE = 0.2
-"""Points whose bracket in (3.3) is below this fraction of its largest value say little about the exponential."""
-
+TRUSTED_SHARE = 0.2  # points whose bracket in (3.3) is a smaller fraction of its largest say little of the exponential
 STEEPEST = 3.0  # largest decay times duration from which the search begins in a record
 
 
@@ -76,8 +73,7 @@ class FitProblem:
     def solve(self, guesses: list[float], *, origin: float = 0.0, baseline: float = 0.0) -> ForceFit:
         """Search from each guess of the duration, s, and report the best; origin is the clock's zero of these points, s.
 
-        Raises:
-            ValueError: if the points are too few, do not tell the unknowns apart, or no search comes to an end.
+        Raises ValueError if the points are too few, do not tell the unknowns apart, or no search comes to an end.
         """
         from scipy.optimize import least_squares
 
@@ -154,13 +150,10 @@ class FitProblem:
     @property
     def sizes(self) -> dict[str, float]:
         """Return the size that each unknown is measured in, by name and in order."""
-        later = {
-            "duration": (self.duration is None, self.unit),
-            "start": (self.shifted, self.unit),
-            "baseline": (self.based, self.peak_force),
-        }
-        fitted = {name: size for name, (unknown, size) in later.items() if unknown}
-        return {"amplitude 1": 1.0, "decay 1": 1.0 / self.unit, **fitted}
+        duration = {"duration": self.unit} if self.duration is None else {}
+        start = {"start": self.unit} if self.shifted else {}
+        baseline = {"baseline": self.peak_force} if self.based else {}
+        return {"amplitude 1": 1.0, "decay 1": 1.0 / self.unit, **duration, **start, **baseline}
 
     @property
     def units(self) -> Array:

@@ -35,18 +35,9 @@ from bristle_sim.theory.impact_phases import End, Target, isfinite, quotient, se
 from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact
 
 __all__ = [
-    "LAWS",
-    "NO_CONTACT",
-    "NO_REBOUND",
-    "OUTCOMES",
-    "PHASES",
-    "REBOUND",
-    "STICTION",
-    "Impact",
-    "energetic_impact",
-    "newton_impact",
-    "poisson_impact",
-]
+    "LAWS", "NO_CONTACT", "NO_REBOUND", "OUTCOMES", "PHASES", "REBOUND", "STICTION", "Impact", "energetic_impact",
+    "newton_impact", "poisson_impact",
+]  # fmt: skip
 
 MOST_FRICTION = 1e150  # more makes impulses that overflow
 

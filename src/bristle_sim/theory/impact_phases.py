@@ -26,8 +26,7 @@ KNIFE_EDGE = 1e-6
 radial bristle, up to rounding and to where its strike was located. It is neither a jam, nor has it a rebound, for which the
 work rule would ask an impulse of W/v_n, without bound."""
 
-SINGULAR = 64.0 * sys.float_info.epsilon
-"""A normal compliance in stick below this fraction of K_nn is rounding: the contact has one degree of freedom."""
+SINGULAR = 64.0 * sys.float_info.epsilon  # a smaller fraction of K_nn in stick is rounding: one degree of freedom
 
 
 @dataclass(slots=True)
@@ -75,8 +74,7 @@ class _Phase(NamedTuple):
 
 _NOTHING = _Phase(0.0, 0.0, 0.0, 0.0, False, False)  # a phase that a single impact does not have
 
-End = Callable[[Number, Number, Target], Number]
-"""Normal impulse from (velocity, compliance) at which restitution ends."""
+End = Callable[[Number, Number, Target], Number]  # (velocity, compliance, target) -> normal impulse of restitution
 
 
 def walk(

@@ -30,8 +30,7 @@ NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]
 def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
     """Return the largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
 
-    Raises:
-        ValueError: if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
+    Raises ValueError if the bristle would lean over by more than 90 degrees, where it lies on the pulley.
     """
     require("hub_speed", hub_speed, hub_speed >= LEAST_SPEED, f"must be at least {LEAST_SPEED:g} (in rad/s)")
     from scipy.optimize import brentq

@@ -29,12 +29,8 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 
-Surface = Literal["parallel", "inclined"]
-"""How the surface lies to the path where the shear plane ends."""
-
-API_5L = 1.2e8
-"""Shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)."""
-
+Surface = Literal["parallel", "inclined"]  # how the surface lies to the path where the shear plane ends
+API_5L = 1.2e8  # shear yield stress of the steel API 5L, Pa (Zhang 2020, eq. 4.53)
 RAKE_OFFSET = math.radians(11.5)  # rake angle minus impact angle, measured on the tip, rad (Zhang 2020, eq. 4.36).
 
 
@@ -80,8 +76,7 @@ def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool 
     The shear angle is that of least work (4.25), (4.45) with C = pi/2. mu > 0 is the ratio of tangential to normal force on
     the workpart, 0 <= gamma < pi/2 in rad.
 
-    Raises:
-        ShearAngleError: where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
+    Raises ShearAngleError where eta < gamma, that is mu < tan(gamma) (4.42), and check is set.
     """
     gamma, upright = np.asarray(impact_angle), np.arctan2(1.0, friction)
     require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")

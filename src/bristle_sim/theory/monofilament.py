@@ -29,8 +29,7 @@ from bristle_sim.arrays import Number
 from bristle_sim.theory.checks import checked_arguments, require
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
 
-LEAST_ANGLE = 1e-150
-"""Least impact angle, rad: impulses grow as its inverse, and those of smaller angles overflow for a tip without friction."""
+LEAST_ANGLE = 1e-150  # least impact angle, rad: impulses grow as its inverse, and would overflow without friction
 
 
 @dataclass(frozen=True, slots=True)

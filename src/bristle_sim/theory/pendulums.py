@@ -37,8 +37,7 @@ from bristle_sim.theory.monofilament import LEAST_ANGLE
 
 _ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
 
-_PARALLEL = 1e-8
-"""Rods whose angles differ by less (rad) count as parallel: their tip moves along one line, up to rounding."""
+_PARALLEL = 1e-8  # rods whose angles differ by less, rad, are parallel: their tip moves along one line
 
 
 @dataclass(frozen=True, slots=True)

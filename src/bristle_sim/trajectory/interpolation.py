@@ -17,10 +17,7 @@ if TYPE_CHECKING:
 
 SAMPLES = 8  # samples that a polynomial of free motion passes through, with its slope too: then it is of degree 15
 
-UNEVEN = 20.0
-"""Largest ratio of a sample interval to that of the instant: where an event falls next to a sample, a polynomial through
-both would magnify their rounding."""
-
+UNEVEN = 20.0  # largest ratio of neighbouring intervals; next to an event a polynomial would magnify their rounding
 SAME = 1e-6  # rounding of a contact's end, as a fraction of its duration
 
 
@@ -38,8 +35,7 @@ def motion_at(run: Trajectory, time: ArrayLike, *, side: str = "after") -> Motio
         time: s, of any shape.
         side: ``before`` or ``after``, which of the two states at the instant of an impact.
 
-    Raises:
-        ValueError: for an instant outside the run, or another side.
+    Raises ValueError for an instant outside the run, or another side.
     """
     if side not in ("before", "after"):
         raise ValueError(f"side = {side!r}: must be before or after")
@@ -146,11 +142,7 @@ def _window(time: Array, piece: tuple[int, int], instant: float) -> tuple[int, i
 
 
 def _smooth_pieces(time: Array, kinks: set[int]) -> list[tuple[int, int]]:
-    """First and last sample of each piece in which no contact begins or ends.
-
-    Before and after an impact are samples of their own; where a sustained contact begins or ends one sample belongs to both
-    pieces.
-    """
+    """First and last sample of each piece in which no contact begins or ends; it shares that of a sustained contact's end."""
     jumps = np.flatnonzero(np.diff(time) <= 0.0)
     edges = [0, *np.sort(np.concatenate([jumps, jumps + 1])).tolist(), time.size - 1]
     found = []

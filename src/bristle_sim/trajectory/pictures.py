@@ -17,11 +17,8 @@ if TYPE_CHECKING:
 
 SHOWN = 6  # events that are named
 
-LINES = "white-space:pre-wrap;min-width:0"
-"""Style of a summary's lines: in a narrow cell they wrap, instead of squeezing the drawing."""
-
-WIDTH = 260
-"""Width of a summary's drawing, px; its height follows from what it shows."""
+LINES = "white-space:pre-wrap;min-width:0"  # lines of a summary wrap, instead of squeezing the drawing
+WIDTH = 260  # width of a summary's drawing, px; its height follows from what it shows
 
 
 def plot(run: Trajectory, *, until: float | None = None) -> Figure:

@@ -156,8 +156,7 @@ class ContactRecord:
     def columns(self) -> dict[str, Array]:
         """Return the contact in time by names and units.
 
-        Raises:
-            ValueError: for a contact that was not resolved in time.
+        Raises ValueError for a contact that was not resolved in time.
         """
         if self.history is None:
             raise ValueError(f"contact = {self.law}: must be compliant; an impact at an instant has no time series")

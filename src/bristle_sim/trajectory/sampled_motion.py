@@ -42,8 +42,7 @@ class SampledMotion:
     Two samples that share an instant (before and after an impact) end one interval and begin the next; at that very
     instant the later one holds. Instants outside the run are taken as its ends.
 
-    Raises:
-        ValueError: if the run has no two different instants.
+    Raises ValueError if the run has no two different instants.
     """
 
     def __init__(self, trajectory: Trajectory) -> None:
@@ -80,12 +79,12 @@ class SampledMotion:
         run, end = self._run, min(until, self.end)
         samples = run.time <= end
         between = np.setdiff1d(np.linspace(self.start, end, points), run.time)
-        time = np.concatenate([run.time[samples], between])
-        order = np.argsort(time, kind="stable")
-        time = time[order]
-        retraction = np.concatenate([run.retraction[samples], self._retraction(between)])[order]
-        centre_line = np.concatenate([run.centre_line[samples], self._line(between)])[order]
-        return Course(time, retraction, self.along(time, run.relative_rate), centre_line)
+        time = np.sort(np.concatenate([run.time[samples], between]))
+        retraction, line = (
+            self._both(self._retraction, run.retraction, time),
+            self._both(self._line, run.centre_line, time),
+        )
+        return Course(time, retraction, self.along(time, run.relative_rate), line)
 
     def along(self, time: Array, samples: Array) -> Array:
         """Interpolate a quantity known at the samples by cubic splines at a course's instants, shape (n,).
@@ -102,9 +101,13 @@ class SampledMotion:
             for first, last in pairwise(np.union1d([0, part.size - 1], nearest).astype(int).tolist()):
                 span = part[first : last + 1]
                 pieces.append(CubicSpline(sampled[span], samples[span]))
-        found = np.asarray(_joined(pieces)(time))
+        return self._both(_joined(pieces), samples, time)
+
+    def _both(self, curve: PPoly, samples: Array, time: Array) -> Array:
+        """Evaluate at a course's instants; of two that are one, before and after an impact, the first has the sample before."""
+        found = np.asarray(curve(time))
         before = np.flatnonzero(np.diff(time) <= 0.0)
-        found[before] = samples[np.searchsorted(sampled, time[before])]
+        found[before] = samples[np.searchsorted(self._run.time, time[before])]
         return found
 
     def _cubics(self, values: Array, slopes: Array) -> PPoly:

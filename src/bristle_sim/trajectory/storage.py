@@ -29,8 +29,7 @@ ARRAYS = ("time", "hub_angle", *INNER[1:], "kinetic_energy", "potential_energy",
 def write(run: Trajectory, path: str | Path) -> None:
     """Write everything to one npz file of exactly that name, with no suffix added; it appears only when complete.
 
-    Raises:
-        OSError: naming the file, if it cannot be written.
+    Raises OSError naming the file, if it cannot be written.
     """
     import json
 
@@ -119,8 +118,7 @@ DIMENSIONS = {
 def to_dataframe(run: Trajectory) -> pd.DataFrame:
     """Return all sampled quantities as a pandas DataFrame, one row a sample; ``attrs["units"]`` has their units.
 
-    Raises:
-        ImportError: if pandas is not installed.
+    Raises ImportError if pandas is not installed.
     """
     try:
         import pandas as pd
@@ -139,8 +137,7 @@ def to_xarray(run: Trajectory) -> xarray.Dataset:
     ``at`` is of higher order: of samples that share an instant the later ones follow by the smallest step of a double.
     ``instant`` is the time as recorded.
 
-    Raises:
-        ImportError: if xarray is not installed.
+    Raises ImportError if xarray is not installed.
     """
     try:
         import xarray

@@ -17,8 +17,7 @@ from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
 from bristle_sim.trajectory.storage import read, to_dataframe, to_xarray, write
 
-NOTABLE = 0.01
-"""Extremes of the motion relative to the hub below this fraction of the largest in the run are not worth a mention."""
+NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
 
 
 @dataclass(frozen=True, slots=True, repr=False, eq=False)
@@ -66,8 +65,7 @@ class Trajectory(Motion):
     def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
         """Return the time of the first (or last) event of that name at or before an instant, s; None if there is none.
 
-        Raises:
-            ValueError: if no run has an event of that name.
+        Raises ValueError if no run has an event of that name.
         """
         recorded = [event.name for event in self.events]
         name = checked_name("name", name, dict.fromkeys((*EVENTS, *ABSENCES, *recorded)))
@@ -98,8 +96,7 @@ class Trajectory(Motion):
     def first_contact(self, obstacle: str) -> ContactRecord | None:
         """Return the first contact with ``bar``, ``workpart`` or ``wire``; None if there is none.
 
-        Raises:
-            ValueError: for any other name.
+        Raises ValueError for any other name.
         """
         checked_name("obstacle", obstacle, OBSTACLES)
         return next((each for each in self.contacts if each.obstacle == obstacle), None)
@@ -123,11 +120,7 @@ class Trajectory(Motion):
 
     @property
     def tool(self) -> Tool:
-        """The tool that was simulated.
-
-        Raises:
-            ValueError: if the parameters do not describe one.
-        """
+        """The tool that was simulated. Raises ValueError if the parameters do not describe one."""
         try:
             parts = self.parameters["tool"]
             built = {name: None if parts[name] is None else kinds[0](**parts[name]) for name, kinds in PARTS.items()}
