@@ -274,18 +274,13 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]
 
 
 def _remarks(row: Row) -> tuple[str, ...]:
-    contact, times = row.bristles[-1].first_contact("workpart"), [1e3 * each for each in _touches(row.bristles[-1])]
-    shown = ", ".join(f"{each:.4f}" for each in times[:6]) + (", ..." if len(times) > 6 else "")
-    touches = f"touches a neighbour at {shown} ms" if times else "touches no neighbour"
+    last, number = row.bristles[-1], row.neighbours.bristles
+    contact, end = last.first_contact("workpart"), f"{1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
     strike = "does not strike" if contact is None else f"strikes at {1e3 * contact.time:.4f} ms"
-    if _cut_short(row.bristles[-1]):
-        strike += f": the row stops at {1e3 * row.bristles[-1].time[-1]:.4f} ms ({row.bristles[-1].stop_reason})"
-    simulated = "simulated with two bristles, " if row.neighbours.search == "yes" else ""
     counted = (
-        f"least pitches: {simulated}theory by the motion of one alone; counted are touches until the bristle in front"
+        "least pitches: theory by the motion of one bristle alone; counted are touches until the bristle in front"
         " strikes, until the follower itself does, and in the whole pass"
     )
     if reason := _unsearched(row.tool, row.lone):
         counted = f"least pitches: not searched, as {reason}"
-    said = f"bristle {row.neighbours.bristles} {touches}, and {strike}; the run ended: {row.bristles[-1].stop_reason}"
-    return said, counted, "theory of the strike: a bristle alone"
+    return f"bristle {number} {strike}; the row stops at {end}", counted, "theory of the strike: a bristle alone"
