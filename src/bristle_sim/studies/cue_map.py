@@ -6,15 +6,12 @@ tip at its fastest.
 
 from __future__ import annotations
 
-import contextlib
 import functools
-import itertools
 import logging
 import math
 import time as clock
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
@@ -32,13 +29,11 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys, tool_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Found = TypeVar("Found")
 
 UNITS = {
     "bar_direction_for_radial_strike_deg": "deg",
@@ -57,9 +52,6 @@ PRINTED = {
     "relative_speed_at_contact": 845.6,
 }
 """Zhang 2020, eqs. 2.2 and 2.3."""
-
-MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
-"""Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +75,7 @@ class MapGrid(Declared):
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The results: the tool, its places, the formula's direction (rad), and how the answer moves."""
+    """The results: the tool, its places, and the formula's direction, rad."""
 
     tool: Tool
     settings: Settings
@@ -91,7 +83,6 @@ class CueMap:
     radial: Place
     fastest: Place
     formula: float | None
-    moves: tuple[dict[str, Any], ...]
 
 
 def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True) -> Report:
@@ -101,23 +92,16 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         NotCuedError: if no direction gives a radial strike.
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
-    started, total, done = clock.perf_counter(), 2 + sum(map(len, MOVES.values())), itertools.count(1)
-    total += 2 if with_reference else 0
-
-    def noted(found: Found) -> Found:
-        logging.getLogger(__name__).info("search %d of %d done", next(done), total)
-        return found
-
-    strike = simulation(settings)
-    radial = noted(radial_place(tool, strike))
-    fastest = noted(fastest_place(tool, strike, radial.direction))
+    started, strike = clock.perf_counter(), simulation(settings)
+    radial = radial_place(tool, strike)
+    fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
-    moves = tuple(noted(row) for row in _moves(tool, strike, radial.direction))
     referred: Values = {}
     if with_reference:
+        logging.getLogger(__name__).info("simulated; the independent solution is searched next")
         independent = reference_solution(settings)
-        found = noted(radial_place(tool, independent, radial.direction))
-        referred = _named(tool, found, noted(fastest_place(tool, independent, radial.direction)))
+        found = radial_place(tool, independent, radial.direction)
+        referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
     tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
     widened = {
@@ -137,8 +121,7 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ),
         wall_s=clock.perf_counter() - started,
         remarks=_remarks(tool, strike),
-        extra={"moves": list(moves)},
-        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
+        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula),
     )
 
 
@@ -162,24 +145,6 @@ def _by_formula(tool: Tool, direction: float) -> Values:
     tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
     place = Place(direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
     return _named(tool, place, place)
-
-
-def _moves(tool: Tool, strike: Strike, start: float) -> Iterator[dict[str, Any]]:
-    """Yield the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
-    own = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}
-    for key, choice in ((key, choice) for key, choices in MOVES.items() for choice in choices):
-        value, found = own[key] * choice if key in own else choice, None
-        other = tool_of_keys(**{**keys_of(tool), key: value})
-        with contextlib.suppress(ValueError):  # the row says so by having no direction
-            found = radial_place(other, strike, start)
-        formula = _formula(other)
-        yield {
-            "key": key,
-            "value": value,
-            "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
-            "theory": formula and math.degrees(formula),
-            "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
-        }
 
 
 def _remarks(tool: Tool, strike: Strike) -> tuple[str, ...]:

@@ -228,7 +228,10 @@ def _compared_laws(laws: Sequence[dict[str, Any]], refusals: dict[str, str], rat
     forms = (">24.9g", ">13.6g", ">13.6g", ">13.5g", ">13.5g", ">14.7f")
     lines = ["", f"{'law':<9} {titles[0]:>24}" + "".join(f"{each:>13}" for each in titles[1:5]) + f"{titles[5]:>14}"]
     for name, *values in (each.values() for each in laws):
-        cells = ("-".rjust(int(form[1:3])) if each is None else format(each, form) for each, form in zip(values, forms, strict=True))
+        cells = (
+            "-".rjust(int(form[1:3])) if each is None else format(each, form)
+            for each, form in zip(values, forms, strict=True)
+        )
         lines.append(f"{name:<9} {''.join(cells)}")
     return (*lines, *(f"{law:<9} {reason}" for law, reason in refusals.items()))
 
