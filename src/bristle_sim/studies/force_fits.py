@@ -52,15 +52,8 @@ def fit_as_dict(fit: ForceFit) -> dict[str, Any]:
 def _in_words(fit: ForceFit) -> str:
     """Describe a fit for the terminal by its values, standard errors and residuals."""
     pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
-    shown = ", ".join(f"{name} = {value:.{_digits(value, error)}g} +- {error:.1g}" for name, value, error in pairs)
+    shown = ", ".join(f"{name} = {value:.5g} +- {error:.1g}" for name, value, error in pairs)
     return f"{shown}; residuals {fit.root_mean_square:.2g} N"
-
-
-def _digits(value: float, error: float) -> int:
-    """Return how many significant digits of a value its standard error, of one digit, leaves; at most six."""
-    if not (value and error):
-        return 6
-    return min(6, max(1, 1 + math.floor(math.log10(abs(value))) - math.floor(math.log10(error))))
 
 
 @dataclass(frozen=True, slots=True)
