@@ -15,7 +15,6 @@ from bristle_sim.studies.crater_study import (
     FRICTIONS,
     IMPACT_ANGLES_DEG,
     MEASURED,
-    constant_row,
     constants_over,
     crater_study,
     energy_depth_course,
@@ -204,24 +203,12 @@ def test_by_hand_at_the_operating_point():
     scale = 2.0 * 139.403e-6 / (1.0 - math.sin(x))
     by_hand = math.degrees(math.asin(math.sin(x) + 2.0 * MEASURED / scale))
     # 139.403 has six digits; C moves by 1/cos(77.4 deg) = 4.6 times as much.
-    assert constant_row(Crater(), MEASURED).theory == pytest.approx(by_hand, abs=0.001)
-
-
-@pytest.mark.parametrize("friction", FRICTIONS)
-@pytest.mark.parametrize("angle", IMPACT_ANGLES_DEG)
-def test_closed_form_and_root_agree(friction, angle):
-    row = constant_row(changed(friction=friction, impact_angle_deg=angle, plies=50.0), MEASURED)
-    assert (row.simulated is None) == (row.theory is None)
-    if row.theory is not None:
-        assert row.ok is True
-        assert row.tolerance < 1e-6
+    assert row(study(), "constant_for_measured_depth_deg").theory == pytest.approx(by_hand, abs=0.001)
 
 
 def test_no_constant_makes_a_crater_deeper_than_least_work():
     deepest = float(merchant_crater_depth())
     assert constant_for_crater_depth(deepest) == pytest.approx(math.pi / 2, abs=1e-7)
-    row = constant_row(Crater(), 1.001 * deepest)
-    assert (row.simulated, row.theory, row.ok) == (None, None, None)
     for depth in (1.001 * deepest, 0.0, -1e-5, math.nan):
         with pytest.raises(ValueError, match=r"^depth = "):
             constant_for_crater_depth(depth)

@@ -55,9 +55,6 @@ FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
 IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
 """Rows of the table: the ranges of figs. 4.14 and 4.15, closer where C runs from its least value to 90 degrees."""
 
-SAME_SUM = 1e-9
-"""Relative difference of two sums over plies by different orders of their terms."""
-
 
 @dataclass(frozen=True, slots=True)
 class CraterStudy:
@@ -94,10 +91,11 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     printed = {**PRINTED, **dict.fromkeys(CONTACT_DEPTHS, MEASURED)} if crater == Crater() else {}
     formulas = rows(dict.fromkeys(PRINTED, "m"), {}, _formula_depths(study), printed=printed)
     contact = rows(dict.fromkeys(CONTACT_DEPTHS, "m"), simulated, theory, printed=printed)
+    constant = Quantity("constant_for_measured_depth_deg", "deg", None, _closed_form_deg(crater, MEASURED))
     works = () if study.contact is None else (work_row(study.contact),)
     report = Report(
         outcome="no contact",
-        quantities=(*formulas, *works, *contact, constant_row(crater, MEASURED)),
+        quantities=(*formulas, *works, *contact, constant),
         remarks=_remarks(study),
         extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
@@ -194,16 +192,12 @@ def cut_of(crater: Crater) -> dict[str, Any]:
     }
 
 
-def merchant_depth_course(crater: Crater, constant_deg: float = 90.0) -> Array:
-    """Return the depth after each ply, 0 first, m, by (4.57) as printed, in degrees; shape (plies + 1,).
-
-    Its 45 degrees are half of the constant C of (4.45).
-    """
+def merchant_depth_course(crater: Crater) -> Array:
+    """Return the depth after each ply, 0 first, m, by (4.57) as printed, in degrees; shape (plies + 1,)."""
     time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
     steep, gamma = math.degrees(math.atan2(1.0, crater.friction)), crater.impact_angle_deg
-    half = constant_deg / 2.0
-    shear = math.radians(half - steep / 2.0 + gamma / 2.0)
-    resultant, leaning = math.radians(half + steep / 2.0 - gamma / 2.0), math.radians(steep - gamma)
+    shear = math.radians(45.0 - steep / 2.0 + gamma / 2.0)
+    resultant, leaning = math.radians(45.0 + steep / 2.0 - gamma / 2.0), math.radians(steep - gamma)
     growth = np.diff(_printed_force(time) * math.cos(leaning))
     ratio = math.sin(shear) * math.cos(resultant) * math.cos(math.radians(gamma)) / math.cos(leaning)
     width = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * time[1:])) ** 2)
@@ -226,19 +220,6 @@ def _printed_force(time: Array) -> Array:
     return np.asarray(1.0160 * np.exp(-5.4990 * time) * (26.0 - 30.0 * turning))
 
 
-def constant_row(crater: Crater, depth: float) -> Quantity:
-    """Return C in degrees, by root finding on the printed sum (4.57) and in closed form; empty where there is none."""
-    name = "constant_for_measured_depth_deg"
-    theory, found = _closed_form_deg(crater, depth), _root_deg(crater, depth)
-    if theory is None:
-        return Quantity(name, "deg", found)
-    # d(depth)/depth = cos(C) dC/(sin(C) - sin(x)); at C = 90 degrees the depth is stationary and C known to its root.
-    constant, slope = math.radians(theory), math.cos(math.radians(theory))
-    gain = math.sin(constant) - math.sin(_resultant_angle(crater))
-    error = min(SAME_SUM * gain / max(slope, 1e-12), math.sqrt(2.0 * SAME_SUM * gain))
-    return Quantity(name, "deg", found, theory, tolerance=max(error / constant, 1e-12))
-
-
 def constants_over(
     crater: Crater,
     depth: float,
@@ -250,36 +231,17 @@ def constants_over(
     for gamma, friction in product(impact_angles_deg, frictions):
         tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
         row: dict[str, Any] = {"friction": friction, "impact_angle_deg": gamma}
-        constant = row["constant_deg"] = _closed_form_deg(tried, depth)
-        known = constant is not None
-        row["shear_angle_deg"] = 0.5 * (constant - math.degrees(_resultant_angle(tried))) if known else None
-        # eta >= gamma, which is C >= arccot(mu) + gamma (4.35).
-        least = math.degrees(math.atan2(1.0, friction)) + gamma
-        row["shear_plane_emerges"] = constant >= least - 1e-9 if known else None
-        rows.append(row)
+        constant, shear = _closed_form_deg(tried, depth), None
+        if constant is not None:  # C = 2 eta + beta - alpha
+            shear = 0.5 * (constant - math.degrees(math.atan2(1.0, friction) - math.radians(gamma)))
+        emerges = None if shear is None else shear >= gamma - 1e-9  # (4.35)
+        rows.append(row | {"constant_deg": constant, "shear_angle_deg": shear, "shear_plane_emerges": emerges})
     return rows
 
 
-def _resultant_angle(crater: Crater) -> float:
-    """Return x = beta - alpha = arccot(mu) - gamma, rad."""
-    return math.atan2(1.0, crater.friction) - math.radians(crater.impact_angle_deg)
-
-
-def _closed_form_deg(crater: Crater, depth: float) -> Any:
+def _closed_form_deg(crater: Crater, depth: float) -> float | None:
+    """Return C, degrees; None where there is none."""
     try:
         return math.degrees(float(constant_for_crater_depth(depth, plies=int(crater.plies), **cut_of(crater))))
     except ValueError:
         return None
-
-
-def _root_deg(crater: Crater, depth: float) -> float | None:
-    """Return the C for which the printed sum is as deep; the depth rises with C, from 0 at C = x."""
-    from scipy.optimize import brentq
-
-    def excess(constant: float) -> float:
-        return float(merchant_depth_course(crater, constant)[-1]) / depth - 1.0
-
-    low = max(0.0, math.degrees(_resultant_angle(crater)))
-    if abs(excess(90.0)) <= SAME_SUM:
-        return 90.0
-    return float(brentq(excess, low, 90.0, xtol=1e-13)) if excess(low) < 0.0 < excess(90.0) else None
