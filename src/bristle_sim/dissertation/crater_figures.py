@@ -15,8 +15,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters.experiments import Crater
-from bristle_sim.studies.crater_study import MEASURED
-from bristle_sim.studies.crater_sums import cut_of, energy_depth_course, merchant_depth_course
+from bristle_sim.studies.crater_study import MEASURED, cut_of, energy_depth_course, merchant_depth_course
 from bristle_sim.theory.crater import (
     energy_crater_depth,
     energy_crater_depth_ratio,

@@ -14,8 +14,14 @@ from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import blank_figure, styled
-from bristle_sim.studies.crater_study import MEASURED, CraterStudy
-from bristle_sim.studies.crater_sums import IMPACT_ANGLES_DEG, constants_over, cut_of, merchant_depth_course
+from bristle_sim.studies.crater_study import (
+    IMPACT_ANGLES_DEG,
+    MEASURED,
+    CraterStudy,
+    constants_over,
+    cut_of,
+    merchant_depth_course,
+)
 from bristle_sim.theory.crater import (
     energy_crater_depth_ratio,
     friction_for_crater_depth,

@@ -92,25 +92,17 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
 
 
 def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float]:
-    """Two directions between which the lag falls through zero: outwards from a guess, first to where that is likely."""
+    """Two directions between which the lag falls through zero, the nearest to a guess."""
     lags: dict[float, float] = {}
-    reasons: list[str] = []
-    given_up = 0
-    forwards, backwards = [*_outwards(guess, math.pi)], [*_outwards(guess, 0.0)]
-    waiting = [guess]
-    while waiting:
-        direction = waiting.pop(0)
+    reasons: list[ValueError] = []
+    tried = [guess, *_outwards(guess, math.pi), *_outwards(guess, 0.0)]
+    for direction in sorted(tried, key=lambda each: abs(each - guess)):
         try:
             lags[direction] = lag(direction)
         except ValueError as error:
-            reasons.append(str(error))
-            given_up += isinstance(error, GivenUpError)
-            if given_up == MOST_GIVEN_UP and not lags:
+            reasons.append(error)
+            if not lags and sum(isinstance(each, GivenUpError) for each in reasons) == MOST_GIVEN_UP:
                 raise
-        if direction == guess:
-            first = lags.get(guess, 0.0)
-            near, far = (forwards, backwards) if first >= 0.0 else (backwards, forwards)
-            waiting = near + far if abs(first) > SWUNG else [near[0], far[0], *near[1:], *far[1:]]
         if lags and min(lags.values()) < -SWUNG:
             for low, high in itertools.pairwise(sorted(lags)):
                 if lags[low] >= 0.0 >= lags[high] and high - low <= LARGEST_STEP * 1.001:

@@ -3,21 +3,36 @@
 Chapter 4's depths are formulas and stand under theory; nothing of them is simulated. The simulated contact is the bristle's
 in the scene, compression only, as long as the camera saw: its force and its energy give depths of their own, and its work is
 held against the energy given up.
+
+(4.45), 2 eta + beta - alpha = C, leaves C to the work material; the dissertation takes that of least work, 90 degrees, and
+its crater is deeper than measured. Less C makes a flatter shear plane and a shallower crater, until the shear plane no longer
+comes out of the surface (4.35): then there is a C, but no chip.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import product
+from typing import Any
 
-from bristle_sim.comparison import Report, Values, rows
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.comparison import Quantity, Report, Values, rows
 from bristle_sim.parameters import Bristle, Hub, Surface
 from bristle_sim.parameters.experiments import Crater
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.crater_sums import constant_row, constants_over, cut_of
 from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
-from bristle_sim.theory.crater import energy_crater_depth, merchant_crater_depth, merchant_crater_depth_limit
+from bristle_sim.theory.crater import (
+    constant_for_crater_depth,
+    energy_crater_depth,
+    merchant_crater_depth,
+    merchant_crater_depth_limit,
+)
 from bristle_sim.theory.crater_cutting import (
     ContactCrater,
     crater_depth_from_contact,
@@ -34,6 +49,11 @@ PRINTED = {"merchant_crater_depth": 1.4e-4, "merchant_crater_depth_limit": 1.4e-
 """m; Zhang 2020, fig. 4.13, where 300 plies are called converged, and fig. 4.19."""
 
 CONTACT_DEPTHS = ("contact_force_depth", "contact_energy_depth", "contact_energy_depth_inclined")
+
+
+FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
+IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
+"""Rows of the table: the ranges of figs. 4.14 and 4.15, closer where C runs from its least value to 90 degrees."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,10 +91,11 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     printed = {**PRINTED, **dict.fromkeys(CONTACT_DEPTHS, MEASURED)} if crater == Crater() else {}
     formulas = rows(dict.fromkeys(PRINTED, "m"), {}, _formula_depths(study), printed=printed)
     contact = rows(dict.fromkeys(CONTACT_DEPTHS, "m"), simulated, theory, printed=printed)
+    constant = Quantity("constant_for_measured_depth_deg", "deg", None, _closed_form_deg(crater, MEASURED))
     works = () if study.contact is None else (work_row(study.contact),)
     report = Report(
         outcome="no contact",
-        quantities=(*formulas, *works, *contact, constant_row(crater, MEASURED)),
+        quantities=(*formulas, *works, *contact, constant),
         remarks=_remarks(study),
         extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
@@ -159,3 +180,68 @@ def _remarks(study: CraterStudy) -> tuple[str, ...]:
         " its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it"
     )
     return ("", *lines)
+
+
+def cut_of(crater: Crater) -> dict[str, Any]:
+    """Return what the theory's functions of the crater take, by the names of their arguments; SI and rad."""
+    return {
+        "friction": crater.friction,
+        "impact_angle": math.radians(crater.impact_angle_deg),
+        "shear_yield_stress": crater.shear_yield_stress,
+        "compression_time": crater.compression_time,
+    }
+
+
+def merchant_depth_course(crater: Crater) -> Array:
+    """Return the depth after each ply, 0 first, m, by (4.57) as printed, in degrees; shape (plies + 1,)."""
+    time = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1)
+    steep, gamma = math.degrees(math.atan2(1.0, crater.friction)), crater.impact_angle_deg
+    shear = math.radians(45.0 - steep / 2.0 + gamma / 2.0)
+    resultant, leaning = math.radians(45.0 + steep / 2.0 - gamma / 2.0), math.radians(steep - gamma)
+    growth = np.diff(_printed_force(time) * math.cos(leaning))
+    ratio = math.sin(shear) * math.cos(resultant) * math.cos(math.radians(gamma)) / math.cos(leaning)
+    width = 2.0 * np.sqrt(3.55e-4**2 - (1.39e-4 + 2.16e-4 * np.exp(-92400.0 * time[1:])) ** 2)
+    return np.concatenate([[0.0], np.cumsum(growth * ratio / (width * crater.shear_yield_stress))])
+
+
+def energy_depth_course(crater: Crater) -> Array:
+    """Return the depth after each ply by work and energy (4.58, 4.62-4.65), m, from the printed motion (4.6, 4.7)."""
+    time, wire = np.linspace(0.0, crater.compression_time, int(crater.plies) + 1), Bristle()
+    left = np.exp(-92400.0 * time)
+    rate, centre = 1111.0 * left - 266.65, 15.0 * left + 3.615
+    energy = 0.5 * wire.mass * centre**2 + 0.5 * wire.inertia_about_centre * rate**2
+    depth = np.cumsum(-np.diff(energy) / _printed_force(time[1:]))
+    return np.concatenate([[0.0], depth * math.cos(math.radians(crater.impact_angle_deg))])
+
+
+def _printed_force(time: Array) -> Array:
+    """Return the force (3.19), N."""
+    turning = np.cos(2.0 * np.pi * (time + 0.00001) / 0.00012)
+    return np.asarray(1.0160 * np.exp(-5.4990 * time) * (26.0 - 30.0 * turning))
+
+
+def constants_over(
+    crater: Crater,
+    depth: float,
+    frictions: Iterable[float] = FRICTIONS,
+    impact_angles_deg: Iterable[float] = IMPACT_ANGLES_DEG,
+) -> list[dict[str, Any]]:
+    """Return C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
+    rows = []
+    for gamma, friction in product(impact_angles_deg, frictions):
+        tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
+        row: dict[str, Any] = {"friction": friction, "impact_angle_deg": gamma}
+        constant, shear = _closed_form_deg(tried, depth), None
+        if constant is not None:  # C = 2 eta + beta - alpha
+            shear = 0.5 * (constant - math.degrees(math.atan2(1.0, friction) - math.radians(gamma)))
+        emerges = None if shear is None else shear >= gamma - 1e-9  # (4.35)
+        rows.append(row | {"constant_deg": constant, "shear_angle_deg": shear, "shear_plane_emerges": emerges})
+    return rows
+
+
+def _closed_form_deg(crater: Crater, depth: float) -> float | None:
+    """Return C, degrees; None where there is none."""
+    try:
+        return math.degrees(float(constant_for_crater_depth(depth, plies=int(crater.plies), **cut_of(crater))))
+    except ValueError:
+        return None

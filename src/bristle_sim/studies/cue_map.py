@@ -6,14 +6,12 @@ tip at its fastest.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import logging
 import math
 import time as clock
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING
 
 from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
@@ -21,7 +19,6 @@ from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
-    Measures,
     Place,
     Strike,
     fastest_place,
@@ -32,13 +29,11 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys, tool_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Found = TypeVar("Found")
 
 UNITS = {
     "bar_direction_for_radial_strike_deg": "deg",
@@ -57,12 +52,6 @@ PRINTED = {
     "relative_speed_at_contact": 845.6,
 }
 """Zhang 2020, eqs. 2.2 and 2.3."""
-
-USUAL_PASSES = 12
-"""Passes that a search usually takes."""
-
-MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
-"""Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +75,7 @@ class MapGrid(Declared):
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The results: the tool, its places, the formula's direction (rad), and how the answer moves."""
+    """The results: the tool, its places, and the formula's direction, rad."""
 
     tool: Tool
     settings: Settings
@@ -94,7 +83,6 @@ class CueMap:
     radial: Place
     fastest: Place
     formula: float | None
-    moves: tuple[dict[str, Any], ...]
 
 
 def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True) -> Report:
@@ -104,17 +92,15 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         NotCuedError: if no direction gives a radial strike.
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
-    started = clock.perf_counter()
-    progress = _Progress(started, 2 + sum(map(len, MOVES.values())) + (2 if with_reference else 0))
-    strike = progress.counted(simulation(settings))
-    radial = progress.done(radial_place(tool, strike))
-    fastest = progress.done(fastest_place(tool, strike, radial.direction))
+    started, strike = clock.perf_counter(), simulation(settings)
+    radial = radial_place(tool, strike)
+    fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
-    moves = tuple(progress.done(row) for row in _moves(tool, strike, radial.direction))
     referred: Values = {}
     if with_reference:
-        independent = progress.counted(reference_solution(settings))
-        found = progress.done(radial_place(tool, independent, radial.direction))
+        logging.getLogger(__name__).info("simulated; the independent solution is searched next")
+        independent = reference_solution(settings)
+        found = radial_place(tool, independent, radial.direction)
         referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
     tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
@@ -134,40 +120,9 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
             lambda name: tolerance * widened.get(name, 1.0) if referred else None,
         ),
         wall_s=clock.perf_counter() - started,
-        remarks=_remarks(tool, strike, moves),
-        extra={"moves": list(moves)},
-        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
+        remarks=_remarks(tool, strike),
+        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula),
     )
-
-
-@dataclass(slots=True)
-class _Progress:
-    """Passes and searches done since an instant of the clock, s, and searches in all."""
-
-    started: float
-    total: int
-    searches: int = 0
-    passes: int = 0
-
-    def done(self, found: Found) -> Found:
-        """Count a search that has found this."""
-        self.searches += 1
-        return found
-
-    def counted(self, strike: Strike) -> Strike:
-        """Return the strike with each pass logged, and the time left if the passes and searches left take the mean so far."""
-
-        def told(tool: Tool) -> Measures:
-            try:
-                return strike(tool)
-            finally:
-                self.passes += 1
-                each = self.passes / self.searches if self.searches else max(USUAL_PASSES, self.passes)
-                left = (clock.perf_counter() - self.started) * (each * self.total / self.passes - 1.0)
-                words = "pass %d, %d of %d searches done, about %.0f s left"
-                logging.getLogger(__name__).info(words, self.passes, self.searches, self.total, left)
-
-        return told
 
 
 def _formula(tool: Tool) -> float | None:
@@ -192,25 +147,7 @@ def _by_formula(tool: Tool, direction: float) -> Values:
     return _named(tool, place, place)
 
 
-def _moves(tool: Tool, strike: Strike, start: float) -> Iterator[dict[str, Any]]:
-    """Yield the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
-    own = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}
-    for key, choice in ((key, choice) for key, choices in MOVES.items() for choice in choices):
-        value, found = own[key] * choice if key in own else choice, None
-        other = tool_of_keys(**{**keys_of(tool), key: value})
-        with contextlib.suppress(ValueError):  # the row says so by having no direction
-            found = radial_place(other, strike, start)
-        formula = _formula(other)
-        yield {
-            "key": key,
-            "value": value,
-            "bar_direction_for_radial_strike_deg": found and math.degrees(found.direction),
-            "theory": formula and math.degrees(formula),
-            "relative_speed_at_contact": found and found.strike["relative_speed_at_contact"],
-        }
-
-
-def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> tuple[str, ...]:
+def _remarks(tool: Tool, strike: Strike) -> tuple[str, ...]:
     assert tool.bar is not None
     stands = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
     stiffened = math.degrees(stiffened_direction(tool))
@@ -218,17 +155,9 @@ def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> t
         lag = f"{strike(tool)['lag_deg_at_contact']:.4g} deg short of radial"
     except NotCuedError as error:
         lag = str(error)
-    lines = [
+    return (
         f"where the bar stands, {stands:.3f} deg: {lag}; the formula with centrifugal stiffening: {stiffened:.3f} deg",
-        "",
-        f"{'with another':<20} {'value':>10} {'direction, deg':>15} {'formula, deg':>13} {'relative rate, rad/s':>21}",
-    ]
-    for row in moves:
-        numbers = (row["bar_direction_for_radial_strike_deg"], row["theory"], row["relative_speed_at_contact"])
-        shown = ("none" if each is None else f"{each:.5g}" for each in numbers)
-        direction, formula, rate = shown
-        lines.append(f"{row['key']:<20} {row['value']:>10.5g} {direction:>15} {formula:>13} {rate:>21}")
-    return tuple(lines)
+    )
 
 
 def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:

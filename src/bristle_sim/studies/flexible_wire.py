@@ -19,9 +19,7 @@ from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import outcome_of
-from bristle_sim.theory.crater_cutting import depth_from_energy
-from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
+from bristle_sim.studies.strike_point import crater_depth, outcome_of
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
 from bristle_sim.trajectory import ContactRecord
 
@@ -165,7 +163,7 @@ def flexible_wire(
         wall_s=wire.wall_s,
         steps=wire.steps,
         remarks=(
-            *_remarks(struck, _ratios(stiff, own), rigid.contact.outcome, with_reference=bool(reference)),
+            *_remarks(struck, rigid.contact.outcome),
             *([NO_REFERENCE] if with_reference and not reference else []),
         ),
         subject=FlexibleWire(struck, wire, rigid),
@@ -189,16 +187,13 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
     """Return impulse, peak force, time in touch and crater depth of a contact, in the units of UNITS.
 
-    The crater's chip takes the energy that the tip gives up in compression, see :mod:`bristle_sim.theory.crater_cutting`.
-
     Raises:
         ValueError: for a contact that was not resolved in time.
     """
     if contact.history is None or contact.compressive_work is None:
         raise ValueError("speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches")
-    energy = specific_cutting_energy(CUTTING_FRICTION, strike.impact_angle, API_5L, "inclined")
-    depth = depth_from_energy(max(0.0, -sum(contact.compressive_work)), energy, strike.impact_angle)
-    values = (contact.impulse[0], float(contact.history.normal_force.max()), contact.duration, float(depth))
+    depth = crater_depth(contact.compressive_work, CUTTING_FRICTION, strike.impact_angle)
+    values = (contact.impulse[0], float(contact.history.normal_force.max()), contact.duration, depth)
     return dict(zip(UNITS, values, strict=True))
 
 
@@ -262,23 +257,12 @@ def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     return found_rows
 
 
-def _remarks(
-    strike: FlexibleStrike, ratios: dict[str, float], rigid_outcome: str, *, with_reference: bool
-) -> tuple[str, ...]:
-    links = strike.tool.bristle.links
-    sources = "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
+def _remarks(strike: FlexibleStrike, rigid_outcome: str) -> list[str]:
     lines = [
-        f"{sources} {strike.stiffness:.4g} N/m",
+        "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
+        f" {strike.stiffness:.4g} N/m",
         f"crater: of API 5L steel, cut with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression",
     ]
-    if links > 1:
-        times = [f"{ratios[name]:.3g} times the {words}" for name, words in zip(UNITS, _WORDS, strict=True)]
-        lines.insert(0, f"the rigid bristle gives {', '.join(times[:3])} and {times[3]} of this wire")
     if rigid_outcome != "rebound":
         lines.append(f"the rigid bristle's outcome: {rigid_outcome}; its values are those up to the end of compression")
-    if with_reference and links > 1:
-        lines.append("reference: the same links in their absolute angles, by scipy")
-    return tuple(lines)
-
-
-_WORDS = ("impulse", "peak force", "time in touch", "crater depth")
+    return lines

@@ -224,16 +224,15 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
 
 def _compared_laws(laws: Sequence[dict[str, Any]], refusals: dict[str, str], rate_name: str) -> tuple[str, ...]:
     """Return one line a law: its rate, final impulse, works and energy ratio."""
-    head = f"{'law':<9} {rate_name:>24} {'p_fn N s':>12} {'p_ft N s':>12} {'work n J':>12} {'work t J':>12} {'energy ratio':>13}"
-    lines = ["", head]
-    for each in laws:
-        works = "".join(
-            f" {'-':>12}" if work is None else f" {work:12.5g}"
-            for work in (each["normal_work"], each["tangential_work"])
+    titles = (rate_name, "p_fn N s", "p_ft N s", "work n J", "work t J", "energy ratio")
+    forms = (">24.9g", ">13.6g", ">13.6g", ">13.5g", ">13.5g", ">14.7f")
+    lines = ["", f"{'law':<9} {titles[0]:>24}" + "".join(f"{each:>13}" for each in titles[1:5]) + f"{titles[5]:>14}"]
+    for name, *values in (each.values() for each in laws):
+        cells = (
+            "-".rjust(int(form[1:3])) if each is None else format(each, form)
+            for each, form in zip(values, forms, strict=True)
         )
-        ratio = "-" if each["kinetic_energy_ratio"] is None else f"{each['kinetic_energy_ratio']:.7f}"
-        impulses = f"{each['normal_impulse']:12.6g} {each['tangential_impulse']:12.6g}"
-        lines.append(f"{each['law']:<9} {each['rate_after']:24.9g} {impulses}{works} {ratio:>13}")
+        lines.append(f"{name:<9} {''.join(cells)}")
     return (*lines, *(f"{law:<9} {reason}" for law, reason in refusals.items()))
 
 

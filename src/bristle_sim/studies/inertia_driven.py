@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.optimize import newton
 
 from bristle_sim.comparison import Report, rows
 from bristle_sim.parameters import Tool
@@ -107,7 +108,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
         events=() if radial is None else (("radial", radial.time),),
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
         steps=0 if radial is None else radial.trajectory.cost.steps,
-        remarks=_remarks(tool, radial, strike_speed, with_bar.stop_reason),
+        remarks=_remarks(radial, strike_speed, with_bar.stop_reason),
         subject=InertiaDriven(tool, radial, with_bar),
     )
 
@@ -196,30 +197,29 @@ def _reference(tool: Tool) -> dict[str, float | None]:
 def _values(tool: Tool, run: Run, radial: Radial | None, strike_speed: float | None) -> dict[str, float | None]:
     if radial is None:
         return dict.fromkeys(UNITS)
-    return {
-        "largest_retraction_deg": math.degrees(radial.retraction),
-        "time_to_radial": radial.time,
-        "relative_speed_at_radial": radial.relative_rate,
-        "tip_speed_at_radial": radial.tip_speed,
-        "hub_speed_for_equal_tip_speed": _equal_hub_speed(tool, run, radial, strike_speed),
-    }
+    equal = _equal_hub_speed(tool, run, radial, strike_speed)
+    sides = (math.degrees(radial.retraction), radial.time, radial.relative_rate, radial.tip_speed, equal)
+    return dict(zip(UNITS, sides, strict=True))
 
 
 def _equal_hub_speed(tool: Tool, run: Run, radial: Radial, strike_speed: float | None) -> float | None:
     """Pulley speed for a tip speed, by the secant method from the tool's own; None where the bristle leans over first."""
     if strike_speed is None:
         return None
-    speed, reached = tool.hub.speed, radial.tip_speed
-    slope = reached / speed
-    for _ in range(TRIES):
-        step = (strike_speed - reached) / slope
-        if abs(step) <= 1e-11 * speed:
-            return speed + step
-        tried = until_radial(dataclasses.replace(tool, hub=dataclasses.replace(tool.hub, speed=speed + step)), run)
-        if tried is None:
-            return None
-        slope, speed, reached = (tried.tip_speed - reached) / step, speed + step, tried.tip_speed
-    return None
+    known = {0.0: 0.0, tool.hub.speed: radial.tip_speed}
+
+    def missing(speed: float) -> float:
+        if speed not in known:
+            tried = until_radial(dataclasses.replace(tool, hub=dataclasses.replace(tool.hub, speed=speed)), run)
+            if tried is None:
+                raise RuntimeError
+            known[speed] = tried.tip_speed
+        return known[speed] - strike_speed
+
+    try:
+        return float(newton(missing, 0.0, x1=tool.hub.speed, tol=1e-300, rtol=1e-11, maxiter=TRIES))
+    except RuntimeError:  # the bristle leans over, or the last try was not close enough
+        return None
 
 
 def _tip_speed_at_strike(run: Trajectory) -> float | None:
@@ -238,24 +238,16 @@ def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
     except ValueError:
         return {}
     equal = None if strike_speed is None else strike_speed / reach
-    return dict(
-        zip(UNITS, (math.degrees(retraction), time, tool.hub.speed, reach * tool.hub.speed, equal), strict=True)
-    )
+    sides = (math.degrees(retraction), time, tool.hub.speed, reach * tool.hub.speed, equal)
+    return dict(zip(UNITS, sides, strict=True))
 
 
-def _remarks(tool: Tool, radial: Radial | None, strike_speed: float | None, stop_reason: str) -> tuple[str, ...]:
+def _remarks(radial: Radial | None, strike_speed: float | None, stop_reason: str) -> tuple[str, ...]:
     if radial is None:
         return ("the bristle does not come back to the radial direction: it leans over by 90 degrees, or creeps",)
-    theory = "theory: no belt damping, so that the bristle comes back as fast, relative to the pulley, as it set out"
-    if tool.belt_damping:
-        theory = "theory: none with belt damping, for which the energy is not kept"
     if strike_speed is None:
-        return (
-            f"with the bar there is no strike, and no tip speed to compare with; that run ended: {stop_reason}",
-            theory,
-        )
+        return (f"with the bar there is no strike, and no tip speed to compare with; that run ended: {stop_reason}",)
     return (
         f"the bar-cued tool strikes at {strike_speed:.2f} m/s; without the bar the tip reaches {radial.tip_speed:.2f} m/s,"
         f" {100.0 * radial.tip_speed / strike_speed:.0f} % of it",
-        theory,
     )

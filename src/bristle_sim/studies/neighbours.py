@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
@@ -241,51 +241,45 @@ def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     return {name: state[name] for name in STATE}
 
 
-def _cut_short(run: Trajectory) -> bool:
-    """Tell whether another bristle of the row, or this one, has ended the run before this one could strike."""
-    return run.first_contact("workpart") is None and run.stop_reason is not StopReason.END
-
-
 def _touches(run: Trajectory) -> list[float]:
     return [each.time for each in run.events if each.name == WIRE_TOUCH]
 
 
-def _strike_quantities(row: Row, reference: Trajectory | None) -> list[Quantity]:
+def _strike_quantities(row: Row, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Return the last bristle's touches and its strike; theory is the lone bristle, from which a touch may differ."""
     last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
-    alone = None if touches else 0.0
-    referred = None if reference is None else float(len(_touches(reference)))
     judged = reference is not None or not touches
-    # A row ends for all when one bristle jams.
-    counted = judged and (reference is not None or last.stop_reason is StopReason.END)
-    found = [Quantity("wire_contacts", "1", touches, alone, referred, tolerance=0.0 if counted else None)]
-    own, theory = strike_values(row.tool, last), strike_values(row.tool, row.lone)
-    independent = dict.fromkeys(STATE) if reference is None else strike_values(row.tool, reference)
-    for name, unit in STATE.items():
-        value = theory[name] if reference is None else independent[name]
-        tolerance = None
-        if judged and value and not _cut_short(last):
-            # Errors are relative to angles of a radian, the hub's rate, and the strike of a bristle alone.
-            scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": row.tool.hub.speed}
-            size = max(scales.get(name, 0.0), abs(theory[name] or value))
-            tolerance = 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
-        found.append(Quantity(name, unit, own[name], theory[name], independent[name], tolerance=tolerance))
-    return found
+    simulated = {"wire_contacts": float(touches), **strike_values(row.tool, last)}
+    theory = {"wire_contacts": None if touches else 0.0, **strike_values(row.tool, row.lone)}
+    referred: dict[str, float | None] = {}
+    if reference is not None:
+        referred = {"wire_contacts": float(len(_touches(reference))), **strike_values(row.tool, reference)}
+    # Errors are relative to angles of a radian, the hub's rate, and the strike of a bristle alone.
+    scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": row.tool.hub.speed}
+
+    def tolerance(name: str) -> float | None:
+        if name == "wire_contacts":  # a row ends for all when one bristle jams
+            counted = judged and (reference is not None or last.stop_reason is StopReason.END)
+            return 0.0 if counted else None
+        value = (referred or theory)[name]
+        # Another bristle of the row, or this one, may end the run before this one could strike.
+        cut_short = simulated[name] is None and last.stop_reason is not StopReason.END
+        if not judged or not value or cut_short:
+            return None
+        size = max(scales.get(name, 0.0), abs(theory[name] or value))
+        return 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
+
+    return rows({"wire_contacts": "1", **STATE}, simulated, theory, referred, tolerance=tolerance)
 
 
 def _remarks(row: Row) -> tuple[str, ...]:
-    contact, times = row.bristles[-1].first_contact("workpart"), [1e3 * each for each in _touches(row.bristles[-1])]
-    shown = ", ".join(f"{each:.4f}" for each in times[:6]) + (", ..." if len(times) > 6 else "")
-    touches = f"touches a neighbour at {shown} ms" if times else "touches no neighbour"
+    last, number = row.bristles[-1], row.neighbours.bristles
+    contact, end = last.first_contact("workpart"), f"{1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
     strike = "does not strike" if contact is None else f"strikes at {1e3 * contact.time:.4f} ms"
-    if _cut_short(row.bristles[-1]):
-        strike += f": the row stops at {1e3 * row.bristles[-1].time[-1]:.4f} ms ({row.bristles[-1].stop_reason})"
-    simulated = "simulated with two bristles, " if row.neighbours.search == "yes" else ""
     counted = (
-        f"least pitches: {simulated}theory by the motion of one alone; counted are touches until the bristle in front"
+        "least pitches: theory by the motion of one bristle alone; counted are touches until the bristle in front"
         " strikes, until the follower itself does, and in the whole pass"
     )
     if reason := _unsearched(row.tool, row.lone):
         counted = f"least pitches: not searched, as {reason}"
-    said = f"bristle {row.neighbours.bristles} {touches}, and {strike}; the run ended: {row.bristles[-1].stop_reason}"
-    return said, counted, "theory of the strike: a bristle alone"
+    return f"bristle {number} {strike}; the row stops at {end}", counted, "theory of the strike: a bristle alone"

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import Any
 
 import numpy as np
 
 from bristle_sim.arrays import Array
+from bristle_sim.parameter_file import tool_keys
 from bristle_sim.parameters import PARTS, Bristle, Tool
-from bristle_sim.quantity import Choice, Range
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
@@ -119,31 +118,24 @@ def tool_of_keys(**values: float | str | None) -> Tool:
     Raises:
         ValueError: for a key that no part has, or a value out of range.
     """
-    left = dict(values)
-    parts: dict[str, Any] = {"gravity": left.pop("gravity")} if "gravity" in left else {}
-    for name, (part, *_) in PARTS.items():
-        declared = {each.name: each.metadata["declaration"].key for each in dataclasses.fields(part)}
-        parts[name] = part(**{field: left.pop(key) for field, key in declared.items() if key in left})
+    left, fields = dict(values), dict[str, Any]()
+    for part, keys in tool_keys().items():
+        own = {field: left.pop(key) for key, (field, _) in keys.items() if key in left}
+        fields |= {part: PARTS[part][0](**own)} if part else own
     if left:
         raise ValueError(f"{', '.join(left)}: must be keys of hub, belt, bristle, bar, workpart, contact or gravity")
-    return Tool(**parts)
-
-
-def declared_keys() -> dict[str, Range | Choice]:
-    """Return the declaration of each key of a tool."""
-    fields = (each for part, *_ in PARTS.values() for each in dataclasses.fields(part))
-    return {each.metadata["declaration"].key: each.metadata["declaration"] for each in fields}
+    return Tool(**fields)
 
 
 def keys_of(tool: Tool) -> dict[str, float | str]:
     """Return the values of a tool by the keys of its parameters, without those that are None."""
-    found = {}
-    for part in (tool, *(getattr(tool, name) for name in PARTS)):
-        for each in dataclasses.fields(part) if part is not None else ():
-            declared = each.metadata.get("declaration")
-            if declared is not None and getattr(part, each.name) is not None:
-                found[declared.key] = getattr(part, each.name)
-    return found
+    owners = {part: getattr(tool, part) if part else tool for part in tool_keys()}
+    found = {
+        key: getattr(owners[part], field, None)
+        for part, keys in tool_keys().items()
+        for key, (field, _) in keys.items()
+    }
+    return {key: value for key, value in found.items() if value is not None}
 
 
 def strike_of_keys(settings: Settings | None = None, **values: float | str | None) -> dict[str, float | None]:
@@ -190,16 +182,19 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
 
 
 def _crater_depth(tool: Tool, contact: ContactRecord) -> float | None:
-    """Depth of the crater whose chip takes the energy that the tip gives up in compression, m; None if it is not known.
-
-    The tip cuts straight along its velocity, into API 5L steel, the shear plane ending at the inclined surface, with the
-    workpart's friction (theory/crater_cutting.py).
-    """
+    """Depth of the crater by ``crater_depth`` with the workpart's friction, m; None if it is not known."""
     work, workpart = contact.compressive_work, tool.workpart
-    if work is None or workpart is None or workpart.friction <= 0.0:
-        return None
     entry = math.atan2(-contact.velocity_before[0], abs(contact.velocity_before[1]))
-    if not 0.0 < entry < 0.5 * math.pi:
+    if work is None or workpart is None or workpart.friction <= 0.0 or not 0.0 < entry < 0.5 * math.pi:
         return None
-    energy = specific_cutting_energy(workpart.friction, entry, API_5L, "inclined")
-    return float(depth_from_energy(max(0.0, -sum(work)), energy, entry))
+    return crater_depth(work, workpart.friction, entry)
+
+
+def crater_depth(compressive_work: tuple[float, float], friction: float, entry: float) -> float:
+    """Return the depth of the crater whose chip takes the energy that the tip gives up in compression, m.
+
+    The tip cuts straight along its velocity, at an angle to the surface, rad, into API 5L steel, the shear plane ending at the
+    inclined surface (theory/crater_cutting.py).
+    """
+    energy = specific_cutting_energy(friction, entry, API_5L, "inclined")
+    return float(depth_from_energy(max(0.0, -sum(compressive_work)), energy, entry))

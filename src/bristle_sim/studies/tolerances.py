@@ -24,10 +24,11 @@ from scipy.stats import sobol_indices, uniform
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
+from bristle_sim.parameter_file import tool_keys
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import ANY, Declared, Range, count, quantity, validate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import STRIKE_UNITS, declared_keys, keys_of, strike_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys
 
 Measures = Mapping[str, float | None]
 
@@ -154,10 +155,11 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
     """Ends of every input's interval, cut off at the bounds of what the input may be."""
     values, found = keys_of(tool), dict[str, tuple[float, float]]()
+    declared_keys = {key: declared for keys in tool_keys().values() for key, (_, declared) in keys.items()}
     for each in dataclasses.fields(spreads):
         half_width = getattr(spreads, each.name)
         if half_width:
-            declared = declared_keys()[each.name]
+            declared = declared_keys[each.name]
             assert isinstance(declared, Range)
             middle = float(values[each.name])
             low = max(declared.lowest, middle - half_width)

@@ -149,17 +149,13 @@ def _formulas(tool: Tool) -> dict[str, float | None]:
     return values | {name: float(getattr(impact, name)) for name in CONTACT_UNITS}
 
 
-def _remarks(trajectory: Trajectory) -> tuple[str, ...]:
-    cost = trajectory.cost
+def _remarks(run: Trajectory) -> tuple[str, ...]:
+    cost, notable = run.cost, run.notable_events
     estimate = "" if cost.error_estimate is None else f", error estimate {cost.error_estimate:.1e}"
-    notable = trajectory.notable_events
     events = ", ".join(f"{event.name} {1e3 * event.time:.4f} ms" for event in notable[:8])
-    given_up = (
-        f"given up at {1e3 * trajectory.time[-1]:.4f} ms: {trajectory.stop_reason}; {trajectory.stop_advice}; what"
-        " happened before holds"
-    )
-    return (
+    lines = (
         f"events: {events}{', ...' if len(notable) > 8 else ''}",
-        f"stopped: {trajectory.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
-        *([given_up] if trajectory.stop_reason.gives_up else []),
+        f"stopped: {run.stop_reason}; {cost.steps} engine steps, {1e3 * cost.cpu_s:.0f} ms of CPU{estimate}",
     )
+    given_up = f"given up at {1e3 * run.time[-1]:.4f} ms; {run.stop_advice}; what happened before holds"
+    return (*lines, given_up) if run.stop_reason.gives_up else lines

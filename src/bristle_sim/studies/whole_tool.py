@@ -37,11 +37,6 @@ INSTANTS = 2000
 BAND = (5.0, 95.0)
 """Percentiles of the force behind the load cell, per cent of the time."""
 
-MENTIONED = 0.01
-"""Impacts with less than this fraction of the largest impulse are left out of the count in the remarks: rebounds die out in
-a geometric series without end."""
-
-
 UNITS = {
     "impact_rate": "1/s",
     "mean_normal_force": "N",
@@ -122,7 +117,7 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
         outcome=None,
         quantities=_quantities(found, max(LEAST_TOLERANCE, MAGNIFIED * settings.accuracy)),
         **{**ran(turn.trajectory), "events": tuple(events)},
-        remarks=_remarks(found),
+        remarks=_remarks(turn, bends=tool.bristle.links > 1),
         extra={"changes_from_turn_to_turn": list(turn.changes), "repeats": turn.repeats},
         subject=found,
     )
@@ -137,7 +132,8 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
     times = whole.period * np.arange(INSTANTS) / INSTANTS
-    impacts = [(each.time, float(each.integral[0])) for each in _impacts_on_workpart(whole)]
+    pushes = [each for each in whole.forces if isinstance(each, Impulse) and each.obstacle == "workpart"]
+    impacts = [(each.time, float(each.integral[0])) for each in pushes]
     intervals = [
         (each.begin, each.end, lambda at, course=each.course: course(at)[:, 0])
         for each in whole.forces
@@ -170,34 +166,21 @@ def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
     return rows(UNITS, one, other, tolerance=lambda name: tolerance if name in judged else None)
 
 
-def _impacts_on_workpart(whole: WholeTool) -> list[Impulse]:
-    return [each for each in whole.forces if isinstance(each, Impulse) and each.obstacle == "workpart"]
-
-
 def _integral(whole: WholeTool, obstacle: str) -> Array:
     """Return normal and tangential impulse, N s, and their moment, N m s, over the turns that count."""
     own = [each.integral for each in whole.forces if each.obstacle == obstacle]
     return np.asarray(np.sum([np.zeros(3), *own], axis=0))
 
 
-def _remarks(whole: WholeTool) -> tuple[str, ...]:
-    turn = whole.turn
-    pushes = [each.integral[0] for each in _impacts_on_workpart(whole)]
-    counted = sum(each >= MENTIONED * max(pushes) for each in pushes)
-    last = turn.changes[-1]
-    settled = (
-        f"turn {len(turn.changes)} repeats the one before, but for {last:.0e} rad"
-        if turn.repeats
-        else f"no turn of {len(turn.changes)} repeats the one before (the last one differs by {last:.1e} rad):"
-        f" means over {turn.turns} turns, without an energy balance"
-    )
-    return (
-        settled,
-        f"impacts on the workpart of a turn: {counted / turn.turns:g} of at least 1 % of the largest impulse, and"
-        f" {sum(each.obstacle == 'workpart' for each in whole.forces if isinstance(each, SampledForce)) / turn.turns:g}"
-        " sustained",
-        "theory: impulses' sum for the forces; energy lost in a turn for torque and power"
-        if whole.tool.bristle.links == 1
-        else "theory: none for a wire that bends, whose forces are scaled to the impulses' sum",
-        "impact_rate counts arrivals; rebounds belong to their arrival",
-    )
+def _remarks(turn: PeriodicTurn, *, bends: bool) -> tuple[str, ...]:
+    last, count = turn.changes[-1], len(turn.changes)
+    settled = f"turn {count} repeats the one before, but for {last:.0e} rad"
+    if not turn.repeats:
+        settled = (
+            f"no turn of {count} repeats the one before (the last one differs by {last:.1e} rad):"
+            f" means over {turn.turns} turns, without an energy balance"
+        )
+    theory = "theory: impulses' sum for the forces; energy lost in a turn for torque and power"
+    if bends:
+        theory = "theory: none for a wire that bends, whose forces are scaled to the impulses' sum"
+    return settled, theory
