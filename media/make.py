@@ -1,4 +1,4 @@
-"""Make the pictures and the table that no scenario writes: ``python media/make.py``, or only the files that are named."""
+"""Make the pictures and the table that no scenario writes: ``python media/make.py media/strike.svg``."""
 
 from __future__ import annotations
 
@@ -126,5 +126,5 @@ MAKERS: dict[str, Callable[[Path], object]] = {
 }
 
 if __name__ == "__main__":
-    for name in sys.argv[1:] or MAKERS:
-        MAKERS[name](HERE / name)
+    for target in map(Path, sys.argv[1:]):
+        MAKERS[target.name](target)
