@@ -14,13 +14,13 @@ from bristle_sim.parameters import PRINTED_BELT_STIFFNESS
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, name_parts
 from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, blank_figure, styled
-from bristle_sim.studies.cue_places import BarPlace, Release
+from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
+from bristle_sim.studies.cue_places import BarPlace, FullPass, Release
 from bristle_sim.studies.cue_timing import OWN, CueTiming
 from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 NEARBY = math.radians(25.0)
-"""The plan shows bars within this of the tool's own, rad; the others are in the scenario's table alone."""
+"""The plan shows bars within this of the tool's own, rad; the others are in the table alone."""
 
 READINGS = {
     OWN: ("{stiffness:.4g} N·m/rad", SKY),
@@ -47,11 +47,8 @@ def cue_figure(timing: CueTiming) -> Figure:
     speed = add_panel(figure, (1.5, 1.2, 5.8, 4.4), "released from rest: relative speed", below, sharex=retraction)
     _draw_motion(retraction, speed, timing)
     plan = add_panel(figure, (8.6, 5.2, 7.2, 6.2), "where the bar must stand", "to scale, with this tool's wire")
-    _draw_plan(plan, timing)
-    handles, names = plan.get_legend_handles_labels()
-    title = "bars for a belt stiffness of (formula dotted),\nand their direction from the workpart's normal"
-    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (8.0 / 16.0, 3.9 / 12.6), "labelspacing": 0.8}
-    figure.legend(handles, names, title=title, alignment="left", title_fontsize=7.0, **place)
+    shown = _draw_plan(plan, timing)
+    _draw_table(axes_at(figure, 7.9, 0.3, 7.9, 3.7), timing, shown)
     return figure
 
 
@@ -84,8 +81,8 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
     speed.set_ylim(bottom=0.0)
 
 
-def _draw_plan(axes: Axes, timing: CueTiming) -> None:
-    """Draw the tool and the bars it needs, with the wire as released and fastest."""
+def _draw_plan(axes: Axes, timing: CueTiming) -> set[str]:
+    """Draw the tool and the bars it needs, with the wire as released and fastest; return which stiffnesses' bars are shown."""
     tool, given, radius = replace(timing.tool, bar=None), BarPlace.of(timing.bar), timing.bar.radius
     own = timing.places[timing.own].simulated or given
     bars: dict[str, dict[str, BarPlace]] = {}
@@ -101,15 +98,12 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
     view = View.around([MILLIMETRES * each for each in points], 7.2 / 6.2, 0.06)
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
-    draw_bar(axes, *_centre(given), radius, gid="bar as given", label=f"the bar as given: {_direction(given)}")
+    draw_bar(axes, *_centre(given), radius, gid="bar as given")
     for name, sides in bars.items():
-        (words, color), each = READINGS[name], timing.places[name]
-        label = f"{words}: {_direction(each.simulated)}, formula {_direction(each.formula)}"
         for side, place in sides.items():
-            look: dict[str, Any] = {"edgecolor": color, "linewidth": 1.3, "zorder": 5, "fill": False}
+            look: dict[str, Any] = {"edgecolor": READINGS[name][1], "linewidth": 1.3, "zorder": 5, "fill": False}
             style = "-" if side == "simulated" else ":"
-            first = label.format(stiffness=each.stiffness) if side == next(iter(sides)) else None
-            draw_bar(axes, *_centre(place), radius, gid=f"{side} {name}", label=first, linestyle=style, **look)
+            draw_bar(axes, *_centre(place), radius, gid=f"{side} {name}", linestyle=style, **look)
     view.apply(axes)
     name_parts(axes, tool, 7.0)
     names = (("released", GREY, (0.0, 4.0), "right", "bottom"), ("fastest", BLACK, (6.0, -2.0), "left", "top"))
@@ -121,11 +115,42 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
         note(axes, name, (float(x), float(y)), offset, color=color, ha=ha, va=va)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
+    return set(bars)
 
 
 def _centre(place: BarPlace) -> tuple[float, float]:
     return -place.horizontal, -place.vertical  # on the incoming side, m
 
 
+def _draw_table(axes: Axes, timing: CueTiming, shown: set[str]) -> None:
+    """List directions of the bars from the workpart's normal, in the colours of the drawing, and a whole pass's strike."""
+    last = len(timing.places) + 1
+    axes.set_axis_off()
+    axes.set(xlim=(0.0, 1.0), ylim=(-max(last, 5) - 1.6, 1.0))
+    # The narrow columns' headings have two lines each.
+    heads = ("bar for a belt\nstiffness of", "simulated\n—", "formula\n····", "full pass with —:\nretraction at strike")
+    rows = [(*heads, GREY)]
+    for name, each in timing.places.items():
+        words, color = READINGS[name]
+        title = words.format(stiffness=each.stiffness) + ("" if name in shown else " *")
+        rows.append((title, _direction(each.simulated), _direction(each.formula), _strike(each.passed), color))
+    own = timing.places[timing.own]
+    rows.append(("bar as given (grey)", _direction(BarPlace.of(timing.bar)), "", _strike(own.passed_as_given), BLACK))
+    for row, (*cells, color) in enumerate(rows):
+        for x, words in zip((0.0, 0.52, 0.68, 1.0), cells, strict=True):
+            look: dict[str, Any] = {"ha": "right" if x else "left", "va": "center", "fontsize": 7.0}
+            axes.text(x, -row - (0.4 if row else 0.0), words, color=color, **look)
+    foot = "directions from the workpart's normal"
+    if not shown >= set(timing.places):
+        foot += "; * bars not in the drawing"
+    axes.text(0.0, -last - 1.3, foot, color=GREY, fontsize=6.5, va="center")
+
+
 def _direction(place: BarPlace | None) -> str:
     return "none" if place is None else f"{math.degrees(place.direction):.2f}°"
+
+
+def _strike(passed: FullPass | None) -> str:
+    if passed is None or passed.retraction is None:
+        return "no strike"
+    return f"{signed(math.degrees(passed.retraction), 2)}°"

@@ -1,4 +1,4 @@
-"""Draw chapter 3 on one page: the assumed force and a simulated contact's, and the ten segments."""
+"""Draw chapter 3 on one page: the assumed force and a simulated contact's, the ten segments, and the fit's trial."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.render.colours import BLACK, BLUE, GREY, LIGHT, VERMILION
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import MICROSECONDS, blank_figure, styled
 from bristle_sim.studies.contact_course import TimedContact
@@ -24,13 +24,14 @@ MARGIN = 0.25
 
 @styled()
 def force_figure(comparison: ForceComparison) -> Figure:
-    """Draw forces over time (us) and impulses of the ten segments."""
+    """Draw forces over time (us), impulses of the ten segments, and points with their fit."""
     figure = blank_figure(16.0, 14.4)
     name = "force of chapter 3" if comparison.curve is BRISTLE else "fit to the measured force"
     simulated = ", and a bristle's contact of the same impulse and compression time"
     title = name + (simulated if comparison.contact else ", without a simulated contact")
     _draw_forces(add_panel(figure, (1.3, 7.9, 14.2, 5.4), title), comparison)
-    _draw_segments(add_panel(figure, (1.3, 1.1, 14.2, 4.5), "impulse of each tenth of the compression"), comparison)
+    _draw_segments(add_panel(figure, (1.3, 1.1, 6.3, 4.5), "impulse of each tenth of the compression"), comparison)
+    _draw_fit(add_panel(figure, (9.2, 1.1, 6.3, 4.5), "the fit, tried on points of the curve"), comparison)
     return figure
 
 
@@ -53,8 +54,9 @@ def _draw_forces(axes: Axes, comparison: ForceComparison) -> None:
         peaks.append((contact.compression_time, contact.peak_force, VERMILION))
     for instant, force, color in peaks:
         axes.plot([MICROSECONDS * instant], [force], "o", color=color, markersize=3.6, zorder=4)
-        look = {"color": color, "ha": "center", "fontsize": 8.0}
-        note(axes, f"{force:.1f} N", (MICROSECONDS * instant, force), (0.0, 4.0), **look)
+        note(
+            axes, f"{force:.1f} N", (MICROSECONDS * instant, force), (0.0, 4.0), color=color, ha="center", fontsize=8.0
+        )
     axes.margins(y=0.1)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     axes.set_xlim(MICROSECONDS * first, MICROSECONDS * longest)
@@ -89,3 +91,21 @@ def _draw_segments(axes: Axes, comparison: ForceComparison) -> None:
     axes.set(xticks=number, xlabel="segment", ylabel="impulse (0.1 mN·s)")
     axes.grid(visible=False, axis="x")
     axes.legend(loc="upper left", labelspacing=0.3)
+
+
+def _draw_fit(axes: Axes, comparison: ForceComparison) -> None:
+    """Draw the difference of fits to exact and noisy points from the curve of which the points are samples."""
+    curve, (exact, noisy) = comparison.curve, comparison.trials
+    time = np.linspace(0.0, curve.duration, 301)
+    look: dict[str, Any] = {"color": GREY, "markersize": 1.8, "markeredgewidth": 0.0}
+    off = noisy.force - curve(noisy.time)
+    axes.plot(MICROSECONDS * noisy.time, off, "o", label=f"points, noise {noisy.noise:g} N", **look)
+    for trial, color in ((noisy, GREEN), (exact, BLACK)):
+        if trial.fit is not None:
+            peak = "no peak" if trial.peak_force is None else f"peak {trial.peak_force:.2f} N"
+            label = f"fit to {trial.name} points, {peak}"
+            axes.plot(MICROSECONDS * time, trial.fit.curve(time) - curve(time), color=color, label=label)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.5 * (high - low))
+    axes.set(xlabel="time since first touch (µs)", ylabel="difference from the curve (N)")
+    axes.legend(loc="upper center", labelspacing=0.3)
