@@ -38,7 +38,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Neighbours, Settings, Comparison),
     run=study("studies.neighbours.neighbours"),
     plot=plot,
-    video=film("row_video"),
+    video=film("row_video.RowFilm"),
     series=series,
     without=("knee_position", "knee_angle_deg", "step"),
 )

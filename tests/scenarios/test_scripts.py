@@ -91,7 +91,7 @@ PROMISES = {
             *IMPACT,
         ),
         (*TOOL, "wire_diameter", *BELT, *BAR, "bar_friction", "bar_restitution", "penetration", *RUBBING, *LAW),
-        film=("bristle_sim.render.pass_video", "pass_video"),
+        film=("bristle_sim.render.pass_video", "PassFilm"),
     ),
     "cue_timing": Promise(
         (
@@ -109,17 +109,17 @@ PROMISES = {
     "oblique_impact": Promise(
         IMPACT,
         (*TOOL, "speed_ratio", "impact_angle_deg", *RUBBING, *LAW),
-        film=("bristle_sim.render.impact_video", "impact_video"),
+        film=("bristle_sim.render.impact_video", "ImpactFilm"),
     ),
     "single_pendulum": Promise(
         ("rebound_ratio", "normal_compressive_impulse", "normal_final_impulse"),
         ("rod_mass", "rod_length", "impact_angle_deg", "rate", *RUBBING, *LAW),
-        film=("bristle_sim.render.impact_video", "impact_video"),
+        film=("bristle_sim.render.impact_video", "ImpactFilm"),
     ),
     "double_pendulum": Promise(
         ("final_rate_1", "final_rate_2", "normal_compressive_impulse", "normal_final_impulse", "kinetic_energy_ratio"),
         ("rod_mass", "mass_ratio", "rod_length", "angle_1_deg", "angle_2_deg", "rate_1", "rate_2", *RUBBING, *LAW),
-        film=("bristle_sim.render.impact_video", "impact_video"),
+        film=("bristle_sim.render.impact_video", "ImpactFilm"),
     ),
     "bent_bristles": Promise(
         keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *WIRE, *RUBBING, *LAW),
@@ -140,7 +140,7 @@ PROMISES = {
         (*TOOL, *WIRE, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
         strikes=False,
-        film=("bristle_sim.render.inertia_video", "inertia_video"),
+        film=("bristle_sim.render.inertia_video", "InertiaFilm"),
     ),
     "flexible_wire": Promise(
         (
@@ -157,7 +157,7 @@ PROMISES = {
         ),
         quick=("--set", "wire_links=2"),
         integrates=True,
-        film=("bristle_sim.render.wire_video", "wire_video"),
+        film=("bristle_sim.render.wire_video", "WireFilm"),
     ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
@@ -204,7 +204,7 @@ PROMISES = {
         ),
         (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
         quick=("--set", "search=no"),
-        film=("bristle_sim.render.row_video", "row_video"),
+        film=("bristle_sim.render.row_video", "RowFilm"),
     ),
     "whole_tool": Promise(
         (
@@ -713,10 +713,10 @@ def test_a_video_is_rendered_when_asked_for(name: str, suffix: str, tmp_path: Pa
     film = promise(name).film
     assert film
     module = importlib.import_module(film[0])
-    function = getattr(module, film[1])
-    small = {"width": 160, "height": 120, "fps": 3.0, "duration": 1.0}
-    offered = {option: value for option, value in small.items() if option in inspect.signature(function).parameters}
-    monkeypatch.setattr(module, film[1], functools.partial(function, **offered))
+    made = getattr(module, film[1])
+    small = {"width": 160, "height": 120, "duration": 0.2}
+    offered = {option: value for option, value in small.items() if option in inspect.signature(made).parameters}
+    monkeypatch.setattr(module, film[1], functools.partial(made, **offered))
     target = tmp_path / f"film{suffix}"
     assert main(scenario(name), ["--video", str(target), "--json", "-", *promise(name).quick]) == 0
     out, err = capsys.readouterr()

@@ -238,7 +238,7 @@ class TestMissingPeers:
 
 class TestEffects:
     def test_what_is_not_called_for_is_not_there(self):
-        rows = effects._steps(Effort("quick"))
+        rows = effects.steps(Effort("quick"))
         held = {row.effect: row.holds for row in rows}
         assert held["bare: hub and bristle"] == held["gravity"] == "2 bodies, 1 constraints, 0 shapes"
         assert held["belt"] == held["belt, damped"] == "2 bodies, 2 constraints, 0 shapes"

@@ -98,9 +98,9 @@ def test_remarks_say_what_was_computed() -> None:
 def test_figure_ends_wires_and_paths_at_the_strike(knee: float) -> None:
     bent = bent_bristles(dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=knee)), Settings()).subject
     figure = bent_figure(bent)
-    wires, paths, _, slides = figure.axes
+    wires, paths, slides = figure.axes
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert len(set(titles)) == 4
+    assert len(set(titles)) == 3
     for shape, corners in (("reverse", 3), ("straight", 2), ("forward", 3)):
         wire = next(line for line in wires.lines if line.get_gid() == f"wire {shape}")
         assert len(wire.get_xdata()) == corners
@@ -127,12 +127,12 @@ def test_figure_marks_slip_that_turns_back_and_not_slip_that_stops(friction: flo
     """Friction above tan(23.4 deg) = 0.43 stops the tip of a straight rod for good, and of these bent ones too."""
     tool = dataclasses.replace(TOOL, workpart=Workpart(friction=friction))
     bent = bent_bristles(tool, Settings()).subject
-    speeds = bent_figure(bent).axes[2]
+    slides = bent_figure(bent).axes[2]
     # A tip that sticks goes no farther than 1 % of its slide while in touch; one that turns leaves backwards.
     assert all((slide.total > 0.99 * slide.forward) == (turning == 0) for slide in bent.slides.values())
     assert {slide.ending for slide in bent.slides.values()} == {"turns" if turning else "stops"}
     assert all(0.0 < slide.ending_time < slide.duration for slide in bent.slides.values())
-    assert [line.get_marker() for line in speeds.lines].count("D") == turning
+    assert [line.get_marker() for line in slides.lines].count("D") == turning
 
 
 def test_figure_of_bristles_that_never_strike_says_so() -> None:

@@ -14,8 +14,8 @@ import pytest
 from bristle_sim.parameters import Tool
 from bristle_sim.render import film
 from bristle_sim.render.colours import BLACK
-from bristle_sim.render.film import HEADER, LEFTS, Film, slow_motion, write_film
-from bristle_sim.render.pass_video import pass_video
+from bristle_sim.render.film import HEADER, LEFTS, Film, slow_motion
+from bristle_sim.render.pass_video import PassFilm
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import make_trajectory
 
@@ -69,7 +69,7 @@ def test_the_header_shows_time_and_slow_down():
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_mp4_has_every_frame_in_the_format_that_plays_everywhere(run, tmp_path):
     reader = pytest.importorskip("imageio_ffmpeg")
-    path = pass_video(run, Tool(), tmp_path / "a.mp4", fps=10.0, width=160, height=120, duration=1.0)
+    path = PassFilm(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.mp4", fps=10.0)
     frames = reader.read_frames(str(path))
     about = next(frames)
     assert (about["size"], about["fps"], about["codec"]) == ((160, 120), 10.0, "h264")
@@ -83,7 +83,7 @@ def test_a_failing_film_leaves_no_file(tmp_path, suffix):
     if suffix == ".mp4":
         pytest.importorskip("imageio_ffmpeg")
     with pytest.raises(RuntimeError, match="out of paint"):
-        write_film(tmp_path / f"a{suffix}", lambda: Dot(fail=True), 10.0)
+        Dot(fail=True).write(tmp_path / f"a{suffix}", 10.0)
     assert not list(tmp_path.iterdir())
 
 
@@ -96,7 +96,7 @@ def test_a_failing_encoder_is_reported_and_leaves_no_file(tmp_path, monkeypatch)
         pytest.skip("no program that fails")
     monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", failing)
     with pytest.raises(OSError, match="ffmpeg failed, it wrote 0 of 10 frames"):
-        write_film(tmp_path / "a.mp4", lambda: Dot(320, 240), 10.0)
+        Dot(320, 240).write(tmp_path / "a.mp4", 10.0)
     assert not list(tmp_path.iterdir())
 
 
@@ -115,17 +115,17 @@ def test_bad_films_are_refused_before_the_first_frame(run, tmp_path, name, size,
     if name.endswith(".mp4"):
         pytest.importorskip("imageio_ffmpeg")
     with pytest.raises(ValueError, match=words):
-        write_film(tmp_path / name, lambda: Dot(*size), fps)
+        Dot(*size).write(tmp_path / name, fps)
     with pytest.raises(ValueError, match=words):
-        pass_video(run, Tool(), tmp_path / name, fps=fps, width=size[0], height=size[1])
+        PassFilm(run, Tool(), width=size[0], height=size[1]).write(tmp_path / name, fps)
     assert not list(tmp_path.iterdir())
 
 
 def test_mp4_without_its_encoder_names_the_extra(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(ValueError, match=r"pip install bristle-sim\[video\]"):
-        write_film(tmp_path / "a.mp4", Dot, 10.0)
-    write_film(tmp_path / "a.gif", Dot, 10.0)  # needs no encoder
+        Dot().write(tmp_path / "a.mp4", 10.0)
+    Dot().write(tmp_path / "a.gif", 10.0)  # needs no encoder
 
 
 class Terminal(io.StringIO):
@@ -136,11 +136,11 @@ class Terminal(io.StringIO):
 
 
 def test_progress_is_for_terminals_alone(tmp_path, monkeypatch, capsys):
-    write_film(tmp_path / "a.gif", Dot, 10.0)
+    Dot().write(tmp_path / "a.gif", 10.0)
     assert capsys.readouterr() == ("", "")
     monkeypatch.setitem(sys.modules, "tqdm", None)
     monkeypatch.setattr(film.sys, "stderr", Terminal())
-    write_film(tmp_path / "b.gif", Dot, 10.0)
+    Dot().write(tmp_path / "b.gif", 10.0)
     assert film.sys.stderr.getvalue() == ""
 
 
@@ -148,7 +148,7 @@ def test_progress_counts_frames_on_standard_error(tmp_path, monkeypatch, capsys)
     pytest.importorskip("tqdm")
     terminal = Terminal()
     monkeypatch.setattr(film.sys, "stderr", terminal)
-    write_film(tmp_path / "a.gif", Dot, 10.0)
+    Dot().write(tmp_path / "a.gif", 10.0)
     assert "/10" in terminal.getvalue()
     assert capsys.readouterr().out == ""
 

@@ -10,7 +10,7 @@ import pytest
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface
 from bristle_sim.render.wire_figure import wire_figure
-from bristle_sim.render.wire_video import WireFilm, wire_video
+from bristle_sim.render.wire_video import WireFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.flexible_wire import flexible_wire, wire_study
 
@@ -153,7 +153,6 @@ def test_film_shows_the_wire_bend(short: Report) -> None:
 
 @pytest.mark.parametrize("links", [1, 3])
 def test_film_is_written(links: int, tmp_path: Path) -> None:
-    path = wire_video(
-        struck(links, with_reference=False).subject, tmp_path / "a.gif", fps=4.0, width=160, height=120, duration=1.0
-    )
+    film = WireFilm(struck(links, with_reference=False).subject, width=160, height=120, duration=1.0)
+    path = film.write(tmp_path / "a.gif", fps=4.0)
     assert path.read_bytes().startswith(b"GIF89a")

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.render.contact_motion import ContactMotion, contact_motion
-from bristle_sim.render.impact_video import ImpactFilm, draw_chain, impact_video
+from bristle_sim.render.impact_video import ImpactFilm, draw_chain
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
@@ -140,17 +140,17 @@ def test_films_of_grazing_and_head_on_strikes(state: Strike) -> None:
 def test_film_is_written(strike: Impacts, tmp_path: Path, suffix: str) -> None:
     if suffix == ".mp4":
         pytest.importorskip("imageio_ffmpeg")
-    path = impact_video(strike, tmp_path / f"impact{suffix}", fps=10.0, width=320, height=180, duration=0.5)
+    path = ImpactFilm(strike, width=320, height=180, duration=0.5).write(tmp_path / f"impact{suffix}", fps=10.0)
     assert path.stat().st_size > 1000
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
 
 
 def test_no_film_of_a_tip_that_does_not_approach(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no contact"):
-        impact_video(rods(rate_1=1.0, rate_2=1.0), tmp_path / "impact.gif")
+        ImpactFilm(rods(rate_1=1.0, rate_2=1.0))
     with pytest.raises(ValueError, match=r"\.avi"):
-        impact_video(rods(), tmp_path / "impact.avi")
+        ImpactFilm(rods()).write(tmp_path / "impact.avi")
     unresolved = dataclasses.replace(rods(), strikes={})
     with pytest.raises(ValueError, match="not resolved in time"):
-        impact_video(unresolved, tmp_path / "impact.gif")
+        ImpactFilm(unresolved)
     assert not list(tmp_path.iterdir())

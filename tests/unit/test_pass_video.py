@@ -13,7 +13,7 @@ from PIL import Image
 from bristle_sim.parameters import Bar, Hub, Tool
 from bristle_sim.render.film import slow_motion
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.pass_video import PassFilm, pass_video
+from bristle_sim.render.pass_video import PassFilm
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, STRIKE, make_trajectory
 
@@ -81,7 +81,7 @@ def test_odd_tools_are_drawn(run):
 
 
 def test_gif_has_every_frame_at_its_time(run, tmp_path):
-    path = pass_video(run, Tool(), tmp_path / "a.gif", fps=15.0, width=160, height=120, duration=1.0)
+    path = PassFilm(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.gif", fps=15.0)
     with Image.open(path) as film:
         assert (film.n_frames, film.size) == (15, (160, 120))
         durations = []

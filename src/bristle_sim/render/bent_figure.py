@@ -1,4 +1,4 @@
-"""Draw a reverse bent, a straight and a forward bent bristle at their strike: wires, tip paths, slip over time."""
+"""Draw a reverse bent, a straight and a forward bent bristle at their strike: wires, tip paths, displacement over time."""
 
 from __future__ import annotations
 
@@ -33,23 +33,21 @@ MARKS: dict[str, dict[str, Any]] = {
 
 @styled()
 def bent_figure(bent: BentBristles) -> Figure:
-    """Draw wires at the strike and tip paths (mm), slip and displacement along the workpart in touch (us)."""
+    """Draw wires at the strike and tip paths (mm), and displacement along the workpart in touch (mm, us)."""
     figure = blank_figure(16.0, 17.2)
     wires = add_panel(figure, (1.4, 9.2, 4.6, 5.6), "the wires as they strike", "to scale, from the point of strike")
     title = "the tips' paths before, in and after touch"
     paths = add_panel(figure, (7.6, 9.2, 8.0, 5.6), title, "to scale, from the point of strike")
-    speeds = add_panel(figure, (1.4, 2.4, 6.2, 4.7), "slip while in touch", "the tip's speed along the workpart")
-    title = "distance slid while in touch"
-    slides = add_panel(figure, (9.4, 2.4, 6.2, 4.7), title, "the tip's displacement along the workpart")
+    slides = add_panel(figure, (1.4, 2.4, 14.2, 4.7), "displacement of the tips along the workpart while in touch")
     struck = {shape: run.first_contact("workpart") for shape, run in bent.trajectories.items()}
     for shape, contact in struck.items():
         if contact is not None:
             _draw_places(wires, paths, bent, shape, contact)
-            _draw_in_touch((speeds, slides), shape, contact, bent.slides[shape])
+            _draw_slide(slides, shape, contact, bent.slides[shape])
     if any(struck.values()):
-        _finish(wires, paths, speeds, slides)
+        _finish(wires, paths, slides)
     else:
-        for axes in (wires, paths, speeds, slides):
+        for axes in (wires, paths, slides):
             axes.set_axis_off()
             say(axes, "no tip strikes the workpart")
     tool, left = bent.tools["forward"], 1.4 / 16.0
@@ -86,22 +84,20 @@ def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, conta
         paths.plot(*touch, color=color, gid=f"touch {shape}", **MARKS["in touch"])
 
 
-def _draw_in_touch(panels: tuple[Axes, Axes], shape: str, contact: ContactRecord, slide: Slide | None) -> None:
-    """Draw speed along the workpart and its integral, with the end of compression and the turn of the slip marked."""
+def _draw_slide(axes: Axes, shape: str, contact: ContactRecord, slide: Slide | None) -> None:
+    """Draw the displacement along the workpart, with the end of compression and the turn of the slip marked."""
     history, color = contact.history, SHAPES[shape]
     if history is None:
         return
     time, path = MICROSECONDS * (history.time - history.time[0]), MILLIMETRES * slide_path(history)
-    marks = {"compression ends": int(np.argmax(history.penetration))}
+    axes.plot(time, path, color=color, gid=f"in touch {shape}")
+    compressed = int(np.argmax(history.penetration))
+    axes.plot(time[compressed], path[compressed], color=color, **MARKS["compression ends"])
     if slide is not None and slide.ending == "turns":
-        marks["slip turns back"] = int(np.argmax(path))
-    for axes, values in zip(panels, (history.tangential_velocity, path), strict=True):
-        axes.plot(time, values, color=color, gid=f"in touch {shape}")
-        for mark, at in marks.items():
-            axes.plot(time[at], values[at], color=color, **MARKS[mark])
+        axes.plot(time[np.argmax(path)], path.max(), color=color, **MARKS["slip turns back"])
 
 
-def _finish(wires: Axes, paths: Axes, speeds: Axes, slides: Axes) -> None:
+def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
     """Give the upper panels equal scales and the workpart below their zero, and label all."""
     after = [line for line in paths.lines if line.get_linestyle() != "--"]
     for axes, lines, shape in ((wires, list(wires.lines), 4.6 / 5.6), (paths, after, 8.0 / 5.6)):
@@ -113,6 +109,5 @@ def _finish(wires: Axes, paths: Axes, speeds: Axes, slides: Axes) -> None:
         axes.set_xlabel("along the workpart (mm)")
     wires.set_ylabel("above the workpart (mm)")
     paths.annotate("workpart", (1.0, 0.0), (-3.0, 3.0), "axes fraction", "offset points", color=GREY, ha="right")
-    for axes, label in ((speeds, "speed along the workpart (m/s)"), (slides, "displacement (mm)")):
-        axes.axhline(0.0, color=GREY, linewidth=0.8)
-        axes.set(xlabel="time since the first touch (µs)", ylabel=label)
+    slides.axhline(0.0, color=GREY, linewidth=0.8)
+    slides.set(xlabel="time since the first touch (µs)", ylabel="displacement (mm)")

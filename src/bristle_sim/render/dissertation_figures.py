@@ -1,29 +1,24 @@
-"""Draw the dissertation's figures, one a page or all on one sheet: ``python -m bristle_sim.render.dissertation_figures FILE.png``.
+"""Draw the dissertation's figures, one a page or all on one sheet.
 
 Closed forms are lines, what checks them points, and the operating point a dot.
 """
 
 from __future__ import annotations
 
-import sys
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
-from PIL import Image
 
-from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import Panel, Redrawn
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT
 from bristle_sim.render.panels import draw_panel, line_entries, point_entries
-from bristle_sim.render.style import axes_at, blank_figure, save_figure, styled, write_page
+from bristle_sim.render.style import axes_at, blank_figure, save_figure, styled
 
 SHEET_DOTS_PER_INCH = 100.0
 """A sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in."""
@@ -79,21 +74,6 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
         return [target]
     target.mkdir(exist_ok=True)
     return [save_figure(draw(figure), target / f"{figure.name}.png") for figure in figures]
-
-
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the sheet of all figures to the file named; ends with status 2 where that cannot be done."""
-    return write_page(arguments, "dissertation_figures", ".png", _write_sheet)
-
-
-def _write_sheet(partial: Path) -> None:
-    canvas: Any = FigureCanvasAgg(contact_sheet(redrawn(number) for number in NUMBERS))
-    with styled():
-        canvas.draw()
-    # 256 colours look the same and take a fifth of the bytes.
-    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    colours = picture.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    colours.save(partial, format="png", optimize=True)
 
 
 Cells = Sequence[tuple[Redrawn, Panel | None]]
@@ -155,7 +135,3 @@ def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
         weight = "bold" if line in (0, last) else "normal"
         for right, cell in enumerate(row, start=1):
             axes.text(right - 0.1, line + 0.5, cell, ha="right", va="center", fontweight=weight, fontsize=6.0)
-
-
-if __name__ == "__main__":
-    sys.exit(main())

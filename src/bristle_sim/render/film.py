@@ -6,7 +6,7 @@ import contextlib
 import math
 import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -155,36 +155,31 @@ class Film(ABC):
             pen.text((left * width, 0.78 * HEADER * height), text, colour, mono, "lm")
         return picture
 
+    def write(self, path: str | Path, fps: float = 30.0) -> Path:
+        """Write the film to an mp4 or gif file, which appears only when complete; the last instant is shown too.
+
+        Raises:
+            ValueError: for a file that cannot be written, mp4 where imageio-ffmpeg is missing, or settings out of range.
+            OSError: if the encoder fails.
+        """
+        target, end = checked_target(path, tuple(HIGHEST)), float(self.warp.film[-1])
+        kind = target.suffix.lower()
+        if kind == ".mp4":
+            _require_encoder(target)
+        if not 0.0 < fps <= HIGHEST[kind]:
+            raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST[kind]:g} for {kind} (in 1/s)")
+        if kind == ".mp4" and any(edge % 2 for edge in self.pixels):
+            raise ValueError(f"size = {self.pixels[0]} x {self.pixels[1]}: must be even numbers for .mp4 (in px)")
+        times = np.linspace(0.0, end, max(2, math.ceil(fps * end - 1e-6))).tolist()
+        with complete_or_absent(target) as partial:
+            (_write_mp4 if kind == ".mp4" else _write_gif)(partial, self, times, fps)
+        return target
+
 
 @lru_cache(maxsize=8)
 def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
     """Return letters that matplotlib carries; it draws a line of text in milliseconds, Pillow in a twentieth of that."""
     return ImageFont.truetype(str(Path(mpl.get_data_path()) / "fonts" / "ttf" / f"{name}.ttf"), size)
-
-
-def write_film(path: str | Path, build: Callable[[], Film], fps: float) -> Path:
-    """Check the file's name before anything is computed, then build the film and write it to an mp4 or gif file.
-
-    The first and the last instant are shown; the file appears only when complete.
-
-    Raises:
-        ValueError: for a file that cannot be written, mp4 where imageio-ffmpeg is missing, or settings out of range.
-        OSError: if the encoder fails.
-    """
-    target = checked_target(path, tuple(HIGHEST))
-    kind = target.suffix.lower()
-    if kind == ".mp4":
-        _require_encoder(target)
-    if not 0.0 < fps <= HIGHEST[kind]:
-        raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST[kind]:g} for {kind} (in 1/s)")
-    film = build()
-    if kind == ".mp4" and any(edge % 2 for edge in film.pixels):
-        raise ValueError(f"size = {film.pixels[0]} x {film.pixels[1]}: must be even numbers for .mp4 (in px)")
-    end = float(film.warp.film[-1])
-    times = np.linspace(0.0, end, max(2, math.ceil(fps * end - 1e-6))).tolist()
-    with complete_or_absent(target) as partial:
-        (_write_mp4 if kind == ".mp4" else _write_gif)(partial, film, times, fps)
-    return target
 
 
 def _counted(times: Sequence[float]) -> Iterable[float]:

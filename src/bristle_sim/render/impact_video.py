@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION
 from bristle_sim.render.contact_motion import contact_motion
 from bristle_sim.render.drawing import GROUND, HUB_COLOUR, View, moving_arrow, point_arrow
-from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
 from bristle_sim.render.story import phase_at
 from bristle_sim.render.style import scale_for, signed, styled
@@ -42,21 +41,11 @@ TIP_RADIUS, ROD_LENGTH = 9.0, 300.0
 """Size of the enlarged rod's end, which is not to scale, points in a picture of normal size."""
 
 
-def impact_video(impacts: Impacts, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film an impact as the compliant law resolves it in time, to an mp4 or gif file; needs no display.
-
-    Options are those of :class:`ImpactFilm`: width and height (px), duration of the film (s), and how much ``slower`` the
-    end of slip is shown than the rest. :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact
-    visible.
-
-    Raises:
-        ValueError: for a tip that does not approach, a file that cannot be written or settings out of range.
-    """
-    return write_film(path, lambda: ImpactFilm(impacts, **options), fps)
-
-
 class ImpactFilm(Film):
-    """What a film of an impact shows, at any film time."""
+    """What a film of an impact shows, as the compliant law resolves it in time; raises ValueError where it does not.
+
+    :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact visible.
+    """
 
     size, letter_size = (960, 540), 15.0
 

@@ -4,29 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLUE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool
-from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.style import styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
 from bristle_sim.trajectory.sampled_motion import SampledMotion
-
-
-def inertia_video(driven: InertiaDriven, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film both tools to an mp4 or gif file at ``fps`` frames per second of film; needs no display.
-
-    Options are those of :class:`InertiaFilm`: width and height (px), and duration of the film (s).
-
-    Raises:
-        ValueError: for a file that cannot be written, settings out of range, or a bristle that does not strike.
-    """
-    return write_film(path, lambda: InertiaFilm(driven, **options), fps)
 
 
 class InertiaFilm(Film):

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, SKY, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool
-from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.story import phase_at, phases, story_end
 from bristle_sim.render.style import MILLIMETRES, signed, styled
 from bristle_sim.trajectory import Trajectory
@@ -21,20 +19,12 @@ CAPTION_SHOWN = 0.5
 """Film time for which the instant of the strike keeps its caption, s."""
 
 
-def pass_video(trajectory: Trajectory, tool: Tool, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film a pass to an mp4 or gif file at ``fps`` frames per second of film; needs no display.
-
-    Options are those of :class:`PassFilm`: width and height (px), duration of the film (s), how much ``slower`` the strike
-    is shown than the rest, and the last instant shown, ``until`` (s).
-
-    Raises:
-        ValueError: for a file that cannot be written or settings out of range.
-    """
-    return write_film(path, lambda: PassFilm(trajectory, tool, **options), fps)
-
-
 class PassFilm(Film):
-    """The drawing that a film of a pass shows, by default until shortly after the tip has left the workpart."""
+    """The drawing that a film of a pass shows, by default until shortly after the tip has left the workpart.
+
+    Options are width and height (px), duration of the film (s), how much ``slower`` the strike is shown than the rest, and
+    the last instant shown, ``until`` (s).
+    """
 
     def __init__(
         self,

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, SERIES
 from bristle_sim.render.drawing import WireDrawing, draw_film_tool
-from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.neighbours_figure import row_view, touch_place
 from bristle_sim.render.story import Phase, phase_at
 from bristle_sim.render.style import MILLIMETRES, signed, styled
@@ -27,15 +25,6 @@ AFTER = 0.15
 
 MARKED = 0.6
 """Film time for which a touch keeps its ring, s."""
-
-
-def row_video(row: Row, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film a row to an mp4 or gif file; needs no display. Options are those of :class:`RowFilm`, px and s.
-
-    Raises:
-        ValueError: for a file that cannot be written or settings out of range.
-    """
-    return write_film(path, lambda: RowFilm(row, **options), fps)
 
 
 class RowFilm(Film):

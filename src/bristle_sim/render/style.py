@@ -6,11 +6,9 @@ Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 poi
 
 from __future__ import annotations
 
-import argparse
 import io
 import math
-import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -112,17 +110,3 @@ def save_figure(figure: Figure, path: str | Path) -> Path:
     with complete_or_absent(target) as partial, styled():
         figure.savefig(partial, format=kind, metadata=undated)
     return target
-
-
-def write_page(arguments: Sequence[str] | None, module: str, suffix: str, write: Callable[[Path], object]) -> int:
-    """Write a page to the file that the only argument of ``python -m`` names; returns 2 where that cannot be done."""
-    parser = argparse.ArgumentParser(prog=f"python -m bristle_sim.render.{module}")
-    parser.add_argument("target", metavar=f"FILE{suffix}")
-    try:
-        target = checked_target(parser.parse_args(arguments).target, (suffix,))
-    except ValueError as error:
-        print(f"{parser.prog}: error: {error}", file=sys.stderr)
-        return 2
-    with complete_or_absent(target) as partial:
-        write(partial)
-    return 0

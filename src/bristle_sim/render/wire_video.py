@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION
 from bristle_sim.render.drawing import View, moving_arrow, point_arrow
-from bristle_sim.render.film import HEADER, Film, slow_motion, write_film
+from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.panels import say
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, signed, styled
 from bristle_sim.studies.flexible_wire import FlexibleWire
@@ -28,15 +27,6 @@ ARRIVED = 0.1
 
 GRID = 400
 """Instants of the map of bending moments."""
-
-
-def wire_video(struck: FlexibleWire, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film a strike until the wave has come back, to an mp4 or gif file; options are those of :class:`WireFilm`, px and s.
-
-    Raises:
-        ValueError: for a file that cannot be written or settings out of range.
-    """
-    return write_film(path, lambda: WireFilm(struck, **options), fps)
 
 
 class WireFilm(Film):

@@ -109,8 +109,8 @@ def figure(name: str, *attributes: str) -> Callable[[Report, Path], None]:
 
 
 def film(name: str, *attributes: str) -> Callable[[Report, Path], None]:
-    """Return a video of a report's subject, or of attributes of it, by the function of ``bristle_sim.render.NAME`` of that name."""
-    return lambda report, path: _named(f"render.{name}.{name}")(*_shown(report, attributes), path)
+    """Return a video of a report's subject, or of attributes of it, by a film ``module.Class`` of ``bristle_sim.render``."""
+    return lambda report, path: _named(f"render.{name}")(*_shown(report, attributes)).write(path)
 
 
 def _named(name: str) -> Callable[..., Any]:
@@ -125,10 +125,10 @@ def _shown(report: Report, attributes: Sequence[str]) -> list[Any]:
 
 def film_of_impact(report: Report, path: Path) -> None:
     """Film an impact in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
-    from bristle_sim.render.impact_video import impact_video
+    from bristle_sim.render.impact_video import ImpactFilm
     from bristle_sim.studies.timed_contact import with_visible_contact
 
-    impact_video(with_visible_contact(report.subject), path)
+    ImpactFilm(with_visible_contact(report.subject)).write(path)
 
 
 def series_of_impact(report: Report) -> dict[str, Any]:

@@ -28,11 +28,11 @@ def plot(run: Trajectory, *, until: float | None = None) -> Figure:
     return pass_figure(run, run.tool, until=until)
 
 
-def animate(run: Trajectory, path: str | Path, **options: Any) -> Path:
-    """Film the run to an mp4 or gif file; options are those of ``bristle_sim.render.pass_video.pass_video``."""
-    from bristle_sim.render.pass_video import pass_video
+def animate(run: Trajectory, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
+    """Film the run to an mp4 or gif file; options are those of ``bristle_sim.render.pass_video.PassFilm``."""
+    from bristle_sim.render.pass_video import PassFilm
 
-    return pass_video(run, run.tool, path, **options)
+    return PassFilm(run, run.tool, **options).write(path, fps)
 
 
 def summary(run: Trajectory) -> str:

@@ -11,9 +11,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bristle_sim.parameters import RETRACTION_AT_RELEASE, Strike, Surface, Tool
+import numpy as np
+
+from bristle_sim.parameters import RETRACTION_AT_RELEASE, DoublePendulum, Strike, Surface, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.impacts import double_chain, radial_chain
 from bristle_sim.theory import cueing
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact
@@ -44,10 +47,8 @@ class Case:
 
     def error(self, values: Sequence[float]) -> float:
         """Return the largest difference from the exact answer, each number relative to its scale; NaN counts as infinite."""
-        differences = [
-            abs(value - exact) / scale for value, exact, scale in zip(values, self.exact, self.scale, strict=True)
-        ]
-        return math.inf if any(map(math.isnan, differences)) else float(max(differences))
+        worst = float(np.max(np.abs(np.subtract(values, self.exact)) / self.scale))
+        return math.inf if math.isnan(worst) else worst
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,9 +75,9 @@ class PassCase(Case):
     tool: Tool
 
 
-def release_flight(retraction: float = RETRACTION_AT_RELEASE) -> FlightCase:
+def release_flight() -> FlightCase:
     """Return the undamped release, hub turning, up to the quarter period: radial then, at the speed of the energy integral."""
-    tool = Tool(bar=None, workpart=None)
+    tool, retraction = Tool(bar=None, workpart=None), RETRACTION_AT_RELEASE
     bristle, hub = tool.bristle, tool.hub
     centrifugal = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
     swing = (retraction, tool.belt.stiffness, centrifugal, bristle.inertia_about_root)
@@ -126,15 +127,15 @@ def strike() -> StrikeCase:
         scale=(rate,),
         source="Zhang 2020, eq. 2.65",
         notes=STRIKE_NOTES,
-        chain=Chain((bristle.mass,), (bristle.length,), (-gamma,), (rate,), hub.radius, hub.speed, -gamma),
+        chain=radial_chain(hub, bristle, gamma, rate),
         surface=surface,
     )
 
 
 def double_pendulum() -> StrikeCase:
     """Return Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
-    angles, rates = (math.radians(20.0), math.radians(30.0)), (-0.1, -0.2)
-    surface = Surface(friction=0.5, restitution=0.5)
+    chain, surface = double_chain(DoublePendulum()), Surface(friction=0.5, restitution=0.5)
+    angles, rates = (-chain.angles[0], -chain.angles[1]), (-chain.rates[0], -chain.rates[1])
     exact = double_pendulum_impact(5.0, 1.0, 1.0, *angles, *rates, surface.friction, surface.restitution)
     largest = max(map(abs, rates))
     return StrikeCase(
@@ -144,15 +145,16 @@ def double_pendulum() -> StrikeCase:
         scale=(largest, largest),
         source="Zhang 2020, eqs. 2.66-2.90, followed in generalized speeds",
         notes=STRIKE_NOTES,
-        chain=Chain((5.0, 5.0), (1.0, 1.0), (-angles[0], -angles[1]), (-rates[0], -rates[1])),
+        chain=chain,
         surface=surface,
     )
 
 
+@functools.cache
 def whole_pass() -> PassCase:
     """Return the pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
     tool = Tool()
-    exact = _referred(tool)
+    exact = state_at_strike(simulate_reference(tool, accuracy=REFERENCE_ACCURACY, stop_after="strike"))
     return PassCase(
         name="whole_pass",
         title="whole pass up to the strike",
@@ -166,11 +168,6 @@ def whole_pass() -> PassCase:
         ),
         tool=tool,
     )
-
-
-@functools.cache
-def _referred(tool: Tool) -> tuple[float, float, float]:
-    return state_at_strike(simulate_reference(tool, accuracy=REFERENCE_ACCURACY, stop_after="strike"))
 
 
 def state_at_strike(run: Trajectory) -> tuple[float, float, float]:

@@ -7,20 +7,19 @@ body, no constraint, no shape and no callback.
 
 from __future__ import annotations
 
-import functools
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Effort, cpu_times
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, ContactStiffness, Tool, Workpart
-from bristle_sim.scene.build import Scene
 from bristle_sim.scene.strike import strike
 from bristle_sim.scene.tool import build_tool, simulate, simulate_row
-from bristle_sim.scene.wire_strike import strike_wire
 from bristle_sim.settings import Settings
+from bristle_sim.studies.flexible_wire import FlexibleStrike
 
 BARE = Tool(belt=Belt(0.0), bar=None, workpart=None)
 WHOLE = Tool()
@@ -57,94 +56,72 @@ START = -0.1
 """Relative angle at the start of a pass, rad, so that something moves in every scene."""
 
 
-def effects(case: StrikeCase, effort: Effort) -> list[Effect]:
-    """Return all rows: steps, passes, strikes; ``case`` is the strike that the contact laws are timed on."""
-    passes = PASSES if effort.effort == "full" else dict(list(PASSES.items())[:3])
-    return [*_steps(effort), *_passes(passes, effort), *_strikes(case, effort), *growth(effort)]
-
-
-def _rows(
-    what: str,
-    actions: dict[str, Callable[[], Any]],
-    holds: Iterable[str],
-    number: int,
-    steps: list[int | None],
-    effort: Effort,
-) -> list[Effect]:
-    """Return the costs of actions that each do a number of things."""
-    times = [least / number for least, _ in cpu_times(list(actions.values()), effort)]
-    return [
-        Effect(what, name, time, time / times[0], contents, count)
-        for name, time, contents, count in zip(actions, times, holds, steps, strict=True)
-    ]
-
-
-def _steps(effort: Effort) -> list[Effect]:
-    """Time engine steps of each scene in flight, and with a callback before each."""
-    scenes = {name: build_tool(tool)[0] for name, tool in ADDED.items()}
-    actions: dict[str, Callable[[], Any]] = {
-        name: functools.partial(scene.step, STEP, STEPS) for name, scene in scenes.items()
-    }
-    bare = build_tool(BARE)[0]
-    actions["a load's callback"] = functools.partial(bare.step, STEP, STEPS, lambda: None)
-    built = [_contents(scene) for scene in (*scenes.values(), bare)]
-    return _rows("engine step", actions, built, STEPS, [None] * len(actions), effort)
-
-
-def _contents(scene: Scene) -> str:
-    space = scene.space
-    return f"{len(space.bodies)} bodies, {len(space.constraints)} constraints, {len(space.shapes)} shapes"
-
-
-def _passes(passes: dict[str, tuple[Tool, Settings]], effort: Effort) -> list[Effect]:
-    """Time passes over three quarters of a hub turn, or up to where the scene stops by itself."""
-    actions = {
-        name: functools.partial(simulate, tool, settings, start_relative_angle=START)
-        for name, (tool, settings) in passes.items()
-    }
-    runs = [action() for action in actions.values()]
-    scenes = [build_tool(tool)[0] for tool, _ in passes.values()]
-    built = [f"{_contents(scene)}; {run.stop_reason}" for scene, run in zip(scenes, runs, strict=True)]
-    return _rows("pass", dict(actions), built, 1, [run.cost.steps for run in runs], effort)
-
-
-def _strikes(case: StrikeCase, effort: Effort) -> list[Effect]:
-    """Time one strike under each contact law."""
-    actions = {
-        law: functools.partial(strike, case.chain, case.surface, Contact(law), Settings(accuracy=1e-3))
-        for law in ("energetic", "engine", "compliant")
-    }
-    counts = [action().steps for action in actions.values()]
-    return _rows("strike", dict(actions), ["one rod"] * len(actions), 1, list(counts), effort)
-
-
 LINKS, BRISTLES = (1, 2, 4, 8, 16), (1, 2, 4)
 """Links of a wire and bristles of a row whose costs are compared with those of one; two of either at less than full effort."""
 
 GAMMA, RATE = 0.4084, 845.6
 """Impact angle, rad, and rate of the wire that strikes, rad/s (Zhang 2020, caption of fig. 2.30)."""
 
-APART = 0.4
-"""Pitch of the row, rad: its bristles touch nobody up to their strikes."""
+APART: dict[str, Any] = {"pitch": 0.4, "neighbour_friction": 0.0, "neighbour_restitution": 1.0, "stop_after": "strike"}
+"""A row whose bristles touch nobody up to their strikes."""
+
+Actions = dict[str, tuple[Callable[[], Any], str]]
+"""What is timed, and what its scene holds, in which the result of a first call is named {0}."""
 
 
-def growth(effort: Effort) -> list[Effect]:
-    """Time a strike of a wire over its number of links, resolved in time to 1e-4, and a row's way to its strikes over its bristles."""
-    most = None if effort.effort == "full" else 2
-    reach = WHOLE.hub.radius + WHOLE.bristle.length
-    part = Workpart(friction=0.0, penetration=reach * (1.0 - math.cos(GAMMA)))
-    strikes: dict[str, Callable[[], Any]] = {}
-    for links in LINKS[:most]:
-        tool = Tool(bristle=Bristle(links=links), bar=None, workpart=part)
-        stiffness = ContactStiffness().stiffness(3.0 * math.sin(GAMMA) ** 2 / tool.bristle.mass, part.restitution)
-        start = (tool, -GAMMA, [-GAMMA] * links, [RATE] * links, stiffness, Settings(accuracy=1e-4))
-        strikes[str(links)] = functools.partial(strike_wire, *start, duration=ContactStiffness().duration)
-    counts = [action().steps for action in strikes.values()]
-    rows = _rows("links", strikes, ["a strike"] * len(strikes), 1, list(counts), effort)
-    surface: dict[str, Any] = {"neighbour_friction": 0.0, "neighbour_restitution": 1.0}
-    passes: dict[str, Callable[[], Any]] = {
-        str(count): functools.partial(simulate_row, WHOLE, bristles=count, pitch=APART, stop_after="strike", **surface)
-        for count in BRISTLES[:most]
+def effects(case: StrikeCase, effort: Effort) -> list[Effect]:
+    """Return all rows: steps, passes, strikes; ``case`` is the strike that the contact laws are timed on.
+
+    Passes last three quarters of a hub turn, or up to where the scene stops by itself. A strike of a wire is resolved in
+    time to 1e-4.
+    """
+    full = effort.effort == "full"
+    passes = PASSES if full else dict(list(PASSES.items())[:3])
+    flights: Actions = {
+        name: (partial(simulate, tool, settings, start_relative_angle=START), f"{_contents(tool)}; {{0.stop_reason}}")
+        for name, (tool, settings) in passes.items()
     }
-    counts = [action()[0].cost.steps for action in passes.values()]
-    return rows + _rows("bristles", passes, ["a row"] * len(passes), 1, list(counts), effort)
+    laws: Actions = {
+        law: (partial(strike, case.chain, case.surface, Contact(law), Settings(accuracy=1e-3)), "one rod")
+        for law in ("energetic", "engine", "compliant")
+    }
+    wires: Actions = {str(links): (_wire(links), "a strike") for links in LINKS[: None if full else 2]}
+    rows: Actions = {
+        str(count): (partial(simulate_row, WHOLE, bristles=count, **APART), "a row")
+        for count in BRISTLES[: None if full else 2]
+    }
+    priced = {"pass": flights, "strike": laws, "links": wires, "bristles": rows}
+    return [*steps(effort), *(row for what, actions in priced.items() for row in _priced(what, actions, effort))]
+
+
+def steps(effort: Effort) -> list[Effect]:
+    """Time engine steps of each scene in flight, and with a callback before each."""
+    actions: Actions = {
+        name: (partial(build_tool(tool)[0].step, STEP, STEPS), _contents(tool)) for name, tool in ADDED.items()
+    }
+    loaded = partial(build_tool(BARE)[0].step, STEP, STEPS, lambda: None)
+    return _priced("engine step", actions | {"a load's callback": (loaded, _contents(BARE))}, effort, STEPS)
+
+
+def _priced(what: str, actions: Actions, effort: Effort, number: int = 1) -> list[Effect]:
+    """Return the costs of actions that each do a number of things."""
+    results = [action() for action, _ in actions.values()]
+    times = [least / number for least, _ in cpu_times([action for action, _ in actions.values()], effort)]
+    single = [each[0] if isinstance(each, Sequence) else each for each in results]
+    counts = [getattr(getattr(each, "cost", each), "steps", None) for each in single]
+    return [
+        Effect(what, name, time, time / times[0], holds.format(result), count)
+        for (name, (_, holds)), time, result, count in zip(actions.items(), times, results, counts, strict=True)
+    ]
+
+
+def _contents(tool: Tool) -> str:
+    space = build_tool(tool)[0].space
+    return f"{len(space.bodies)} bodies, {len(space.constraints)} constraints, {len(space.shapes)} shapes"
+
+
+def _wire(links: int) -> Callable[[], Any]:
+    """Return a strike of a wire of links at the impact angle."""
+    part = Workpart(friction=0.0, penetration=(WHOLE.hub.radius + WHOLE.bristle.length) * (1.0 - math.cos(GAMMA)))
+    tool = Tool(bristle=Bristle(links=links), bar=None, workpart=part)
+    return FlexibleStrike(tool, GAMMA, RATE, ContactStiffness(), Settings(accuracy=1e-4)).run

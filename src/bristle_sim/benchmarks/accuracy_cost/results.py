@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Effect, Point, cheapest, package_of
@@ -42,8 +42,7 @@ class AccuracyCost:
         return [point for point in self.points if point.case == case]
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
+class Comparison(NamedTuple):
     """Our cheapest point in time within a target error and the cheapest peer's; None where there is none."""
 
     case: str
@@ -55,11 +54,6 @@ class Comparison:
     def ratio(self) -> float | None:
         """Ratio of our CPU time to the peer's."""
         return None if self.ours is None or self.peer is None else self.ours.cpu_s / self.peer.cpu_s
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the comparison as plain values."""
-        ours, peer = (None if point is None else point.method for point in (self.ours, self.peer))
-        return {"case": self.case, "target": self.target, "ours": ours, "peer": peer, "ratio": self.ratio}
 
 
 def comparisons(measured: AccuracyCost) -> list[Comparison]:

@@ -14,7 +14,6 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
     OURS,
     Attempt,
     Effort,
-    Point,
     measure,
     package_of,
     plain,
@@ -80,7 +79,11 @@ def accuracy_cost(effort: Effort) -> Report:
         remarks=tuple(tables(measured, circumstances)),
         extra={
             "curves": _curves(measured),
-            "comparisons": [each.as_dict() for each in comparisons(measured)],
+            "comparisons": [
+                {**each._asdict(), "ours": each.ours and each.ours.method, "peer": each.peer and each.peer.method}
+                | {"ratio": each.ratio}
+                for each in comparisons(measured)
+            ],
             "effects": [plain(row) for row in measured.effects],
             "machine": circumstances,
         },
@@ -126,14 +129,11 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
     rows = []
     for each in comparisons(measured):
         name = f"{each.case}_cpu_at_{each.target:.0e}"
-        rows.append(Quantity(name, "s", _seconds(each.ours), reference=_seconds(each.peer)))
+        ours, peer = (None if point is None else point.cpu_s for point in (each.ours, each.peer))
+        rows.append(Quantity(name, "s", ours, reference=peer))
     law = next(each for each in measured.of("strike") if each.method == "bristle_sim energetic")
-    rows.append(Quantity("strike_cpu_energetic", "s", _seconds(law)))
+    rows.append(Quantity("strike_cpu_energetic", "s", law.cpu_s))
     return [*rows, *(_reached(measured, case) for case in REQUESTED)]
-
-
-def _seconds(point: Point | None) -> float | None:
-    return None if point is None else point.cpu_s
 
 
 def _reached(measured: AccuracyCost, case: str) -> Quantity:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -33,28 +34,25 @@ SLOWEST = 1e-8
 """Ratio to a motion's speed below which no tap is distinguished from rest."""
 
 
-def chatter() -> list[HardCase]:
-    """Return taps on the bar, falls on the workpart with and without friction, and a pass in fixed steps.
+def chatter() -> Iterator[HardCase]:
+    """Yield taps on the bar, falls on the workpart with and without friction, and a pass in fixed steps.
 
     A tap of restitution e leaves e of the speed, so that each hop lasts e times as long as the one before.
     """
-    rows, case = [], partial(row, "chatter")
+    case = partial(row, "chatter")
     promise = "at most {} taps, no energy gained; then in contact"
     for e in (0.5, 0.7, 0.9, 0.99):
         quick, few = e in (0.5, 0.9), promise.format(most_taps(e))
         tool = tapping(e)
-        rows.append(
-            case(f"bar, restitution {e:g}", few, _comes_to_rest, tool, "bar", e, Settings(hub_turn=2.0), quick=quick)
-        )
+        yield case(f"bar, restitution {e:g}", few, _comes_to_rest, tool, "bar", e, Settings(hub_turn=2.0), quick=quick)
         # A restitution of 0.99 takes longer than a run to come to rest.
         for friction in (0.0, 0.1, 0.3) if e < 0.99 else ():
             name, tool = f"falls 0.01 rad, restitution {e:g}, friction {friction:g}", falling(e, friction)
-            rows.append(case(name, few, _comes_to_rest, tool, "workpart", e, Settings(), above(0.01), quick=quick))
+            yield case(name, few, _comes_to_rest, tool, "workpart", e, Settings(), above(0.01), quick=quick)
     for step in (1e-5, 1e-6):
         e, settings = Workpart().restitution, Settings(step=step)
         name, few = f"whole pass in steps of {step:g} s", promise.format(most_taps(e))
-        rows.append(case(name, few, _comes_to_rest, TOOL, "workpart", e, settings, quick=step > 1e-6))
-    return rows
+        yield case(name, few, _comes_to_rest, TOOL, "workpart", e, settings, quick=step > 1e-6)
 
 
 def tapping(restitution: float) -> Tool:
@@ -110,28 +108,27 @@ STARTS = {"workpart": (-0.4, -0.3), "bar": (-0.9, -0.4)}
 AS_REFERENCE = f"end and strike as in the reference to {ACCURACY:g}, the requested accuracy"
 
 
-def touching() -> list[HardCase]:
-    """Return strikes while the bar is touched, wedges, and starts in contact or overlapping."""
-    rows, case = [], partial(row, "touching")
+def touching() -> Iterator[HardCase]:
+    """Yield strikes while the bar is touched, wedges, and starts in contact or overlapping."""
+    case = partial(row, "touching")
     for bar, part in ((0.0, 0.0), (0.4, 0.42), (0.0, 0.9)):
         for rub, slide in ((0.0, 0.0), (0.2, 0.31)):
             name = f"struck while the bar is touched, restitution {bar:g} and {part:g}, friction {rub:g} and {slide:g}"
             promise = f"end and strike as in the reference to {10 * ACCURACY:g}, ten times the requested accuracy"
-            rows.append(case(name, promise, agrees_with_reference, near_bar(bar, rub, part, slide), 10 * ACCURACY))
+            yield case(name, promise, agrees_with_reference, near_bar(bar, rub, part, slide), 10 * ACCURACY)
     for e in (0.0, 0.3, 0.5, 0.7, 0.9):
         for step in (None, 1e-6):
             name = f"wedged in, restitution {e:g}" + (f", steps of {step:g} s" if step else "")
-            rows.append(case(name, "jam, by name", _jams, wedged(e), step, quick=e in (0.0, 0.5, 0.9)))
+            yield case(name, "jam, by name", _jams, wedged(e), step, quick=e in (0.0, 0.5, 0.9))
     for what in STARTS:
         tool, start = starting_at(what)
         into: Start = {**start, "start_relative_rate": 100.0}
-        rows.append(case(f"starts moving into the {what}", AS_REFERENCE, agrees_with_reference, tool, start=into))
+        yield case(f"starts moving into the {what}", AS_REFERENCE, agrees_with_reference, tool, start=into)
         for part in (1e-10, 1e-3):
             words = {"workpart": ("penetration =",), "bar": ("bar_horizontal =", "bar_vertical =")}[what]
             inside, begin = starting_at(what, gap=-part * LENGTH)
             name, run = f"starts {part:g} of its length inside the {what}", partial(simulate, inside, **begin)
-            rows.append(case(name, "refused in one line that names the keys", refusal, run, *words, "in m"))
-    return rows
+            yield case(name, "refused in one line that names the keys", refusal, run, *words, "in m")
 
 
 def between(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -53,26 +54,24 @@ SURE = 1e3
 so much longer to compress than one that slips that rounding of the penetration may hide the slip."""
 
 
-def mass_ratio() -> list[HardCase]:
-    """Return a double pendulum's impacts, its first rod 1e-9 to 1e12 times as heavy as its second."""
-    rows = []
+def mass_ratio() -> Iterator[HardCase]:
+    """Yield a double pendulum's impacts, its first rod 1e-9 to 1e12 times as heavy as its second."""
     for ratio in (1e-9, 1e-6, 1e-3, 0.1, 1.0, 1e3, 1e6, 1e9, 1e12):
         place, case = f"n = {ratio:g}", partial(row, "mass_ratio", quick=ratio in (1e-9, 1e-3, 0.1, 1e3, 1e12))
         for motion, (rates, friction) in MOTIONS.items():
             chain = Chain((ratio, 1.0), (1.0, 1.0), ANGLES, rates)
             promise = f"phases of the closed form, its rates and impulse to {ROUNDING:g}, e* of 0, 0.5 and 1"
             strikes = [(chain, friction, e) for e in (0.0, 0.5, 1.0)]
-            rows.append(case(f"{place}, {motion}", promise, agrees_with_closed_form, strikes, ROUNDING))
+            yield case(f"{place}, {motion}", promise, agrees_with_closed_form, strikes, ROUNDING)
             if ratio >= 0.1:
                 sure, limit = motion != "stick" or ratio <= SURE, 10 * STRIKE_ACCURACY
                 promise = f"the rigid-body limit's rates to {limit:g}" + ("" if sure else ", or refused in one line")
                 timed = partial(agrees_in_time, chain, friction, 0.5, limit, may_refuse=not sure)
-                rows.append(case(f"{place}, {motion}, in time", promise, timed))
+                yield case(f"{place}, {motion}, in time", promise, timed)
         if ratio < 1e-3:
             light = partial(struck, Chain((ratio, 1.0), (1.0, 1.0), ANGLES, (1.0, 0.2)), 0.2, 0.5, "compliant")
             words = ("contact = compliant", "1e-3")
-            rows.append(case(f"{place}, in time", "refused in one line", refusal, light, *words))
-    return rows
+            yield case(f"{place}, in time", "refused in one line", refusal, light, *words)
 
 
 ROUNDINGS = 40
@@ -91,13 +90,13 @@ LEANING = Tool(belt=Belt(stiffness=0.0), bar=None, workpart=Workpart(penetration
 THROWN: Start = {"start_hub_angle": -0.7, "start_relative_angle": 1.2}
 
 
-def jam() -> list[HardCase]:
-    """Return a rod that is pulled, two rods, and passes, with friction on both sides of an edge.
+def jam() -> Iterator[HardCase]:
+    """Yield a rod that is pulled, two rods, and passes, with friction on both sides of an edge.
 
     At mu = tan gamma a rod that is pulled over the surface can no longer leave it (stiction), and one that is pushed over
     it can no longer be stopped (jam). At each critical friction of two rods one motion gives way to another.
     """
-    rows, (normal, coupling) = [], contact_inverse_mass(TWO_RODS)[0].tolist()
+    (normal, coupling) = contact_inverse_mass(TWO_RODS)[0].tolist()
     critical = {
         "sticks": abs(coupling) / float(contact_inverse_mass(TWO_RODS)[1, 1]),
         "presses on": normal / abs(coupling),
@@ -110,18 +109,17 @@ def jam() -> list[HardCase]:
             (_rod(a), math.tan(a) * (1.0 + side), RESTITUTION) for a in ROD_ANGLES for side in (-distance, distance)
         ]
         limit = ROUNDINGS * EPSILON * (1.0 + 1.0 / distance) / math.sin(2.0 * ROD_ANGLES[0])
-        rows.append(case(f"rod pulled, {place}", promise, agrees_with_closed_form, strikes, limit))
+        yield case(f"rod pulled, {place}", promise, agrees_with_closed_form, strikes, limit)
         promise = f"rebound; phases, impulse and rates of the closed form to {TWO_RODS_LIMIT:.0e}"
         for which, edge in critical.items():
             near = [(TWO_RODS, edge * (1.0 + side * distance), RESTITUTION) for side in (-1.0, 1.0)]
             name = f"two rods, {distance:g} off the friction that {which}"
-            rows.append(case(name, promise, agrees_with_closed_form, near, TWO_RODS_LIMIT))
+            yield case(name, promise, agrees_with_closed_form, near, TWO_RODS_LIMIT)
     for tool, name, start in ((TOOL, "default pass", {}), (LEANING, "pass, tip pushed", THROWN)):
         promise = "strike and end as in the reference to 1e-7; jams, by name, above it if the tip is pushed"
         for side in (-1e-3, 1e-3):
             where = f"{name}, friction {abs(side):g} {'below' if side < 0 else 'above'} the jam"
-            rows.append(row("jam", where, promise, _passes_near_jam, tool, start, side))
-    return rows
+            yield row("jam", where, promise, _passes_near_jam, tool, start, side)
 
 
 ROD_ANGLES = tuple(map(math.radians, (1.0, 23.4, 60.0, 89.0)))
@@ -147,9 +145,9 @@ GAP = 1e-12
 """Ratio to the length to which a touch must lie on the obstacle: ten times the engine's own for a path that is exact."""
 
 
-def grazing() -> list[HardCase]:
-    """Return strikes at any angle, and tips that just reach an obstacle or just miss it."""
-    rows, case = [], partial(row, "grazing")
+def grazing() -> Iterator[HardCase]:
+    """Yield strikes at any angle, and tips that just reach an obstacle or just miss it."""
+    case = partial(row, "grazing")
     right = {f"a right angle less {10.0**-power:g} rad": math.pi / 2 - 10.0**-power for power in (3, 6, 9)}
     angles = {f"{angle:g} rad": angle for angle in (LEAST_ANGLE, 1e-30, 1e-9, 1e-6, 1e-4, 1e-3, 0.1)} | right
     for words, angle in angles.items():
@@ -158,13 +156,12 @@ def grazing() -> list[HardCase]:
         limit = 3.0 * 16.0 * EPSILON
         promise = f"outcome of the monofilament's formulas, impulse and rate to {limit:.0e}"
         strikes = [(_rod(angle), mu, RESTITUTION) for mu in frictions]
-        rows.append(case(f"strike at {words}", promise, agrees_with_closed_form, strikes, limit))
+        yield case(f"strike at {words}", promise, agrees_with_closed_form, strikes, limit)
     for depth in (sign * 10.0**-power for power in range(2, 13) for sign in (1.0, -1.0)):
         for what in NAMES:
             promise = f"touches, there to {GAP:g} of the length" if depth > 0.0 else "no touch"
             name = f"tip's circle {abs(depth):g} {'into' if depth > 0.0 else 'past'} the {what}"
-            rows.append(case(name, promise, _dips, what, depth, quick=abs(depth) in (1e-6, 1e-9, 1e-12)))
-    return rows
+            yield case(name, promise, _dips, what, depth, quick=abs(depth) in (1e-6, 1e-9, 1e-12))
 
 
 def _dips(what: str, depth: float) -> Finding:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -40,26 +41,25 @@ AS_REFERENCE = f"strike and end as in the reference to {ACCURACY:g}, the request
 SPENT = "says that its step budget is spent"
 
 
-def belt_stiffness() -> list[HardCase]:
-    """Return the release, whole pass and fixed steps, over nine decades of stiffness."""
-    rows = []
+def belt_stiffness() -> Iterator[HardCase]:
+    """Yield the release, whole pass and fixed steps, over nine decades of stiffness."""
     for factor in (1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6):
         place, belt, ends = f"belt x {factor:g}", Belt(factor * Belt().stiffness), factor in (1e-3, 1.0, 1e6)
         case, whole = partial(row, "belt_stiffness"), Tool(belt=belt)
         for accuracy in (ACCURACY, FINE):
             name, promise = f"{place}: released, accuracy {accuracy:g}", CLOSED_FORM.format(accuracy)
             free = replace(FREE, belt=belt)
-            rows.append(case(name, promise, agrees_with_energy_integral, free, accuracy, quick=ends))
+            yield case(name, promise, agrees_with_energy_integral, free, accuracy, quick=ends)
         if factor <= 1e3:
             quick = factor in (1e-3, 10.0)
-            rows.append(case(f"{place}: whole pass", AS_REFERENCE, agrees_with_reference, whole, quick=quick))
+            yield case(f"{place}: whole pass", AS_REFERENCE, agrees_with_reference, whole, quick=quick)
         else:
             name, promise = f"{place}: pass up to the strike", f"{AS_REFERENCE}, or up to a loss of grip"
             upto = partial(agrees_with_reference, whole, stop_after="strike", may_lose_grip=True)
-            rows.append(case(name, promise, upto, quick=False))
+            yield case(name, promise, upto, quick=False)
         for step in (2.5, 100.0, 1e5) if ends else ():
-            rows.append(case(f"{place}: fixed step of {step:g} rad", REFUSED, _refuses_step, whole, step))
-    return [*rows, row("belt_stiffness", "belt x 1e+06: whole pass", SPENT, spends_budget, whole, BUDGET)]
+            yield case(f"{place}: fixed step of {step:g} rad", REFUSED, _refuses_step, whole, step)
+    yield row("belt_stiffness", "belt x 1e+06: whole pass", SPENT, spends_budget, whole, BUDGET)
 
 
 def _refuses_step(tool: Tool, radians: float) -> Finding:
@@ -70,36 +70,34 @@ def _refuses_step(tool: Tool, radians: float) -> Finding:
     return refusal(lambda: simulate(tool, Settings(step=radians / fastest)), "step =", "in s")
 
 
-def damping() -> list[HardCase]:
-    """Return whole passes, for ratios up to 1000."""
-    rows = []
+def damping() -> Iterator[HardCase]:
+    """Yield whole passes, for ratios up to 1000."""
     for ratio in (1e-9, 1e-3, 0.5, 1.0 - 1e-9, 1.0, 1.0 + 1e-9, 10.0, 100.0):
         place, tool = f"ratio {ratio:.10g}", Tool(belt=Belt(damping_ratio=ratio))
         quick = ratio in (0.5, 10.0)
-        rows.append(row("damping", f"{place}: whole pass", AS_REFERENCE, agrees_with_reference, tool, quick=quick))
+        yield row("damping", f"{place}: whole pass", AS_REFERENCE, agrees_with_reference, tool, quick=quick)
     highest = Tool(belt=Belt(damping_ratio=1e3))
-    return [*rows, row("damping", "ratio 1000: whole pass", SPENT, spends_budget, highest, BUDGET)]
+    yield row("damping", "ratio 1000: whole pass", SPENT, spends_budget, highest, BUDGET)
 
 
-def hub_speed() -> list[HardCase]:
-    """Return the release and the whole pass on hubs at rest and up to 1e5 rad/s, with a belt and without."""
-    rows, case = [], partial(row, "hub_speed")
+def hub_speed() -> Iterator[HardCase]:
+    """Yield the release and the whole pass on hubs at rest and up to 1e5 rad/s, with a belt and without."""
+    case = partial(row, "hub_speed")
     for speed in (0.0, 1e-3, 1.0, 100.0, 1e3, 1e4, 1e5):
         place, hub = f"{speed:g} rad/s", Hub(speed=speed)
         for accuracy in (ACCURACY, FINE):
             name, promise = f"{place}: released, accuracy {accuracy:g}", CLOSED_FORM.format(accuracy)
             free, quick = replace(FREE, hub=hub), speed in (0.0, 1e-3, 1e5)
-            rows.append(case(name, promise, agrees_with_energy_integral, free, accuracy, quick=quick))
+            yield case(name, promise, agrees_with_energy_integral, free, accuracy, quick=quick)
         if speed >= 100.0:
             name, quick = f"{place}: whole pass", speed in (1e3, 1e5)
-            rows.append(case(name, AS_REFERENCE, agrees_with_reference, Tool(hub=hub), quick=quick))
+            yield case(name, AS_REFERENCE, agrees_with_reference, Tool(hub=hub), quick=quick)
         if speed in (1e-3, 1.0, 1e3, 1e5):
             bare, quick = Tool(hub=hub, belt=Belt(stiffness=0.0)), speed in (1e-3, 1e5)
-            rows.append(case(f"{place}: whole pass, no belt", AS_REFERENCE, agrees_with_reference, bare, quick=quick))
+            yield case(f"{place}: whole pass, no belt", AS_REFERENCE, agrees_with_reference, bare, quick=quick)
     for speed, belt in ((1e-3, Belt()), (1e-300, Belt()), (1e-300, Belt(stiffness=0.0))):
         name = f"{speed:g} rad/s: whole pass" + ("" if belt.stiffness else ", no belt; budget")
-        rows.append(case(name, SPENT, spends_budget, Tool(hub=Hub(speed=speed), belt=belt), BUDGET))
-    return rows
+        yield case(name, SPENT, spends_budget, Tool(hub=Hub(speed=speed), belt=belt), BUDGET)
 
 
 SIZES = {
@@ -113,13 +111,12 @@ SIZES = {
 """Length in m and mass in kg of a bristle, and a factor of time that keeps belt, hub and gravity within their ranges."""
 
 
-def size() -> list[HardCase]:
-    """Return passes of tools of every size, with gravity nearly as strong as the tip's centrifugal acceleration."""
-    tool, rows = Tool(gravity=3e3), []
+def size() -> Iterator[HardCase]:
+    """Yield passes of tools of every size, with gravity nearly as strong as the tip's centrifugal acceleration."""
+    tool = Tool(gravity=3e3)
     for number, (name, (length, mass, time)) in enumerate(SIZES.items()):
         large = scaled(tool, Units(length / Bristle().length, mass / Bristle().mass, time))
-        rows.append(row("size", f"{name}: whole pass", AS_REFERENCE, agrees_with_reference, large, quick=number < 2))
-    return rows
+        yield row("size", f"{name}: whole pass", AS_REFERENCE, agrees_with_reference, large, quick=number < 2)
 
 
 ROOT, TIP = TOOL.hub.radius, TOOL.hub.radius + TOOL.bristle.length
@@ -129,25 +126,24 @@ THINNEST = 1.001 * LEAST_REACH * TOOL.bristle.length
 """Radius of the thinnest bar that an infinitely thin wire may meet, m."""
 
 
-def tunnelling() -> list[HardCase]:
-    """Return every accuracy and step with every speed, and bars too thin to have a side.
+def tunnelling() -> Iterator[HardCase]:
+    """Yield every accuracy and step with every speed, and bars too thin to have a side.
 
     A straight bristle without gravity remains radial until it touches something, so that the instant is plain geometry.
     """
-    rows, case = [], partial(row, "tunnelling")
+    case = partial(row, "tunnelling")
     for accuracy in (0.1, 1e-3, 1e-6, 1e-9, 1e-11):
         name = f"accuracy {accuracy:g}, hub 1 to 1e5 rad/s, bars from {THINNEST:.1g} m and the workpart"
         promise = f"all met, their instants right to {accuracy:g} of them, the requested accuracy"
-        rows.append(case(name, promise, _meets_at_accuracy, accuracy))
+        yield case(name, promise, _meets_at_accuracy, accuracy)
     for part in (1e-12, 1e-6, 1e-3, 0.1, 0.5, 1.0):
         name = f"steps of {part:g} of the longest or 1e-12 s, bars from {THINNEST:.1g} m"
         quick = part in (1e-12, 0.1, 1.0)
-        rows.append(case(name, "all met, their instants right to a step", _meets_at_step, part, quick=quick))
+        yield case(name, "all met, their instants right to a step", _meets_at_step, part, quick=quick)
     words = ("bar_radius + wire_diameter / 2", f"{LEAST_REACH:g}")
     for radius in (0.9 * LEAST_REACH * TOOL.bristle.length, 5e-324):
         thin = partial(simulate, with_bar_at(0.9 * TIP, radius))
-        rows.append(case(f"bar of {radius:.2g} m, wire of no width", "refused in one line", refusal, thin, *words))
-    return rows
+        yield case(f"bar of {radius:.2g} m, wire of no width", "refused in one line", refusal, thin, *words)
 
 
 def with_bar_at(distance: float, radius: float, speed: float = TOOL.hub.speed, angle: float = 1.2) -> Tool:
@@ -202,14 +198,13 @@ def _meets_at_step(part: float) -> Finding:
     return all_met(met)
 
 
-def long_run() -> list[HardCase]:
-    """Return free swings over up to a thousand turns of the hub, at two accuracies."""
+def long_run() -> Iterator[HardCase]:
+    """Yield free swings over up to a thousand turns of the hub, at two accuracies."""
     promise = "energy in the hub's frame changes by {0:g} a turn at most, the requested accuracy"
-    return [
-        row("long_run", f"{n} hub turns, accuracy {e:g}", promise.format(e), _swings, e, n, quick=n == 10)
-        for n in (10, 100, 1000)
-        for e in (1e-6, 1e-9)
-    ]
+    for n in (10, 100, 1000):
+        for e in (1e-6, 1e-9):
+            name = f"{n} hub turns, accuracy {e:g}"
+            yield row("long_run", name, promise.format(e), _swings, e, n, quick=n == 10)
 
 
 def jacobi_energy(tool: Tool, angle: Array, rate: Array) -> Array:

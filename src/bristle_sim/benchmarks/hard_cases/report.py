@@ -41,8 +41,7 @@ class HardCaseChoice(Declared):
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
     """Return the cases of one theme, without those that take long unless ``full``."""
     module = importlib.import_module(f"bristle_sim.benchmarks.hard_cases.{TABLES[theme]}")
-    rows: list[HardCase] = getattr(module, theme)()
-    return tuple(case for case in rows if full or case.quick)
+    return tuple(case for case in getattr(module, theme)() if full or case.quick)
 
 
 def hard_cases(requested: HardCaseChoice) -> Report:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -20,8 +21,8 @@ from bristle_sim.benchmarks.hard_cases.measures import (
 from bristle_sim.parameters import Bristle, ContactStiffness, Strike, Tool, Workpart
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate_row
-from bristle_sim.scene.wire_strike import strike_wire
 from bristle_sim.settings import Settings
+from bristle_sim.studies.flexible_wire import FlexibleStrike
 from bristle_sim.trajectory import ContactRecord
 
 STEEL = Bristle().modulus
@@ -35,45 +36,32 @@ RATE = Strike().speed_ratio * Tool().hub.speed
 LENGTHS = (1.0, 0.1, 1.0, 0.1)
 
 
-def wires() -> list[HardCase]:
-    """Return strikes and passes of wires of links, and two wires that are nearly parallel."""
+def wires() -> Iterator[HardCase]:
+    """Yield strikes and passes of wires of links, and two wires that are nearly parallel."""
     case = partial(row, "wires")
     strikes = f"impulse, peak force and time in touch of the reference, to {LIMIT:g}"
-    rows = [
-        case(f"strike of {links} links, modulus times {factor:g}", strikes, _strikes, links, factor, quick=links < 32)
-        for links, factor in ((4, 1e3), (8, 1e-3), (8, 1e-6), (32, 1.0))
-    ]
+    for links, factor in ((4, 1e3), (8, 1e-3), (8, 1e-6), (32, 1.0)):
+        name = f"strike of {links} links, modulus times {factor:g}"
+        yield case(name, strikes, _strikes, links, factor, quick=links < 32)
     same = f"the reference's end and strike, to {LIMIT:g}"
     for links, factor, quick in ((2, 1e2, False), (3, 1e-3, True)):
         tool = Tool(bristle=Bristle(links=links, modulus=factor * STEEL))
         name = f"pass of {links} links to the strike, modulus times {factor:g}"
-        rows.append(case(name, same, agrees_with_reference, tool, LIMIT, stop_after="strike", quick=quick))
+        yield case(name, same, agrees_with_reference, tool, LIMIT, stop_after="strike", quick=quick)
     law = "restitution returns e*^2 of the work of compression, no energy gained, to 1e-9"
-    rows += [
-        case("strike of rods of lengths 1, 0.1, 1, 0.1", law, _unequal, LENGTHS),
-        case("strike of rods of lengths 1, 1e-3, 1, 1e-3", law, _unequal, tuple(each**3 for each in LENGTHS)),
-        case("two bristles 3 deg apart, nearly parallel", same, _nearly_parallel, 3.0),
-    ]
-    return rows
-
-
-def _tool(links: int, factor: float) -> Tool:
-    reach = Tool().hub.radius + Tool().bristle.length
-    part = Workpart(friction=0.0, penetration=reach * (1.0 - math.cos(ANGLE)))
-    return Tool(bristle=Bristle(links=links, modulus=factor * STEEL), bar=None, workpart=part)
+    yield case("strike of rods of lengths 1, 0.1, 1, 0.1", law, _unequal, LENGTHS)
+    yield case("strike of rods of lengths 1, 1e-3, 1, 1e-3", law, _unequal, tuple(each**3 for each in LENGTHS))
+    yield case("two bristles 3 deg apart, nearly parallel", same, _nearly_parallel, 3.0)
 
 
 def _strikes(links: int, factor: float) -> Finding:
     """Strike a contact of the stiffness of the rigid bristle's, radially, in the scene and in the reference."""
-    from bristle_sim.reference import strike_reference
-
-    tool, contact = _tool(links, factor), ContactStiffness()
-    inverse_mass = (tool.bristle.length * math.sin(ANGLE)) ** 2 / tool.bristle.inertia_about_root
-    stiffness = contact.stiffness(inverse_mass, Workpart().restitution)
-    start = (tool, -ANGLE, [-ANGLE] * links, [RATE] * links, stiffness)
-    found = strike_wire(*start, Settings(), duration=contact.duration)
-    other = strike_reference(*start, longest=10.0 * contact.duration, accuracy=1e-8)
-    ours, theirs = (measures(each) for each in (found.contact, other))
+    reach = Tool().hub.radius + Tool().bristle.length
+    part = Workpart(friction=0.0, penetration=reach * (1.0 - math.cos(ANGLE)))
+    tool = Tool(bristle=Bristle(links=links, modulus=factor * STEEL), bar=None, workpart=part)
+    strike = FlexibleStrike(tool, ANGLE, RATE, ContactStiffness(), Settings())
+    found = strike.run()
+    ours, theirs = (measures(each) for each in (found.contact, strike.reference()))
     return within(worst(ours / theirs - 1.0), LIMIT, "off by", found.steps)
 
 

@@ -1,20 +1,30 @@
-"""A labelled drawing of a strike that shows axes, angles and signs: python -m bristle_sim.render.strike_drawing FILE."""
+"""Make the pictures and the table that no scenario writes: ``python media/make.py media/strike.svg``."""
 
 from __future__ import annotations
 
 import math
 import sys
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import jinja2
 import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, FancyArrowPatch
+from PIL import Image
 
+from bristle_sim.dissertation.audit import AuditRow, audit_rows, shown_number
+from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
+from bristle_sim.render.dissertation_figures import contact_sheet
 from bristle_sim.render.drawing import HUB_COLOUR, toward
 from bristle_sim.render.style import MILLIMETRES, axes_at, blank_figure, save_figure, styled
+
+HERE = Path(__file__).parent
 
 HUB_ANGLE, LAG = math.radians(-20.0), math.radians(12.0)
 """Of the root from the workpart's direction, and of the wire behind the radial direction: larger than at the operating
@@ -22,9 +32,9 @@ point, so that both can be seen, rad."""
 
 
 @styled()
-def strike_drawing(tool: Tool | None = None) -> Figure:
+def strike_drawing() -> Figure:
     """Draw hub, wire and workpart at the instant of a strike, with the names and positive directions of all quantities."""
-    tool = tool or Tool()
+    tool = Tool()
     radius, length = tool.hub.radius * MILLIMETRES, tool.bristle.length * MILLIMETRES
     reach, root = radius + length, radius * toward(HUB_ANGLE)
     tip = root + length * toward(HUB_ANGLE - LAG)
@@ -79,7 +89,42 @@ def strike_drawing(tool: Tool | None = None) -> Figure:
     return figure
 
 
+CHAPTERS = {2: "The tool, cueing and impact", 3: "Force history", 4: "Crater"}
+
+
+def audit_page(rows: Sequence[AuditRow]) -> str:
+    """Return all rows: first those that differ, each with its reason, then everything by chapter."""
+    environment = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), keep_trailing_newline=True)
+    environment.filters["number"] = shown_number
+    environment.filters["plain"] = lambda text: text.replace("|", "\\|").replace("*", "\\*")
+    by_chapter = {number: [row for row in rows if chapter_of(row) == number] for number in CHAPTERS}
+    count = Counter(row.status for row in rows)
+    page = environment.get_template("audit.md.jinja")
+    return page.render(rows=rows, count=count, chapters=CHAPTERS, by_chapter=by_chapter)
+
+
+def chapter_of(row: AuditRow) -> int:
+    """Return the chapter that a place is in, by the first number in it; those of chapters 1 and 5 belong to chapter 2."""
+    digits = next(word for word in row.where.split() if word[0].isdigit())
+    return int(digits[0]) if digits[0] in "234" else 2
+
+
+def write_sheet(target: Path) -> None:
+    """Draw all figures of the dissertation on one sheet; 256 colours look the same and take a fifth of the bytes."""
+    canvas: Any = FigureCanvasAgg(contact_sheet(redrawn(number) for number in NUMBERS))
+    with styled():
+        canvas.draw()
+    picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
+    colours = picture.quantize(256, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    colours.save(target, format="png", optimize=True)
+
+
+MAKERS: dict[str, Callable[[Path], object]] = {
+    "strike.svg": lambda target: save_figure(strike_drawing(), target),
+    "audit.md": lambda target: target.write_text(audit_page(audit_rows()), encoding="utf-8"),
+    "contact_sheet.png": write_sheet,
+}
+
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        raise SystemExit("usage: python -m bristle_sim.render.strike_drawing FILE.svg")
-    save_figure(strike_drawing(), Path(sys.argv[1]))
+    for target in map(Path, sys.argv[1:]):
+        MAKERS[target.name](target)
