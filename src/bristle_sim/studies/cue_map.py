@@ -7,11 +7,12 @@ tip at its fastest.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import functools
 import logging
 import math
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -61,6 +62,9 @@ PRINTED = {
 USUAL_PASSES = 12
 """Passes that a search usually takes."""
 
+WIRE_PASSES = 10
+"""Passes of a wire that bends that share the budget of steps; the answer is not found again for other tools."""
+
 MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
 """Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
 
@@ -105,12 +109,18 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
     started = clock.perf_counter()
-    progress = _Progress(started, 2 + sum(map(len, MOVES.values())) + (2 if with_reference else 0))
+    moving = MOVES
+    if tool.bristle.links > 1:
+        moving, settings = (
+            {},
+            dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_PASSES)),
+        )
+    progress = _Progress(started, 2 + sum(map(len, moving.values())) + (2 if with_reference else 0))
     strike = progress.counted(simulation(settings))
     radial = progress.done(radial_place(tool, strike))
     fastest = progress.done(fastest_place(tool, strike, radial.direction))
     formula = _formula(tool)
-    moves = tuple(progress.done(row) for row in _moves(tool, strike, radial.direction))
+    moves = tuple(progress.done(row) for row in _moves(tool, strike, radial.direction, moving))
     referred: Values = {}
     if with_reference:
         independent = progress.counted(reference_solution(settings))
@@ -192,10 +202,10 @@ def _by_formula(tool: Tool, direction: float) -> Values:
     return _named(tool, place, place)
 
 
-def _moves(tool: Tool, strike: Strike, start: float) -> Iterator[dict[str, Any]]:
+def _moves(tool: Tool, strike: Strike, start: float, moving: Mapping[str, Sequence[float]]) -> Iterator[dict[str, Any]]:
     """Yield the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
     own = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}
-    for key, choice in ((key, choice) for key, choices in MOVES.items() for choice in choices):
+    for key, choice in ((key, choice) for key, choices in moving.items() for choice in choices):
         value, found = own[key] * choice if key in own else choice, None
         other = tool_of_keys(**{**keys_of(tool), key: value})
         with contextlib.suppress(ValueError):  # the row says so by having no direction
@@ -220,6 +230,10 @@ def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> t
         lag = str(error)
     lines = [
         f"where the bar stands, {stands:.3f} deg: {lag}; the formula with centrifugal stiffening: {stiffened:.3f} deg",
+    ]
+    if tool.bristle.links > 1:
+        return (*lines, "highest tip speed: the maximum next to the radial strike; a wire that vibrates has others")
+    lines += [
         "",
         f"{'with another':<20} {'value':>10} {'direction, deg':>15} {'formula, deg':>13} {'relative rate, rad/s':>21}",
     ]
