@@ -33,6 +33,7 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
+from bristle_sim.studies.inertia_driven import WIRE_RUNS
 from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
 
@@ -61,9 +62,6 @@ PRINTED = {
 
 USUAL_PASSES = 12
 """Passes that a search usually takes."""
-
-WIRE_PASSES = 10
-"""Passes of a wire that bends that share the budget of steps; the answer is not found again for other tools."""
 
 MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
 """Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
@@ -113,7 +111,7 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     if tool.bristle.links > 1:
         moving, settings = (
             {},
-            dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_PASSES)),
+            dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS)),
         )
     progress = _Progress(started, 2 + sum(map(len, moving.values())) + (2 if with_reference else 0))
     strike = progress.counted(simulation(settings))

@@ -27,7 +27,7 @@ from bristle_sim.studies.cue_places import (
     simulated_cue,
     stiffness_readings,
 )
-from bristle_sim.studies.inertia_driven import Run, reference_run, scene_run, until_radial
+from bristle_sim.studies.inertia_driven import WIRE_RUNS, Run, reference_run, scene_run, until_radial
 from bristle_sim.studies.strike_point import ran, require_result
 from bristle_sim.theory.cueing import Cue, field_stiffness
 from bristle_sim.trajectory import Trajectory
@@ -67,9 +67,6 @@ OF_WIRE = (
     "a wire that bends is cued when its tip is radial, where an undamped rigid bristle is fastest; its lag and its rate are",
     "those of the line from root to tip.",
 )
-
-WIRE_RUNS = 10
-"""Runs of a wire that bends that share the budget of steps: releases and passes for each belt stiffness."""
 
 
 @dataclass(frozen=True, slots=True)
