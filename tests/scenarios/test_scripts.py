@@ -189,7 +189,7 @@ PROMISES = {
             "relative_speed_at_contact",
             "bar_direction_for_highest_tip_speed_deg",
         ),
-        (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", "accuracy", "map_points"),
+        (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", "accuracy", "map_points"),
         quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-4"),
         strikes=False,
     ),

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_place, placed, radial_place, simulation
@@ -56,6 +56,21 @@ def test_the_root_is_found_within_three_seconds():
     started = time.process_time()
     radial_place(Tool(), simulation(FINE))
     assert time.process_time() - started < 3.0
+
+
+def test_the_tip_of_a_wire_that_bends_is_radial_at_its_root():
+    """By the independent solution, in which root and tip are then in line with the hub's centre."""
+    tool = Tool(bristle=Bristle(links=2))
+    report = cue_map(tool, Settings(accuracy=1e-4), with_reference=False)
+    assert report.extra["moves"] == []
+    run = simulate_reference(placed(tool, report.subject.radial.direction), accuracy=1e-6, stop_after="strike")
+    contact = run.first_contact("workpart")
+    assert contact is not None
+    root, tip = run.centre_line[abs(run.time - contact.time).argmin()][[0, -1]]
+    lag = math.atan2(tip[0] * root[1] - tip[1] * root[0], root @ tip)
+    assert lag == pytest.approx(0.0, abs=1e-3)  # ten times the accuracy, rad; the first link is 0.012 rad behind
+    lags = run.hub_angle - run.angles[:, 0]
+    assert abs(lags[abs(run.time - contact.time).argmin()]) > 5e-3
 
 
 def test_another_penetration_turns_the_bar_by_the_impact_angle(radial: Place):

@@ -157,6 +157,9 @@ class TestForces:
         power = run.total_energy[-1] - run.total_energy[begin] - sum(works)
         # A hundred times the accuracy; between samples the forces' course is scaled, not followed.
         assert SPEED * (momentum[1] - momentum[0] - moment) == pytest.approx(power, rel=1e-4)
+        pressed = sum(each.integral[0] for each in whole.forces if each.obstacle == "workpart")
+        mean = load_cell_series(whole)["normal_force (N)"].mean()
+        assert mean == pytest.approx(42.0 * SPEED / (2.0 * math.pi) * pressed, rel=1e-5)  # the rectangle rule
 
     def test_the_comparison_fails_where_friction_or_damping_is_missing(self):
         """A tool that is told another friction or damping than was simulated."""

@@ -126,6 +126,16 @@ def test_a_spring_that_lets_go_for_a_moment_within_an_interval(accuracy: float) 
     assert scene.duration == pytest.approx(reference.duration, rel=10.0 * accuracy)
 
 
+def test_a_contact_that_lasts_thirty_times_as_long_as_expected_goes_on() -> None:
+    tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)
+    impact = (tool, -GAMMA, [-GAMMA] * 2, [RATE] * 2, stiffness(tool, DURATION))
+    reference = strike_reference(*impact, longest=10.0 * DURATION)
+    scene = strike_wire(*impact, Settings(accuracy=1e-5), duration=reference.duration / 30.0).contact
+    assert scene.outcome == "rebound"
+    assert scene.impulse[0] == pytest.approx(reference.impulse[0], rel=1e-4)  # ten times the accuracy
+    assert scene.duration == pytest.approx(reference.duration, rel=1e-4)
+
+
 def test_too_many_evaluations_are_refused() -> None:
     """A step of the integrator takes twelve, and a contact some steps."""
     tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)

@@ -59,7 +59,7 @@ class CompliantLaw:
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
         maximum_steps: engine steps after which a contact is given up, each counted as the scene's ``work`` counts it.
         stiffness: of the spring in compression, engine units; None is that of a rigid-body contact of the duration. With
-            one, the duration is only expected: ten times as long a contact is given up.
+            one, the duration is only expected.
         observe: called with the states at the samples of each contact.
     """
 

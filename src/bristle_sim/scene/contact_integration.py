@@ -14,13 +14,14 @@ SAME = 1e-5
 
 PATIENCE = 10.0
 """A contact that lasts this many times longer than an impact of its speed would is no impact: something presses the
-point on. It ends as ``no rebound``, in sustained contact; or where the rigid-body law ends, in a jam or in stiction."""
+point on. It ends as ``no rebound``, in sustained contact; or where the rigid-body law ends, in a jam or in stiction. On a
+wire that vibrates it lasts until the spring lets go: a closed contact would be another one."""
 
 SHORTEST = 1e-9
 """Intervals shorter than this fraction of a contact mean that none is short enough: rounding exceeds the tolerance."""
 
 MOST_INTERVALS = 1000
-"""A contact that takes more intervals than this is given up."""
+"""A contact that takes more intervals than this is given up; that of a wire that vibrates once its steps are spent."""
 
 OUT_OF_STEPS = "contact: step budget spent before it is over; must have more steps, a larger accuracy or a shorter contact_duration"
 ENDLESS = (
@@ -87,6 +88,8 @@ class ContactIntegration:
 
     def _run(self, last: int) -> None:
         most = max(MOST_INTERVALS, int(4 * self.expected.duration / self.motion.stepper.propose(self.expected.longest)))
+        if self.expected.vibrates:
+            most = max(most, last - self.motion.scene.work)
         for _ in range(most):
             if self.outcome:
                 return
@@ -113,7 +116,8 @@ class ContactIntegration:
             act()
             self._note_phase()
         self._sample()
-        if self.outcome is None and self.motion.state.time - self.course.begin > PATIENCE * self.expected.duration:
+        lasts = self.motion.state.time - self.course.begin > PATIENCE * self.expected.duration
+        if self.outcome is None and lasts and not self.expected.vibrates:
             self.outcome = "no rebound"
 
     def _turns(self) -> list[Turn]:

@@ -71,7 +71,8 @@ def strike_wire(
         angles, rates: absolute angles and rates of the links then, rad and rad/s.
         stiffness: of the contact in compression, N/m.
         settings: of the scene.
-        duration: expected of the contact, s, of which samples are at most a 24th apart; one ten times as long ends there.
+        duration: expected of the contact, s, of which samples are at most a 24th apart; of a rigid bristle one ten times as long
+            ends there.
         flight: time of free motion after the release, s.
 
     Raises:

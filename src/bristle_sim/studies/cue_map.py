@@ -6,6 +6,7 @@ tip at its fastest.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import logging
 import math
@@ -29,6 +30,7 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
+from bristle_sim.studies.inertia_driven import WIRE_RUNS
 from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys
 from bristle_sim.theory import cueing
 
@@ -92,7 +94,10 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         NotCuedError: if no direction gives a radial strike.
         ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
     """
-    started, strike = clock.perf_counter(), simulation(settings)
+    started = clock.perf_counter()
+    if tool.bristle.links > 1:
+        settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
+    strike = simulation(settings)
     radial = radial_place(tool, strike)
     fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
@@ -157,6 +162,11 @@ def _remarks(tool: Tool, strike: Strike) -> tuple[str, ...]:
         lag = str(error)
     return (
         f"where the bar stands, {stands:.3f} deg: {lag}; the formula with centrifugal stiffening: {stiffened:.3f} deg",
+        *(
+            ("highest tip speed: the maximum next to the radial strike; a wire that vibrates has others",)
+            if tool.bristle.links > 1
+            else ()
+        ),
     )
 
 

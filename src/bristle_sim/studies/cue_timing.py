@@ -22,7 +22,7 @@ from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Bar, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import Run, reference_run, scene_run, until_radial
+from bristle_sim.studies.inertia_driven import WIRE_RUNS, Run, reference_run, scene_run, until_radial
 from bristle_sim.studies.strike_point import from_radial, ran, require_result
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
@@ -114,6 +114,8 @@ def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_refere
         ValueError: if nothing drives the bristle, the tip cannot reach the workpart radially, or the release is not
             computed within the settings' steps.
     """
+    if tool.bristle.links > 1:
+        settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
     run = _release(tool, retraction, settings)
     found, referred = _cue(tool, retraction, run), None
     if with_reference and found is not None:

@@ -53,6 +53,9 @@ LEAST_RATE = 1e-6
 TRIES = 20
 """Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it."""
 
+WIRE_RUNS = 10
+"""Runs of a wire that bends that share the budget of steps."""
+
 Run = Callable[[Tool, float], Trajectory]
 """A run of a tool without a bar for a time, s."""
 
@@ -87,6 +90,8 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
+    if tool.bristle.links > 1:
+        settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
     with_bar = simulate(tool, settings, stop_after="strike")
     run, strike_speed = scene_run(settings), _tip_speed_at_strike(with_bar)
     radial = until_radial(tool, run)

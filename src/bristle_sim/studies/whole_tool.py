@@ -7,6 +7,7 @@ that, from the energy that a turn loses.
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -134,10 +135,13 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
     times = whole.period * np.arange(INSTANTS) / INSTANTS
     pushes = [each for each in whole.forces if isinstance(each, Impulse) and each.obstacle == "workpart"]
     impacts = [(each.time, float(each.integral[0])) for each in pushes]
+    rigid = whole.tool.bristle.links == 1
     intervals = [
-        (each.begin, each.end, lambda at, course=each.course: course(at)[:, 0])
+        (begin, end, lambda at, course=each.course: course(at)[:, 0])
         for each in whole.forces
         if isinstance(each, SampledForce) and each.obstacle == "workpart"
+        # Stick and slip of a wire that bends change its force from one node of the spline to the next.
+        for begin, end in itertools.pairwise(each.edges if rigid else [each.begin, *each.course.x[1:]])
     ]
     shown = load_cell_response(impacts, intervals, whole.period, whole.assembly.bandwidth, times)
     return {"time (s)": times, "normal_force (N)": shown / whole.turn.turns}
