@@ -627,8 +627,14 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
             assert found.allowed in err
 
 
-@pytest.mark.no_cover  # long, and tracing multiplies it
-@pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("reference")])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.no_cover if name in ("cue_map", "neighbours") else ())  # long
+        for name in SCRIPTS
+        if scenario(name).keys().get("reference")
+    ],
+)
 def test_the_independent_solution_agrees(name: str):
     """Every quantity that the simulation knows, the reference knows too, and they agree to the requested accuracy."""
     status, found = asked(name, "--set", "reference=yes")

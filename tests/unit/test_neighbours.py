@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Neighbours, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Neighbours, Tool, Workpart
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_place
 from bristle_sim.render.row_video import RowScene
 from bristle_sim.settings import Settings
@@ -79,6 +79,20 @@ def test_a_pass_without_a_strike():
     assert values["least_pitch_to_strike_deg"].theory is None
     assert values["least_pitch_whole_pass_deg"].theory > 0.0
     assert [words for words, _ in instants(found.subject)] == ["first touch", "last touch"]
+    figure = neighbours_figure(found.subject, [5.0, 10.0], dict.fromkeys(ALONE, np.full(2, math.nan)))
+    assert sum("no strike at any pitch" in text.get_text() for axes in figure.axes for text in axes.texts) == 3
+
+
+def test_wires_that_touch_at_every_pitch_are_not_searched():
+    """Roots a quarter turn apart are sqrt(2) 27.5 mm = 38.9 mm from each other; and a hub at rest has no row."""
+    tool = Tool(bristle=Bristle(wire_diameter=0.04), bar=None, workpart=None)
+    found = neighbours(tool, Neighbours(search="no", pitch_deg=150.0), Settings())
+    assert any("not searched, as wires touch each other even" in each for each in found.remarks)
+    assert len(pitches_to_draw(found.subject)) == 5
+    with pytest.raises(ValueError, match="^hub_speed = 0: must be above 0"):
+        neighbours(Tool(hub=Hub(speed=0.0)), Neighbours(), Settings())
+    with pytest.raises(ValueError, match="^hub_radius = .*: must be above half of wire_diameter"):
+        neighbours(Tool(hub=Hub(radius=1e-4)), Neighbours(), Settings())
 
 
 def test_a_row_that_the_foremost_bristle_stops_leaves_the_last_one_unjudged():

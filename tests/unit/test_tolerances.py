@@ -143,7 +143,6 @@ def test_a_report_has_a_row_for_every_output():
     assert re.search(r"belt_damping_ratio +0\.01 1 +assumed: 0\.018 explains", told)
 
 
-@pytest.mark.no_cover  # long
 def test_rounding_of_the_print():
     """By hand: the speed goes as sqrt(k)/L, so that 0.61 % and 1.85 %, with 0.1 % of the retraction, are 2.5 % at worst."""
     rows = {(row["output"], row["by"]): row for row in rounding_rows(Tool(), Settings(accuracy=1e-5))}
