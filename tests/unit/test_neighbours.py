@@ -19,8 +19,8 @@ ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "norm
 
 
 @functools.cache
-def report(search="no", with_reference=False, **row):
-    return neighbours(Tool(), Neighbours(search=search, **row), Settings(), with_reference=with_reference)
+def report(search="no", **row):
+    return neighbours(Tool(), Neighbours(search=search, **row), Settings())
 
 
 def rows(**options):
@@ -47,12 +47,10 @@ def test_a_bristle_that_touches_nobody_strikes_as_if_alone():
         assert found[name].simulated == pytest.approx(found[name].theory, rel=2e-4 if "lag" in name else 1e-5)
 
 
-def test_a_touch_before_the_strike_spoils_it_as_the_reference_says():
-    """To ten times the accuracy of 1e-6, with wires that stay in contact; the touch takes more than half of the impulse."""
-    found = rows(with_reference=True, pitch_deg=10.0)
-    assert found["wire_contacts"].simulated == found["wire_contacts"].reference > 0
-    for name in ALONE:
-        assert found[name].ok
+def test_a_touch_before_the_strike_spoils_it():
+    """Wires stay in contact, which takes more than half of the impulse; as the reference says: test_scripts.py."""
+    found = rows(pitch_deg=10.0)
+    assert found["wire_contacts"].simulated > 0
     assert found["normal_final_impulse"].simulated < 0.5 * ALONE["normal_final_impulse"]
 
 
