@@ -87,9 +87,9 @@ def test_wires_that_touch_at_every_pitch_are_not_searched():
     found = neighbours(tool, Neighbours(search="no", pitch_deg=150.0), Settings())
     assert any("not searched, as wires touch each other even" in each for each in found.remarks)
     assert len(pitches_to_draw(found.subject)) == 5
-    with pytest.raises(ValueError, match="^hub_speed = 0: must be above 0"):
+    with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
         neighbours(Tool(hub=Hub(speed=0.0)), Neighbours(), Settings())
-    with pytest.raises(ValueError, match="^hub_radius = .*: must be above half of wire_diameter"):
+    with pytest.raises(ValueError, match=r"^hub_radius = .*: must be above half of wire_diameter"):
         neighbours(Tool(hub=Hub(radius=1e-4)), Neighbours(), Settings())
 
 

@@ -141,7 +141,7 @@ def random_tool(rng: np.random.Generator) -> Tool:
 
 def compare(tool: Tool, accuracy: float) -> None:
     first = simulate(tool, Settings(accuracy=accuracy), stop_after="strike")
-    second = simulate_reference(tool, stop_after="strike", accuracy=max(1e-3 * accuracy, 1e-12))
+    second = simulate_reference(tool, stop_after="strike", accuracy=1e-2 * accuracy if accuracy >= 1e-6 else 1e-12)
     assert_same_ledger(first, second, 10.0 * accuracy)
     assert_same_events(first, second, 10.0 * accuracy)
     assert_same_motion(first, second, 10.0 * accuracy)
