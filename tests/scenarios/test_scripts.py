@@ -520,7 +520,6 @@ CHEAP = {
 """Settings that make a run shorter, from which a key is changed."""
 
 
-@pytest.mark.no_cover  # long
 @pytest.mark.parametrize(
     "name", [name for name in SCRIPTS if not promise(name).quick and not name.startswith("dissertation")]
 )
@@ -627,14 +626,7 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
             assert found.allowed in err
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param(name, marks=pytest.mark.no_cover if name == "cue_map" else ())  # long
-        for name in SCRIPTS
-        if scenario(name).keys().get("reference")
-    ],
-)
+@pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("reference")])
 def test_the_independent_solution_agrees(name: str):
     """Every quantity that the simulation knows, the reference knows too, and they agree to the requested accuracy."""
     harder = ("--set", "pitch_deg=10") if name == "neighbours" else ()  # wires that stay in contact

@@ -21,8 +21,6 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-pytestmark = pytest.mark.no_cover  # long, and tracing doubles it; the unit tests reach the same lines
-
 PARTS = ("hub", "belt", "bristle", "bar", "workpart")
 
 BENT = {"knee_angle_deg": 15.0}

@@ -18,8 +18,6 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 
-pytestmark = pytest.mark.no_cover  # long, and tracing doubles it; the unit tests reach the same lines
-
 ACCURACY = 1e-6
 
 MANY = Settings(accuracy=ACCURACY, maximum_steps=5_000_000)
