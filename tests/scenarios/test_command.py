@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import runpy
 import subprocess
 import sys
 import zipfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -76,10 +78,18 @@ def quantities(*words: str, **options: Any) -> Any:
     return document["parameters"], document["quantities"]
 
 
-def test_the_module_does_what_the_script_does(tmp_path: Path):
-    typed = ("--set", "friction=0.2")
-    script = quantities(str(ROOT / "scenarios" / "oblique_impact.py"), *typed)
-    assert quantities("-m", "bristle_sim", "oblique_impact", *typed, cwd=tmp_path) == script
+def test_the_module_does_what_the_script_does(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]):
+    script = partial(runpy.run_path, str(ROOT / "scenarios" / "oblique_impact.py"))
+    module = partial(runpy.run_module, "bristle_sim")
+    found = []
+    for started, words in ((script, []), (module, ["oblique_impact"])):
+        monkeypatch.setattr(sys, "argv", ["started", *words, "--set", "friction=0.2", "--json", "-"])
+        with pytest.raises(SystemExit) as ended:
+            started(run_name="__main__")
+        assert ended.value.code == 0
+        document = json.loads(capsys.readouterr().out)
+        found.append((document["parameters"], document["quantities"]))
+    assert found[0] == found[1]
 
 
 def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):

@@ -26,6 +26,7 @@ from bristle_sim.scenario_cli import Scenario, main
 from bristle_sim.theory.force_history import BALL
 
 ROOT = Path(__file__).parents[2]
+PNG = b"\x89PNG"
 
 
 @functools.cache
@@ -97,6 +98,9 @@ def test_force_history_of_measured_points(tmp_path: Path):
     path = tmp_path / "ball.csv"
     path.write_text("\n".join(["time (s);force (N)", *lines]))
     found = document("force_history", "--set", f"force_csv={path}")
+    picture = tmp_path / "picture.png"
+    assert run("force_history", "--set", f"force_csv={path}", "--plot", str(picture)).returncode == 0
+    assert picture.read_bytes().startswith(PNG)
     assert all(row["simulated"] is None and row["ok"] is None for row in found["quantities"][:3])
     # (3.5) peaks at 340.75 N and 2.329 ms and carries 0.46288 N s; its offset is rounded by 0.02 %.
     assert quantity(found, "peak_force")["theory"] == pytest.approx(340.75, rel=1e-3)
@@ -137,8 +141,10 @@ def test_crater_depth_beside_print():
     assert found["measured_crater_depth"] == 1.3e-4
 
 
-def test_crater_depth_without_a_chip():
-    found = run("crater_depth", "--set", "friction=0.31")
+def test_crater_depth_without_a_chip(tmp_path: Path):
+    picture = tmp_path / "picture.png"
+    found = run("crater_depth", "--set", "friction=0.31", "--plot", str(picture))
+    assert picture.read_bytes().startswith(PNG)
     assert found.returncode == 0
     assert "friction = 0.31: must be friction >= tan(impact_angle)" in found.stdout
     numbers = document("crater_depth", "--set", "friction=0.31")

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from bristle_sim.benchmarks.accuracy_cost import study
+from bristle_sim.benchmarks.accuracy_cost.study import Effort
+from bristle_sim.benchmarks.hard_cases import report
 from bristle_sim.benchmarks.hard_cases.motion import FREE, jacobi_energy
+from bristle_sim.comparison import Unfinished
+from bristle_sim.dissertation import figures
 from bristle_sim.theory import cueing
 from bristle_sim.theory.impact import energetic_impact
 from stability.cases.jam import rod_near_jam
@@ -59,6 +64,25 @@ def test_one_rod_near_its_jam_by_the_general_law(seed: int) -> None:
         assert law.outcome_name == outcome
         # A hundred roundings: 20 over a distance of at least a fifth.
         assert impulse == pytest.approx(law.impulse_normal, rel=100 * 2.0**-52)
+
+
+def interrupted(*_: object, **__: object) -> None:
+    raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(
+    ("module", "step", "run", "kept"),
+    [
+        (report, "cases_of", lambda: report.hard_cases(report.HardCaseChoice("limits", "quick")), "rows"),
+        (study, "_measure", lambda: study.accuracy_cost(Effort("quick", "none")), "curves"),
+        (figures, "redrawn", lambda: figures.figures_report(figures.Selection("4.6")), None),
+    ],
+)
+def test_an_interruption_keeps_what_is_finished(module, step, run, kept, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, step, interrupted)
+    with pytest.raises(Unfinished) as ended:
+        run()
+    assert kept is None or ended.value.report.extra[kept] == []
 
 
 def test_jacobi_energy_of_the_release() -> None:

@@ -160,8 +160,9 @@ def test_a_wire_that_bends():
 
 
 def test_a_wire_that_bends_against_the_reference():
-    report = inertia_driven(Tool(bristle=Bristle(links=2)), Settings(accuracy=1e-6))
-    assert all(each.ok for each in report.quantities)
+    """Without a bar, whose passes tests/validation compares."""
+    report = inertia_driven(Tool(bar=None, workpart=None, bristle=Bristle(links=2)), Settings(accuracy=1e-6))
+    assert [each.ok for each in report.quantities] == [True] * 4 + [None]
 
 
 def test_film_of_both_tools():

