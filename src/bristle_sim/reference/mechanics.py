@@ -192,17 +192,11 @@ class Chain:
         return kinetic, (0.5 * self.stiffness * twists**2 + self.gravity * self.masses * height).sum(axis=-1)
 
     @property
-    def swing_rate(self) -> float:
-        """Return the rate of small oscillations on the belt as if the hinges were rigid, rad/s."""
-        whole = np.ones(self.links, dtype=complex)
-        inertia = float(self.mass_matrix(whole).sum())
+    def swing_and_decay(self) -> tuple[float, float]:
+        """Return the rates of small oscillations on the belt and of their decay as if the hinges were rigid, rad/s."""
+        inertia = float(self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
         moment = abs(complex(self.moments.sum())) * (self.hub_radius * self.speed**2 + self.gravity)
-        return math.sqrt((float(self.stiffness[0]) + moment) / inertia)
-
-    @property
-    def decay_rate(self) -> float:
-        """Return the rate at which the belt's damper stops the wire as if the hinges were rigid, rad/s."""
-        return float(self.damping[0] / self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
+        return math.sqrt((float(self.stiffness[0]) + moment) / inertia), float(self.damping[0]) / inertia
 
     @property
     def fastest_rate(self) -> float:

@@ -217,12 +217,13 @@ def _check_row(tool: Tool, bristles: int, pitch: float, stop_after: str | None) 
 
 def _span(chain: Chain, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
-    moving = max(chain.swing_rate, chain.speed)
+    swing, decay = chain.swing_and_decay
+    moving = max(swing, chain.speed)
     period = 2.0 * math.pi / moving if moving else math.inf  # of the rigid rod or the hub; infinite if nothing moves it
     end = request.duration
     if end is None:
         end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
-    fastest = chain.swing_rate + chain.decay_rate + chain.speed
+    fastest = swing + decay + chain.speed
     if fastest and end * fastest > LONGEST:
         raise ValueError(
             f"duration = {end:g}: must be at most {LONGEST / fastest:g}, {LONGEST:g} radians of the"
