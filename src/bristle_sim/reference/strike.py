@@ -18,8 +18,6 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 AT_SURFACE = 1e-9  # the wire's end must be at the workpart's surface to this fraction of hub radius and length
-
-
 SAMPLES = 200  # in the longest time of a contact
 
 
