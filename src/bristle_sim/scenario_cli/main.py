@@ -21,8 +21,15 @@ from bristle_sim.comparison import WIDTH, Report, Unfinished, finite, table
 from bristle_sim.files import checked_target, complete_or_absent, is_special
 from bristle_sim.parameters import PARTS
 from bristle_sim.scenario_cli.ending import ending_in_order
-from bristle_sim.scenario_cli.keys import key_list, settings_from, values_of, warnings_of
-from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values
+from bristle_sim.scenario_cli.scenario import (
+    Columns,
+    Scenario,
+    Values,
+    key_list,
+    settings_from,
+    values_of,
+    warnings_of,
+)
 
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
