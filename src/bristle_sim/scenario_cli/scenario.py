@@ -63,6 +63,80 @@ class Scenario:
             found[key] = (dataclasses.replace(found[key][0], source=source), default)
         return {key: each for key, each in found.items() if key not in self.without}
 
+    def values_of(self, settings: Sequence[str]) -> dict[str, Any]:
+        """Return every key's value: its default, or the last that ``KEY=VALUE`` settings give it.
+
+        Raises:
+            ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
+                without effect.
+        """
+        keys = self.keys()
+        typed = {}
+        for setting in settings:
+            key, equals, text = setting.partition("=")
+            if not equals:
+                raise ValueError(f"--set {setting!r}: must be KEY=VALUE")
+            if key not in keys:
+                advice = parameter_file.likely_key(key, keys, "--list-keys shows all keys")
+                raise ValueError(f"--set {setting!r}: unknown key {key!r}; {advice}")
+            typed[key] = keys[key][0].parse(text)
+        values = {key: default for key, (_, default) in keys.items()} | typed
+        for key, (declared, default) in keys.items():
+            if _holds(declared.needs, values):
+                continue
+            if key in typed and (declared.optional or typed[key] != default):
+                raise ValueError(
+                    f"{key} = {typed[key]!r}: must be left out unless {declared.needs}, or it has no effect"
+                )
+            values[key] = None if declared.optional else default
+        return values
+
+    def settings_from(self, path: str) -> tuple[list[str], list[str]]:
+        """Settings that a parameter file makes, and a warning for each value that the scenario does not use.
+
+        Raises:
+            ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
+                an absent part.
+        """
+        keys, settings, idle = self.keys(), [], []
+        try:
+            typed = parameter_file.read_keys(path, keys)
+        except OSError as error:
+            raise ValueError(f"--parameters = {path!r}: must be a readable file ({error.strerror})") from error
+        known = Scenario("", "", (*(kinds[0] for kinds in PARTS.values()), Tool), run=self.run).keys()
+        for key, text in typed.items():
+            if key in parameter_file.MAY_BE_ABSENT:
+                if PARTS[key][0] in self.parts:
+                    raise ValueError(f"{path}: {key} = false: must be a {key} in {self.name}")
+                continue
+            try:
+                value = (keys if key in keys else known)[key][0].parse(text)
+            except ValueError as error:
+                raise ValueError(f"{path}: {error}") from error
+            if key in keys:
+                settings.append(f"{key}={text}")
+            elif value != known[key][1]:
+                idle.append(f"{path}: {key} = {text} has no effect on {self.name}")
+        return settings, idle
+
+    def key_list(self) -> str:
+        """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
+        cells = [("key", "default", "unit", "range")]
+        notes = ["meaning (source of the default)"]
+        for key, (declared, default) in self.keys().items():
+            shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
+            cells.append((key, shown, declared.unit, declared.allowed))
+            only = f"; only with {declared.needs}" if declared.needs else ""
+            notes.append(f"{declared.meaning}{only} (default: {declared.source})")
+        widths = [max(len(row[column]) for row in cells) for column in range(3)]
+        lines = []
+        for row, note in zip(cells, notes, strict=True):
+            head = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)) + "  "
+            lines += textwrap.wrap(row[3], WIDTH, initial_indent=head, subsequent_indent=" " * len(head))
+            lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
+        lines.insert(2, "-" * WIDTH)
+        return "\n".join(lines)
+
 
 def build_tool(values: Values) -> Tool:
     """Build a tool from key values; parts without keys are as by default."""
@@ -74,63 +148,6 @@ def build_tool(values: Values) -> Tool:
 def build(part: type[T], values: Values) -> T:
     """Build a parameter object of the given class from key values."""
     return part(**{name: values[each.key] for name, each in declarations(part).items() if each.key in values})
-
-
-def values_of(scenario: Scenario, settings: Sequence[str]) -> dict[str, Any]:
-    """Return every key's value: its default, or the last that ``KEY=VALUE`` settings give it.
-
-    Raises:
-        ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
-            without effect.
-    """
-    keys = scenario.keys()
-    typed = {}
-    for setting in settings:
-        key, equals, text = setting.partition("=")
-        if not equals:
-            raise ValueError(f"--set {setting!r}: must be KEY=VALUE")
-        if key not in keys:
-            advice = parameter_file.likely_key(key, keys, "--list-keys shows all keys")
-            raise ValueError(f"--set {setting!r}: unknown key {key!r}; {advice}")
-        typed[key] = keys[key][0].parse(text)
-    values = {key: default for key, (_, default) in keys.items()} | typed
-    for key, (declared, default) in keys.items():
-        if _holds(declared.needs, values):
-            continue
-        if key in typed and (declared.optional or typed[key] != default):
-            raise ValueError(f"{key} = {typed[key]!r}: must be left out unless {declared.needs}, or it has no effect")
-        values[key] = None if declared.optional else default
-    return values
-
-
-def settings_from(scenario: Scenario, path: str) -> tuple[list[str], list[str]]:
-    """Settings that a parameter file makes, and a warning for each value that the scenario does not use.
-
-    Raises:
-        ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
-            an absent part.
-    """
-    keys, settings, idle = scenario.keys(), [], []
-    try:
-        typed = parameter_file.read_keys(path, keys)
-    except OSError as error:
-        raise ValueError(f"--parameters = {path!r}: must be a readable file ({error.strerror})") from error
-    declared = {key: each for part in parameter_file.tool_keys().values() for key, (_, each) in part.items()}
-    defaults = Scenario("", "", (*(kinds[0] for kinds in PARTS.values()), Tool), run=scenario.run).keys()
-    for key, text in typed.items():
-        if key in parameter_file.MAY_BE_ABSENT:
-            if PARTS[key][0] in scenario.parts:
-                raise ValueError(f"{path}: {key} = false: must be a {key} in {scenario.name}")
-            continue
-        try:
-            value = (keys[key][0] if key in keys else declared[key]).parse(text)
-        except ValueError as error:
-            raise ValueError(f"{path}: {error}") from error
-        if key in keys:
-            settings.append(f"{key}={text}")
-        elif value != defaults[key][1]:
-            idle.append(f"{path}: {key} = {text} has no effect on {scenario.name}")
-    return settings, idle
 
 
 def _holds(condition: str, values: Values) -> bool:
@@ -168,25 +185,6 @@ def _likely_unit(declared: Range, text: str, default: float | None) -> str:
         if default and 0.1 <= abs(number * (conversion(unit, declared.unit) or 0.0) / default) <= 10.0:
             return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
     return ""
-
-
-def key_list(scenario: Scenario) -> str:
-    """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
-    cells = [("key", "default", "unit", "range")]
-    notes = ["meaning (source of the default)"]
-    for key, (declared, default) in scenario.keys().items():
-        shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
-        cells.append((key, shown, declared.unit, declared.allowed))
-        only = f"; only with {declared.needs}" if declared.needs else ""
-        notes.append(f"{declared.meaning}{only} (default: {declared.source})")
-    widths = [max(len(row[column]) for row in cells) for column in range(3)]
-    lines = []
-    for row, note in zip(cells, notes, strict=True):
-        head = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)) + "  "
-        lines += textwrap.wrap(row[3], WIDTH, initial_indent=head, subsequent_indent=" " * len(head))
-        lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
-    lines.insert(2, "-" * WIDTH)
-    return "\n".join(lines)
 
 
 def figure(name: str) -> Callable[[Report, Path], None]:
