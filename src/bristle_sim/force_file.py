@@ -21,8 +21,7 @@ from bristle_sim.arrays import Array
 
 TIME = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 FORCE = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "lbf": 4.4482216152605}
-VOLTAGE = {"V": 1.0, "mV": 1e-3}
-"""Units in SI."""
+VOLTAGE = {"V": 1.0, "mV": 1e-3}  # all in SI
 
 WORDS = {
     "sec": "s", "second": "s", "sekunde": "s", "sekunden": "s", "msec": "ms", "millisecond": "ms", "usec": "us", "microsecond": "us",
@@ -88,7 +87,6 @@ def read_force_csv(
     from a row of units, or from settings such as ``Vertical Units``; without any, s and N are assumed.
 
     Args:
-        path: of the file.
         time_column: heading, or number from 1 on; by default the one that says it is a time, else the first.
         force_column: likewise; by default the one that says it is a force, or the only other one.
         force_per_volt: sensitivity, N/V, of a force recorded as a voltage.
@@ -111,14 +109,7 @@ def read_force_csv(
     numbers = [number for number, line in enumerate(lines) if number >= first and is_data(line)]
     if len(numbers) < FEWEST_POINTS:
         raise ValueError(f"{path}: {len(numbers)} points; there must be at least {FEWEST_POINTS}")
-    values = np.empty((2, len(numbers)))
-    for point, number in enumerate(numbers):
-        for kind, i in enumerate((time.place, force.place)):
-            cell = rows[number][i] if i < len(rows[number]) else ""
-            value = number_in(cell, decimal)
-            if value is None or not math.isfinite(value):
-                raise ValueError(f"{path}, line {number + 1}: {cell!r} in column {i + 1}: must be a finite number")
-            values[kind, point] = value
+    values = np.array([_values(path, number, rows[number], decimal, (time.place, force.place)) for number in numbers]).T
     if time.unit and time.unit not in TIME:
         raise ValueError(f"{path}: column {time} in {time.unit!r}: a time must be in {', '.join(TIME)}")
     if not time.unit and (np.diff(values[0]) == 1.0).all():
@@ -130,6 +121,18 @@ def read_force_csv(
     units = [each.unit or f"no unit: taken as {unit}" for each, unit in zip((time, force), assumed, strict=True)]
     reading = f"time from column {time}, {units[0]}; force from column {force}, {units[1]}"
     return ForceRecord(seconds, values[1] * _force_unit(path, force, force_per_volt), reading)
+
+
+def _values(path: str | Path, number: int, row: list[str], decimal: str, places: tuple[int, int]) -> list[float]:
+    """Return the numbers in the given places of a row."""
+    found = []
+    for i in places:
+        cell = row[i] if i < len(row) else ""
+        value = number_in(cell, decimal)
+        if value is None or not math.isfinite(value):
+            raise ValueError(f"{path}, line {number + 1}: {cell!r} in column {i + 1}: must be a finite number")
+        found.append(value)
+    return found
 
 
 def _layout(path: str | Path, lines: list[str]) -> tuple[str | None, str, tuple[int, ...]]:
@@ -152,8 +155,7 @@ def _layout(path: str | Path, lines: list[str]) -> tuple[str | None, str, tuple[
 
 def _columns(above: list[str], rows: list[list[str]], separator: str | None, places: tuple[int, ...]) -> list[Column]:
     """Return the columns of numbers with headings and units: those of the heading, a row of units, or settings."""
-    plain = [line.lstrip(" \t#") for line in above]
-    names, units = _headings([line for line in plain if line.strip()], separator, places)
+    names, units = _headings([*filter(str.strip, (line.lstrip(" \t#") for line in above))], separator, places)
     settings: dict[str, str] = {}  # units from rows of settings, above the numbers or beside them
     for row in rows:
         for kind, pattern in UNIT_ROWS.items():
@@ -215,9 +217,9 @@ def number_in(cell: str, decimal: str) -> float | None:
 
 def split_unit(heading: str) -> tuple[str, str]:
     """Return a heading without its unit, and the unit: one of the tables above, or as written in brackets; empty if none."""
-    bracketed, last = BRACKETED.search(heading), LAST.search(heading)
-    if bracketed is not None:
+    if (bracketed := BRACKETED.search(heading)) is not None:
         return heading[: bracketed.start()].strip(), _known(bracketed[1]) or bracketed[1]
+    last = LAST.search(heading)
     if last is None or not _known(last[1]):
         return heading.strip(), ""
     return re.sub(r"[\s_/,]+(in)?$", "", heading[: last.start()]).strip(), _known(last[1])

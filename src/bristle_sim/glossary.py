@@ -1,4 +1,4 @@
-"""Unit, meaning and range of the keys that several scripts share; a key means the same wherever it is declared."""
+"""Unit, meaning and range of the scripts' keys; a key means the same wherever it is declared."""
 
 from __future__ import annotations
 

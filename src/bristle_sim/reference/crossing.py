@@ -46,15 +46,9 @@ def _resolved(series: Array, values: Array, resolution: float) -> bool:
 
 
 def crossings(function: Function, start: float, end: float, resolution: float) -> list[tuple[float, int]]:
-    """Return every change of sign in [start, end], in order.
+    """Return every change of sign in [start, end], s, in order: its time, s, and +1 to positive or -1 to negative.
 
-    Args:
-        function: of an array of times.
-        start, end: interval, s.
-        resolution: size below which the function's values mean nothing.
-
-    Returns:
-        (time in s, direction): +1 from negative to positive, -1 from positive to negative.
+    Values of the function that are smaller than ``resolution`` mean nothing.
     """
     edges = {start, end}
     waiting, done = [(start, end, DEEPEST)], 0

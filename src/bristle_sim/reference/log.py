@@ -134,6 +134,7 @@ class Record:
         chain = self.chain
         time, angles, rates = (np.array(column) for column in zip(*(state for state, _ in self.samples), strict=True))
         corners, velocities = chain.centre_line(time, angles, rates)
+        kinetic, potential = chain.energies(time, angles, rates)
         return Trajectory(
             time=time,
             hub_angle=np.asarray(chain.hub_angle(time)),
@@ -141,8 +142,8 @@ class Record:
             rates=rates,
             centre_line=np.stack([corners.real, corners.imag], axis=-1),
             centre_line_velocity=np.stack([velocities.real, velocities.imag], axis=-1),
-            kinetic_energy=chain.kinetic_energy(time, angles, rates),
-            potential_energy=chain.potential_energy(time, angles),
+            kinetic_energy=kinetic,
+            potential_energy=potential,
             normal_force=np.array([max(forces[0], 0.0) for _, forces in self.samples]),
             hub_speed=chain.speed,
             events=tuple(sorted(self.events, key=lambda each: each.time)),

@@ -118,7 +118,7 @@ class Chain:
 
     @property
     def links(self) -> int:
-        """How many links."""
+        """Return their number."""
         return len(self.masses)
 
     @property
@@ -183,31 +183,20 @@ class Chain:
         arms = np.array([0j] + [each.end for each in self.pieces]) * motion.turn[..., links]
         return motion.joint[..., links] + arms, motion.velocity[..., links] + 1j * rates[..., links] * arms
 
-    def kinetic_energy(self, time: Any, angles: Array, rates: Array) -> Any:
-        """Return the kinetic energy of all links, J."""
-        motion = self.kinematics(time, angles, rates)
+    def energies(self, time: Any, angles: Array, rates: Array) -> tuple[Any, Any]:
+        """Return the kinetic energy of all links, and the potential one of belt, hinges and gravity, J."""
+        motion, twists = self.kinematics(time, angles, rates), _twists(angles, self.hub_angle(time))
         velocity = motion.velocity + 1j * rates * self.centres * motion.turn
-        return 0.5 * (self.masses * np.abs(velocity) ** 2 + self.inertias * rates**2).sum(axis=-1)
-
-    def potential_energy(self, time: Any, angles: Array) -> Any:
-        """Return the energy of belt, hinges and gravity, J."""
-        twists = _twists(angles, self.hub_angle(time))
-        motion = self.kinematics(time, angles, np.zeros_like(angles))
         height = (motion.joint + self.centres * motion.turn).imag
-        return (0.5 * self.stiffness * twists**2 + self.gravity * self.masses * height).sum(axis=-1)
+        kinetic = 0.5 * (self.masses * np.abs(velocity) ** 2 + self.inertias * rates**2).sum(axis=-1)
+        return kinetic, (0.5 * self.stiffness * twists**2 + self.gravity * self.masses * height).sum(axis=-1)
 
     @property
-    def swing_rate(self) -> float:
-        """Return the rate of small oscillations on the belt as if the hinges were rigid, rad/s."""
-        whole = np.ones(self.links, dtype=complex)
-        inertia = float(self.mass_matrix(whole).sum())
+    def swing_and_decay(self) -> tuple[float, float]:
+        """Return the rates of small oscillations on the belt and of their decay as if the hinges were rigid, rad/s."""
+        inertia = float(self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
         moment = abs(complex(self.moments.sum())) * (self.hub_radius * self.speed**2 + self.gravity)
-        return math.sqrt((float(self.stiffness[0]) + moment) / inertia)
-
-    @property
-    def decay_rate(self) -> float:
-        """Return the rate at which the belt's damper stops the wire as if the hinges were rigid, rad/s."""
-        return float(self.damping[0] / self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
+        return math.sqrt((float(self.stiffness[0]) + moment) / inertia), float(self.damping[0]) / inertia
 
     @property
     def fastest_rate(self) -> float:

@@ -106,6 +106,7 @@ class Run:
             solver.f = solver.fun(solver.t, solver.y)
 
     def _solver(self) -> DOP853:
+        """Return an integrator that begins at the state, with an absolute tolerance for each unknown."""
         chain, size, fastest = self.system.chain, self.system.size, self.system.fastest
         rate = max(chain.speed, float(np.abs(self.state.rates).max()), fastest, 1e-300)
         force = chain.masses.sum() * size * fastest
@@ -133,6 +134,7 @@ class Run:
         return math.sqrt(each.spring.stiffness * response) / (each.spring.restitution or 1.0)
 
     def _derivative(self, time: float, values: Array) -> Array:
+        """Return the derivatives of angles and rates, and the forces and powers of the sustained contacts."""
         instant = self.system.at(self._state(time, values))
         if not instant.contacts:
             return np.concatenate([instant.state.rates, instant.balance.accelerations])
@@ -143,6 +145,7 @@ class Run:
         return np.concatenate([instant.state.rates, instant.balance.accelerations, sums])
 
     def _state(self, time: float, values: Array) -> State:
+        """Return the state that the unknowns hold."""
         count = self.system.chain.links
         return State(time, values[:count], values[count : 2 * count])
 

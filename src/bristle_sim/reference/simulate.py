@@ -75,10 +75,10 @@ def simulate_reference(
 ) -> Trajectory:
     """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
-    A wire of several links moves as the module ``mechanics`` says. Flight of a straight rigid bristle obeys
-    I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0; a knee moves the centre
-    of mass. A touch obeys the energetic impact law, and a sustained contact gap = 0 with a force that pushes. A rebound too low to be distinguished from rounding (1e-10 of hub radius
-    and length) counts as none, so that ever smaller taps become a sustained contact.
+    A wire moves as the module ``mechanics`` says; flight of a straight rigid bristle is
+    I alpha'' + c alpha' + k alpha + m r_h (L/2) omega^2 sin alpha + m g (L/2) sin(psi + alpha) = 0. A touch obeys the
+    energetic impact law, a sustained contact gap = 0 with a force that pushes. A rebound too low to be distinguished from
+    rounding (1e-10 of hub radius and length) counts as none, so that ever smaller taps become a sustained contact.
 
     Args:
         tool: what is simulated; its bar and workpart may be None.
@@ -93,10 +93,8 @@ def simulate_reference(
         contact_stiffness: of the contact with the workpart, N/m, a spring with energetic restitution; by default it is rigid.
 
     Returns:
-        The trajectory. Events: ``bar touch``, ``bar release``, ``strike``, ``workpart touch``, ``workpart release``,
-        ``largest retraction``, ``highest relative speed``, ``bar not touched``, ``workpart not reached``,
-        ``retraction limit`` (the bristle leans over by 90 degrees) and ``jam`` (friction or geometry locks it).
-        ``cost.steps`` counts right-hand sides.
+        The trajectory, with the events of ``stop_reason``: ``retraction limit`` is where the bristle leans over by 90 degrees,
+        ``jam`` where friction or geometry locks it. ``cost.steps`` counts right-hand sides.
 
     Raises:
         ValueError: for settings out of range, a start inside an obstacle, or a run of more than 1e5 radians of its
@@ -217,12 +215,13 @@ def _check_row(tool: Tool, bristles: int, pitch: float, stop_after: str | None) 
 
 def _span(chain: Chain, request: Request) -> tuple[float, float]:
     """Return the end of the run and the time between samples, s."""
-    moving = max(chain.swing_rate, chain.speed)
+    swing, decay = chain.swing_and_decay
+    moving = max(swing, chain.speed)
     period = 2.0 * math.pi / moving if moving else math.inf  # of the rigid rod or the hub; infinite if nothing moves it
     end = request.duration
     if end is None:
         end = request.hub_turn / chain.speed if chain.speed else PERIODS_AT_REST * period
-    fastest = chain.swing_rate + chain.decay_rate + chain.speed
+    fastest = swing + decay + chain.speed
     if fastest and end * fastest > LONGEST:
         raise ValueError(
             f"duration = {end:g}: must be at most {LONGEST / fastest:g}, {LONGEST:g} radians of the"

@@ -18,6 +18,7 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
 AT_SURFACE = 1e-9  # the wire's end must be at the workpart's surface to this fraction of hub radius and length
+SAMPLES = 200  # in the longest time of a contact
 
 
 class TooStiffError(ValueError):
@@ -32,7 +33,6 @@ def strike_reference(
     stiffness: float,
     *,
     longest: float,
-    samples: int = 200,
     accuracy: float = 1e-9,
     most_evaluations: int = 20_000,
 ) -> ContactRecord:
@@ -46,7 +46,6 @@ def strike_reference(
         angles, rates: absolute angles and rates of the links then, rad and rad/s.
         stiffness: of the contact, N/m.
         longest: the contact must end within this time, s.
-        samples: in that time.
         accuracy: relative accuracy requested; the integrator's tolerance is a hundredth of it.
         most_evaluations: of the right-hand side, some 4 s; the contact of a usual wire of 8 links takes a thousand.
 
@@ -62,7 +61,7 @@ def strike_reference(
             f"stiffness = {stiffness:g}: must be larger than 0, and the tool must have a workpart (in N/m)"
         )
     start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
-    system, log = System(chain, obstacles, stiffness), Log([chain], longest / samples, "workpart release")
+    system, log = System(chain, obstacles, stiffness), Log([chain], longest / SAMPLES, "workpart release")
     tip = len(chain.pieces) - 1
     touch = system.at(start).touch(Point("workpart", tip, True))
     if abs(touch.gap) > AT_SURFACE * system.size or touch.velocity[0] >= 0.0:

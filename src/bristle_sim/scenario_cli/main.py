@@ -21,8 +21,7 @@ from bristle_sim.comparison import WIDTH, Report, Unfinished, finite, table
 from bristle_sim.files import checked_target, complete_or_absent, is_special
 from bristle_sim.parameters import PARTS
 from bristle_sim.scenario_cli.ending import ending_in_order
-from bristle_sim.scenario_cli.keys import key_list, settings_from, values_of, warnings_of
-from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values
+from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values, warnings_of
 
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")
@@ -44,12 +43,12 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 raise OSError("standard output: must be open")
             options = _parser(scenario, program).parse_args(arguments)
             if options.list_keys:
-                say(key_list(scenario))
+                say(scenario.key_list())
                 return 0
             if options.parameters is not None:
-                from_file, warnings = settings_from(scenario, options.parameters)
+                from_file, warnings = scenario.settings_from(options.parameters)
                 options.set = [*from_file, *options.set]
-            values = values_of(scenario, options.set)
+            values = scenario.values_of(options.set)
             warnings += warnings_of(scenario, options.set, values)
             status = _answer(scenario, options, values, command)
         except (ValueError, OSError) as error:

@@ -1,17 +1,19 @@
-"""A scenario: one question, its keys, and the functions that answer and show it."""
+"""A scenario: one question, its keys and what is typed for them, and the functions that answer and show it."""
 
 from __future__ import annotations
 
 import dataclasses
 import importlib
+import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_type_hints
 
-from bristle_sim.comparison import Report
+from bristle_sim import parameter_file
+from bristle_sim.comparison import WIDTH, Report
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.quantity import Choice, Range, declarations
+from bristle_sim.quantity import TYPICAL_UNITS, Choice, Range, conversion, declarations
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -67,6 +69,80 @@ class Scenario:
             found[key] = (dataclasses.replace(declared, highest=most, meaning=f"{declared.meaning}; {reason}"), default)
         return {key: each for key, each in found.items() if key not in self.without}
 
+    def values_of(self, settings: Sequence[str]) -> dict[str, Any]:
+        """Return every key's value: its default, or the last that ``KEY=VALUE`` settings give it.
+
+        Raises:
+            ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
+                without effect.
+        """
+        keys = self.keys()
+        typed = {}
+        for setting in settings:
+            key, equals, text = setting.partition("=")
+            if not equals:
+                raise ValueError(f"--set {setting!r}: must be KEY=VALUE")
+            if key not in keys:
+                advice = parameter_file.likely_key(key, keys, "--list-keys shows all keys")
+                raise ValueError(f"--set {setting!r}: unknown key {key!r}; {advice}")
+            typed[key] = keys[key][0].parse(text)
+        values = {key: default for key, (_, default) in keys.items()} | typed
+        for key, (declared, default) in keys.items():
+            if _holds(declared.needs, values):
+                continue
+            if key in typed and (declared.optional or typed[key] != default):
+                raise ValueError(
+                    f"{key} = {typed[key]!r}: must be left out unless {declared.needs}, or it has no effect"
+                )
+            values[key] = None if declared.optional else default
+        return values
+
+    def settings_from(self, path: str) -> tuple[list[str], list[str]]:
+        """Settings that a parameter file makes, and a warning for each value that the scenario does not use.
+
+        Raises:
+            ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
+                an absent part.
+        """
+        keys, settings, idle = self.keys(), [], []
+        try:
+            typed = parameter_file.read_keys(path, keys)
+        except OSError as error:
+            raise ValueError(f"--parameters = {path!r}: must be a readable file ({error.strerror})") from error
+        known = Scenario("", "", (*(kinds[0] for kinds in PARTS.values()), Tool), run=self.run).keys()
+        for key, text in typed.items():
+            if key in parameter_file.MAY_BE_ABSENT:
+                if PARTS[key][0] in self.parts:
+                    raise ValueError(f"{path}: {key} = false: must be a {key} in {self.name}")
+                continue
+            try:
+                value = (keys if key in keys else known)[key][0].parse(text)
+            except ValueError as error:
+                raise ValueError(f"{path}: {error}") from error
+            if key in keys:
+                settings.append(f"{key}={text}")
+            elif value != known[key][1]:
+                idle.append(f"{path}: {key} = {text} has no effect on {self.name}")
+        return settings, idle
+
+    def key_list(self) -> str:
+        """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
+        cells = [("key", "default", "unit", "range")]
+        notes = ["meaning (source of the default)"]
+        for key, (declared, default) in self.keys().items():
+            shown = "none" if default is None else default if isinstance(default, str) else f"{default:.9g}"
+            cells.append((key, shown, declared.unit, declared.allowed))
+            only = f"; only with {declared.needs}" if declared.needs else ""
+            notes.append(f"{declared.meaning}{only} (default: {declared.source})")
+        widths = [max(len(row[column]) for row in cells) for column in range(3)]
+        lines = []
+        for row, note in zip(cells, notes, strict=True):
+            head = "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=False)) + "  "
+            lines += textwrap.wrap(row[3], WIDTH, initial_indent=head, subsequent_indent=" " * len(head))
+            lines += textwrap.wrap(note, WIDTH, initial_indent="    ", subsequent_indent="    ")
+        lines.insert(2, "-" * WIDTH)
+        return "\n".join(lines)
+
 
 def build_tool(values: Values) -> Tool:
     """Build a tool from key values; parts without keys are as by default."""
@@ -78,6 +154,43 @@ def build_tool(values: Values) -> Tool:
 def build(part: type[T], values: Values) -> T:
     """Build a parameter object of the given class from key values."""
     return part(**{name: values[each.key] for name, each in declarations(part).items() if each.key in values})
+
+
+def _holds(condition: str, values: Values) -> bool:
+    """Whether ``KEY = VALUE`` or ``KEY != VALUE`` is true; a key that the scenario does not have imposes nothing."""
+    if not condition:
+        return True
+    key, relation, word = condition.split()
+    if key not in values:
+        return True
+    value = values[key]
+    equal = value == word if isinstance(value, str) else value == float(word)
+    return equal is (relation == "=")
+
+
+def warnings_of(scenario: Scenario, settings: Sequence[str], values: Values) -> list[str]:
+    """Return one line for each typed value that is far from its default, with the unit that may have been meant."""
+    keys, lines = scenario.keys(), []
+    for key, text in dict(setting.split("=", 1) for setting in settings).items():
+        declared, default = keys[key]
+        if not isinstance(declared, Range) or not declared.unusual(values[key], default):
+            continue
+        unit = "" if declared.unit == "1" else f" {declared.unit}"
+        ratio = "" if not default else f" is {values[key] / default:.3g} times the default, {default:.6g}{unit}"
+        lines.append(f"{key} = {values[key]:.6g}{unit}{ratio or ' is unusual'}{_likely_unit(declared, text, default)}")
+    return lines
+
+
+def _likely_unit(declared: Range, text: str, default: float | None) -> str:
+    """Suggest the unit of a bare number that would bring it within a factor of ten of the default."""
+    try:
+        number = float(text)
+    except ValueError:  # it has a unit already
+        return ""
+    for unit in TYPICAL_UNITS:
+        if default and 0.1 <= abs(number * (conversion(unit, declared.unit) or 0.0) / default) <= 10.0:
+            return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
+    return ""
 
 
 def study(name: str) -> Callable[[Values], Report]:

@@ -78,7 +78,8 @@ class FitProblem:
         from scipy.optimize import least_squares
 
         if self.force.size <= self.units.size:
-            raise ValueError(f"force: {self.force.size} points; there must be more than the {self.units.size} unknowns")
+            points = f"{self.force.size} points in and around the contact"
+            raise ValueError(f"force: {points}; there must be more than the {self.units.size} unknowns")
         try:
             # A step may try decays whose exponential overflows; it is refused and shortened.
             with np.errstate(over="ignore", invalid="ignore"):

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Array, Number
+from bristle_sim.arrays import Number
 from bristle_sim.theory.checks import numbers
 from bristle_sim.theory.impact_phases import End, Target, isfinite, quotient, select, square_root, walk
 from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact
@@ -183,39 +183,26 @@ def _single(inverse_mass: Any, velocity: Any, coefficients: tuple[ArrayLike, ...
     return values, None
 
 
+NAMES = ("inverse_mass", "velocity", "friction", "restitution", "restitution_friction", "stick_compliance")
+
+
 def _unpack(
     inverse_mass: ArrayLike, velocity: ArrayLike, *others: ArrayLike
 ) -> tuple[list[Number], tuple[int, ...] | None]:
     """Return K's entries, velocities and coefficients: floats for one impact (shape None), else broadcast arrays."""
-    matrix, velocity, *coefficients = _arrays(inverse_mass, velocity, *others)
+    given = zip(NAMES, (inverse_mass, velocity, *others), strict=False)
+    matrix, velocity, *coefficients = (numbers(name, each, "must be real numbers") for name, each in given)
     if matrix.shape[-2:] != (2, 2) or velocity.shape[-1:] != (2,):
         raise ValueError(
             f"inverse_mass, velocity of shapes {matrix.shape}, {velocity.shape}: must be (..., 2, 2) and (..., 2)"
         )
-    shape: tuple[int, ...] | None = None
-    if matrix.ndim == 2 and velocity.ndim == 1 and not any(each.ndim for each in coefficients):
-        (k_nn, k_nt), (k_tn, k_tt) = matrix.tolist()
-        values = [k_nn, k_nt, k_tt, *velocity.tolist(), *(each.item() for each in coefficients)]
-    else:
-        shape = np.broadcast_shapes(matrix.shape[:-2], velocity.shape[:-1], *(each.shape for each in coefficients))
-        entries = (matrix[..., 0, 0], matrix[..., 0, 1], matrix[..., 1, 1], velocity[..., 0], velocity[..., 1])
-        values = [np.broadcast_to(each, shape) for each in (*entries, *coefficients)]
-        k_tn = matrix[..., 1, 0]
-    _check(values, k_tn)
-    return values, shape
-
-
-NAMES = ("inverse_mass", "velocity", "friction", "restitution", "restitution_friction", "stick_compliance")
-
-
-def _arrays(*arguments: ArrayLike) -> list[Array]:
-    """Return all arguments as floats; what is a float or an array of floats already needs no check."""
-    return [
-        np.asarray(each)
-        if type(each) is float or (type(each) is np.ndarray and each.dtype == np.float64)
-        else numbers(name, each, "must be real numbers")
-        for name, each in zip(NAMES, arguments, strict=False)
-    ]
+    shape = np.broadcast_shapes(matrix.shape[:-2], velocity.shape[:-1], *(each.shape for each in coefficients))
+    entries = (matrix[..., 0, 0], matrix[..., 0, 1], matrix[..., 1, 1], velocity[..., 0], velocity[..., 1])
+    values: list[Number] = [np.broadcast_to(each, shape) for each in (*entries, *coefficients)]
+    if not shape:
+        values = [each.item() for each in values]
+    _check(values, matrix[..., 1, 0][()])
+    return values, shape or None
 
 
 def _check(values: list[Number], k_tn: Number) -> None:
