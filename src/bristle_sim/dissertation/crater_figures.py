@@ -6,10 +6,10 @@ import dataclasses
 import math
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import brentq
 
 from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
@@ -31,7 +31,7 @@ DEPTH = Axis("crater depth", "µm", 1e6)
 PATH = Axis("tip's path", "µm", 1e6)
 PLIES = Axis("number of plies $n$", log=True)
 FRICTION = Axis("friction coefficient while cutting $\\mu$")
-ANGLE = Axis("impact angle $\\gamma$", "°", math.degrees(1.0))
+ANGLE = Axis("impact angle $\\gamma$", "°")
 STRESS = Axis("shear yield stress", "MPa", 1e-6)
 
 WHOLE_PLIES = np.unique(np.geomspace(1, 1e5, 81).astype(int))
@@ -47,8 +47,8 @@ FAMILIES: dict[str, tuple[str, Axis, str, Array, str, tuple[float, ...]]] = {
     "4.15": (
         "the impact angle",
         ANGLE,
-        "impact_angle",
-        np.radians(np.linspace(0.5, 23.4, 101)),
+        "impact_angle_deg",
+        np.linspace(0.5, 23.4, 101),
         "friction",
         (0.5, 1.0, 2.0, 4.0),
     ),
@@ -61,7 +61,7 @@ FAMILIES: dict[str, tuple[str, Axis, str, Array, str, tuple[float, ...]]] = {
         ANGLES,
     ),
 }
-"""Depth over a parameter, its axis, name and values, by another one and its values."""
+"""Depth over a field of Crater, its axis, name and values, by another one and its values."""
 
 
 def map_figure() -> Redrawn:
@@ -129,10 +129,9 @@ def plies_figure() -> Redrawn:
 def depth_figure(number: str) -> Redrawn:
     """Figures 4.14, 4.15 and 4.17: depth over friction, impact angle and shear yield stress; points by the printed sum."""
     words, axis, along, x, family, values = FAMILIES[number]
-    key, factor = ("impact_angle_deg", math.degrees(1.0)) if along == "impact_angle" else (along, 1.0)
     bases = (dataclasses.replace(OWN, **{family: value}) for value in values)  # type: ignore[arg-type]
     curves = tuple(_depth_curve(base, family, along, x) for base in bases)
-    mark = Mark(getattr(OWN, key) / factor, float(merchant_crater_depth()))
+    mark = Mark(getattr(OWN, along), float(merchant_crater_depth()))
     symbol = "$\\mu$" if family == "friction" else "$\\gamma$"
     panel = Panel(axis, DEPTH, curves, symbol, (mark,), (MEASURED_LEVEL,))
     return Redrawn(number, f"crater depth over {words}", (panel,))
@@ -142,13 +141,12 @@ def constant_depth_figure() -> Redrawn:
     """Figure 4.16: friction over the impact angle at constant depth."""
     curves = []
     for depth in (1.2e-4, 1.4e-4, 1.6e-4, 2.0e-4):
-        angles = np.radians(np.linspace(5.0, 23.4, 101))
-        angles = angles[[_given(depth, float(angle)) for angle in angles]]
+        angles = np.array([each for each in np.linspace(5.0, 23.4, 101) if math.isfinite(_friction(depth, each))])
         at = angles[:: max(len(angles) // 8, 1)]
-        found = [_friction_by_halving(depth, float(angle)) for angle in at]
-        formula = partial(friction_for_crater_depth, depth)
+        found = [_friction_of_printed_sum(depth, float(angle)) for angle in at]
+        formula = np.vectorize(partial(_friction, depth))
         curves.append(curve_of(f"{1e6 * depth:.0f} µm", formula, angles, {"printed": (at, found)}))
-    mark = Mark(math.radians(OWN.impact_angle_deg), OWN.friction)
+    mark = Mark(OWN.impact_angle_deg, OWN.friction)
     panel = Panel(ANGLE, FRICTION, tuple(curves), family="depth", marks=(mark,))
     return Redrawn("4.16", "friction over the impact angle at constant crater depth", (panel,))
 
@@ -190,35 +188,33 @@ def _over_time(axis: Axis, name: str, formula: Callable[[Array], ArrayLike], val
 
 
 def _depth_curve(base: Crater, family: str, along: str, x: Array) -> Curve:
-    key, factor = ("impact_angle_deg", math.degrees(1.0)) if along == "impact_angle" else (along, 1.0)
     at = np.linspace(float(x[0]), float(x[-1]), 8)
-    course = [merchant_depth_course(dataclasses.replace(base, **{key: factor * each}))[-1] for each in at.tolist()]
+    course = [merchant_depth_course(dataclasses.replace(base, **{along: each}))[-1] for each in at.tolist()]
     name = f"{getattr(base, family):g}{'' if family == 'friction' else '°'}"
 
     def formula(grid: Array) -> Array:
-        given: dict[str, Any] = cut_of(base) | {along: grid}
-        return np.asarray(merchant_crater_depth(**given))
+        given = {along.removesuffix("_deg"): np.radians(grid) if along == "impact_angle_deg" else grid}
+        return np.asarray(merchant_crater_depth(**cut_of(base) | given))
 
     return curve_of(name, formula, x, {"printed": (at, course)})
 
 
-def _given(depth: float, angle: float) -> bool:
-    """Whether some friction >= tan gamma makes the crater so deep."""
+def _friction(depth: float, angle_deg: float) -> float:
+    """The friction >= tan gamma that makes the crater so deep; NaN where none does."""
     try:
-        friction_for_crater_depth(depth, angle)
+        return float(friction_for_crater_depth(depth, math.radians(angle_deg)))
     except ValueError:
-        return False
-    return True
+        return math.nan
 
 
-def _friction_by_halving(depth: float, angle: float) -> float:
-    """The friction with which the printed sum (4.57) is so deep, by bisection; the depth grows with friction."""
-    low, high = math.tan(angle), 1e6
-    for _ in range(100):
-        middle = math.sqrt(low * high)
-        crater = dataclasses.replace(OWN, friction=middle, impact_angle_deg=math.degrees(angle))
-        low, high = (low, middle) if merchant_depth_course(crater)[-1] > depth else (middle, high)
-    return math.sqrt(low * high)
+def _friction_of_printed_sum(depth: float, angle_deg: float) -> float:
+    """The friction with which the printed sum (4.57) is so deep; the depth grows with friction."""
+
+    def excess(logarithm: float) -> float:
+        crater = dataclasses.replace(OWN, friction=math.exp(logarithm), impact_angle_deg=angle_deg)
+        return float(merchant_depth_course(crater)[-1]) / depth - 1.0
+
+    return math.exp(brentq(excess, math.log(math.tan(math.radians(angle_deg))), math.log(1e6), xtol=1e-15))
 
 
 def _each(depth: Callable[[int], float]) -> Callable[[Array], list[float]]:

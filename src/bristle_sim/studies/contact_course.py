@@ -132,7 +132,8 @@ class TimedContact:
     @cached_property
     def centre_speed(self) -> Array:
         """v_G, m/s."""
-        return np.asarray(np.hypot(*self._centre_velocity()))
+        rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * self.rate
+        return np.sqrt(rim**2 + half**2 + 2.0 * rim * half * np.cos(self.angle - self.hub_angle))
 
     @property
     def work(self) -> float:
@@ -148,17 +149,13 @@ class TimedContact:
     def energy_given_up(self) -> float:
         """Energy that bristle and hub give up during the contact, J; the hub's drive works on the moment of its rim.
 
-        It is the decrease of T - omega L, Jacobi's integral, which nothing but the contact changes, from states alone, less
-        the work omega M of the contact's moment about the hub's centre.
+        It is the decrease of Jacobi's integral, the energy in the hub's frame, which nothing but the contact changes, from
+        states alone, less the work omega M of the contact's moment about the hub's centre.
         """
-        mass, inertia, half = self.bristle.mass, self.bristle.inertia_about_centre, 0.5 * self.chain.lengths[0]
-        kinetic = 0.5 * mass * self.centre_speed**2 + 0.5 * inertia * self.rate**2
-        x = self.chain.hub_radius * np.sin(self.hub_angle) + half * np.sin(self.angle)
-        y = -self.chain.hub_radius * np.cos(self.hub_angle) - half * np.cos(self.angle)
-        forward, upward = self._centre_velocity()
-        momentum = mass * (x * upward - y * forward) + inertia * self.rate
-        jacobi = kinetic - self.chain.hub_speed * momentum
-        return float(jacobi[0] - jacobi[-1]) - self.chain.hub_speed * self._contact_moment()
+        omega, field = self.chain.hub_speed, self.bristle.mass * self.chain.hub_radius * self.chain.lengths[0]
+        turning = 0.5 * self.bristle.inertia_about_root * (self.rate - omega) ** 2
+        jacobi = turning - 0.5 * field * omega**2 * np.cos(self.angle - self.hub_angle)
+        return float(jacobi[0] - jacobi[-1]) - omega * self._contact_moment()
 
     def _contact_moment(self) -> float:
         """Integral of the contact's moment about the hub's centre, N m s."""
@@ -185,11 +182,6 @@ class TimedContact:
             stiffness = (force[-1] - force[0]) / deeper if deeper else 0.0
             slope[first:last] = -stiffness * h.normal_velocity[first:last]
         return ratio, slope
-
-    def _centre_velocity(self) -> tuple[Array, Array]:
-        rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * self.rate
-        along, above = (rim * turn(self.hub_angle) + half * turn(self.angle) for turn in (np.cos, np.sin))
-        return along, above
 
 
 def _sums(time: Array, values: Array) -> Array:
