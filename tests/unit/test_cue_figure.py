@@ -61,8 +61,7 @@ def test_cue_figure_draws_the_bar_where_the_keys_say_and_the_wire_on_the_bar_it_
     drawn = bars(plan)
     assert drawn["bar as given"] == pytest.approx([0.052, 0.018])
     needed = drawn["simulated per_degree"]
-    outline = next(patch.get_xy() for patch in plan.patches if patch.get_gid() == "wire released") * 1e-3
-    tip = 0.5 * (outline[1] + outline[2])
+    tip = 1e-3 * np.transpose(data(plan, "wire released"))[-1]
     assert np.hypot(*(tip + needed)) == pytest.approx(Tool().bar_reach, abs=1e-9)  # m; rounding, and 1e-6 of the turn
     (left, right), (bottom, top) = plan.get_xlim(), plan.get_ylim()
     for horizontal, vertical in drawn.values():
