@@ -173,7 +173,7 @@ PROMISES = {
     "hard_cases": Promise(
         keys=("theme", "effort"),
         lists={"rows": {"case", "promise", "reached", "ok"}},
-        quick=("--set", "theme=size", "--set", "effort=quick"),
+        quick=("--set", "theme=long_run", "--set", "effort=quick"),
         strikes=False,
     ),
     "dissertation_figures": Promise(keys=("only",), quick=("--only", "2.24"), strikes=False),
