@@ -46,6 +46,7 @@ class InertiaFilm(Film):
                 tool = dataclasses.replace(driven.tool, bar=None) if number else driven.tool
                 draw_film_tool(axes, tool, view, 0.75 * self.letters)
                 self.wires.append(WireDrawing(axes, tool, color=color, details=True))
+        self.wires[1].ring.set_visible(False)  # on the straight belt, roots are not on the hub
         self.moving = [artist for wire in self.wires for artist in wire.artists]
 
     def move(self, time: float) -> tuple[str, ...]:

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 
 import numpy as np
 
-from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, SERIES
-from bristle_sim.render.drawing import WireDrawing, draw_film_tool
+from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool
 from bristle_sim.render.film import HEADER, Film, slow_motion
-from bristle_sim.render.neighbours_figure import row_view, touch_place
+from bristle_sim.render.neighbours_figure import touch_places
 from bristle_sim.render.story import Phase, phase_at
-from bristle_sim.render.style import MILLIMETRES, signed, styled
+from bristle_sim.render.style import signed, styled
 from bristle_sim.studies.neighbours import Row
 from bristle_sim.trajectory.sampled_motion import SampledMotion
 
@@ -22,9 +20,6 @@ SLOWER = 10.0
 
 AFTER = 0.15
 """How long the film goes on after the last bristle's strike, as a fraction of the time before."""
-
-MARKED = 0.6
-"""Film time for which a touch keeps its ring, s."""
 
 
 class RowFilm(Film):
@@ -40,32 +35,25 @@ class RowFilm(Film):
         colors = (SERIES * 2)[: len(row.bristles)]
         warp = slow_motion(begin, until, duration, (*touches, *strikes), slower=SLOWER, width=0.012)
         super().__init__(warp, width, height, (colors[-1],))
-        self._phases = _phases(row)
-        self._rings = [(float(warp.film_time(each)), self._places(row, each)) for each in touches]
+        self._phases, self._diameter = _phases(row), row.tool.bristle.wire_diameter
         with styled():
             axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
             times = np.linspace(begin, until, 200)
             paths = np.concatenate([motion.centre_line(times) for motion in self.motions])
-            view = row_view(row.tool, paths, width / (height * (1.0 - HEADER)))
+            view = close_up(paths, row.tool, width / (height * (1.0 - HEADER)), margin=0.08)
             draw_film_tool(axes, row.tool, view, 0.75 * self.letters)
             self.wires = [WireDrawing(axes, row.tool, color=color) for color in colors]
             (self.ring,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
         self.moving = [*(artist for wire in self.wires for artist in wire.artists), self.ring]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wires and ring to an instant, s."""
-        for wire, motion in zip(self.wires, self.motions, strict=True):
-            wire.place(motion.centre_line(time))
-        marked = [places for at, places in self._rings if 0.0 <= float(self.warp.film_time(time)) - at <= MARKED]
-        self.ring.set_data(*np.concatenate([np.empty((0, 2)), *marked]).T)
+        """Move wires to an instant, s, and rings to where they touch."""
+        lines = [motion.centre_line(time) for motion in self.motions]
+        for wire, line in zip(self.wires, lines, strict=True):
+            wire.place(line)
+        self.ring.set_data(*touch_places(lines, self._diameter).T)
         lag = math.degrees(float(self.motions[-1].retraction(time)))
         return phase_at(self._phases, time).caption, f"bristle {len(self.wires)} lags by {signed(lag, 1, 6)}°"
-
-    def _places(self, row: Row, time: float) -> Array:
-        """Return where wires touch the next ones at an instant, shape (touches, 2), mm."""
-        lines = [motion.centre_line(time) for motion in self.motions]
-        places = [touch_place(*pair, row.tool.bristle.wire_diameter) for pair in itertools.pairwise(lines)]
-        return MILLIMETRES * np.reshape([each for each in places if each is not None], (-1, 2))
 
 
 def _phases(row: Row) -> tuple[Phase, ...]:
