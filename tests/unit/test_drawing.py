@@ -18,8 +18,8 @@ from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.render.drawing import WireDrawing, close_up
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.pass_video import PassFilm
 from bristle_sim.render.story import key_events
+from bristle_sim.render.tool_films import PassFilm
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.sampled_motion import SampledMotion
@@ -72,7 +72,7 @@ WIRE_DRAWINGS = (
     "trajectory/sampled_motion",
     "render/drawing",
     "render/pass_figure",
-    "render/pass_video",
+    "render/tool_films",
     "render/cue_figure",
     "render/impact_video",
 )

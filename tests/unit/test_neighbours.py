@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Neighbours, Tool, Workpart
-from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_places
-from bristle_sim.render.row_video import RowFilm
+from bristle_sim.render.drawing import touch_places
+from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
+from bristle_sim.render.tool_films import RowFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
 

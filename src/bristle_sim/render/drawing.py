@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -142,6 +143,22 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
 def toward(angle: ArrayLike) -> Array:
     """Return the direction on the page of an angle from the workpart's, (sin, -cos), shape (*angle.shape, 2)."""
     return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
+
+
+def touch_places(lines: Sequence[Array], diameter: float) -> Array:
+    """Return where straight wires touch the next ones, to a twentieth of a diameter, from the hub's centre, shape (touches, 2), mm.
+
+    Centre lines are of shape (2, 2), m.
+    """
+    places = []
+    for pair in itertools.pairwise(lines):
+        for line, other in (pair, pair[::-1]):
+            along = other[1] - other[0]
+            foot = other[0] + along * np.clip(along @ (line[1] - other[0]) / (along @ along), 0.0, 1.0)
+            if np.hypot(*(line[1] - foot)) < 1.05 * diameter:
+                places.append(0.5 * (line[1] + foot))
+                break
+    return MILLIMETRES * np.reshape(places, (-1, 2))
 
 
 class WireDrawing:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, SERIES, VERMILION
-from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool
+from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, touch_places
 from bristle_sim.render.panels import add_panel, note, say
 from bristle_sim.render.style import MILLIMETRES, QUANTITIES, blank_figure, styled
 from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
@@ -79,22 +78,6 @@ def instants(row: Row) -> list[tuple[str, float]]:
     first = ("bristle 1 strikes" if front is not None else "start", front or 0.0)
     last = f"last touch before {name} strikes" if strike else "last touch"
     return [("first touch", touches[0]) if touches else first, (last, touches[-1]) if len(touches) > 1 else own]
-
-
-def touch_places(lines: Sequence[Array], diameter: float) -> Array:
-    """Return where straight wires touch the next ones, to a twentieth of a diameter, from the hub's centre, shape (touches, 2), mm.
-
-    Centre lines are of shape (2, 2), m.
-    """
-    places = []
-    for pair in itertools.pairwise(lines):
-        for line, other in (pair, pair[::-1]):
-            along = other[1] - other[0]
-            foot = other[0] + along * np.clip(along @ (line[1] - other[0]) / (along @ along), 0.0, 1.0)
-            if np.hypot(*(line[1] - foot)) < 1.05 * diameter:
-                places.append(0.5 * (line[1] + foot))
-                break
-    return MILLIMETRES * np.reshape(places, (-1, 2))
 
 
 def _draw_row(axes: Axes, row: Row, time: float) -> None:

@@ -13,7 +13,7 @@ from PIL import Image
 from bristle_sim.parameters import Bar, Hub, Tool
 from bristle_sim.render.film import slow_motion
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.pass_video import PassFilm
+from bristle_sim.render.tool_films import PassFilm
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, STRIKE, make_trajectory
 
