@@ -17,7 +17,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Contact, Tool, Settings, Comparison),
     run=study("studies.whole_pass.whole_pass"),
     plot=figure("pass_figure", "trajectory", "tool"),
-    video=film("pass_video.PassFilm", "trajectory", "tool"),
+    video=film("tool_films.PassFilm", "trajectory", "tool"),
     series=series_of_pass,
     most={"wire_links": (16, "at most 16; the strike of more is beyond the 500,000 engine steps of a run")},
 )

@@ -17,7 +17,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=study("studies.inertia_driven.inertia_driven"),
     plot=figure("inertia_figure"),
-    video=film("inertia_video.InertiaFilm"),
+    video=film("tool_films.InertiaFilm"),
     without=(
         "knee_position",
         "knee_angle_deg",

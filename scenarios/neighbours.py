@@ -38,7 +38,7 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Bar, Workpart, Neighbours, Settings, Comparison),
     run=study("studies.neighbours.neighbours"),
     plot=plot,
-    video=film("row_video.RowFilm"),
+    video=film("tool_films.RowFilm"),
     series=series,
     without=("knee_position", "knee_angle_deg", "step"),
 )

@@ -91,7 +91,7 @@ PROMISES = {
             *IMPACT,
         ),
         (*TOOL, "wire_diameter", *BELT, *BAR, "bar_friction", "bar_restitution", "penetration", *RUBBING, *LAW),
-        film=("bristle_sim.render.pass_video", "PassFilm"),
+        film=("bristle_sim.render.tool_films", "PassFilm"),
     ),
     "cue_timing": Promise(
         (
@@ -140,7 +140,7 @@ PROMISES = {
         (*TOOL, *WIRE, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
         strikes=False,
-        film=("bristle_sim.render.inertia_video", "InertiaFilm"),
+        film=("bristle_sim.render.tool_films", "InertiaFilm"),
     ),
     "flexible_wire": Promise(
         (
@@ -174,7 +174,7 @@ PROMISES = {
     "hard_cases": Promise(
         keys=("theme", "effort"),
         lists={"rows": {"case", "promise", "reached", "ok"}},
-        quick=("--set", "theme=size", "--set", "effort=quick"),
+        quick=("--set", "theme=long_run", "--set", "effort=quick"),
         strikes=False,
     ),
     "dissertation_figures": Promise(keys=("only",), quick=("--only", "2.24"), strikes=False),
@@ -204,7 +204,7 @@ PROMISES = {
         ),
         (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
         quick=("--set", "search=no"),
-        film=("bristle_sim.render.row_video", "RowFilm"),
+        film=("bristle_sim.render.tool_films", "RowFilm"),
     ),
     "whole_tool": Promise(
         (

@@ -56,8 +56,7 @@ def test_cue_figure_marks_both_cues_and_every_bar(release: CueTiming, tmp_path: 
 def test_cue_figure_draws_the_wire_on_the_bar_it_needs(release: CueTiming) -> None:
     plan = panel(cue_figure(release), "c")
     drawn = bars(plan)
-    outline = next(patch.get_xy() for patch in plan.patches if patch.get_gid() == "wire released") * 1e-3
-    tip = 0.5 * (outline[1] + outline[2])
+    tip = 1e-3 * np.transpose(data(plan, "wire released"))[-1]
     assert np.hypot(*(tip + drawn["bar, simulated"])) == pytest.approx(
         Tool().bar_reach, abs=1e-9
     )  # m; 1e-6 of the turn

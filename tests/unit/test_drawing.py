@@ -10,15 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 import bristle_sim
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.render.drawing import close_up, wire_outline
+from bristle_sim.render.drawing import WireDrawing, close_up
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.pass_video import PassFilm
 from bristle_sim.render.story import key_events
+from bristle_sim.render.tool_films import PassFilm
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.sampled_motion import SampledMotion
@@ -46,20 +47,13 @@ def kinked(run: Trajectory, corners: int = 5) -> Trajectory:
     return dataclasses.replace(run, centre_line=lines, centre_line_velocity=velocities)
 
 
-def middle(outline: np.ndarray) -> np.ndarray:
-    """The corners of the centre line that an outline runs about, mm: the mean of its left and its right side."""
-    half = len(outline) // 2
-    left, right = outline[:half], outline[half : 2 * half][::-1]
-    return 0.5 * (left + right)
-
-
 def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
     """Of whatever shape: were any length, knee or angle of the tool used, wire and record would part."""
     odd = kinked(run)
     figure = pass_figure(odd, Tool(), until=END)
     for number, event in enumerate(key_events(odd), start=1):
         for wire in figure.findobj(lambda each, number=number: each.get_gid() == f"wire {number}"):
-            shown = middle(wire.get_xy()[:-1])
+            shown = wire.get_xydata()
             # A wire that ends an interval is a sample; the others lie between two: Hermite's cubic, as above.
             assert shown == pytest.approx(1e3 * SampledMotion(odd).centre_line(event.time), abs=1e-9)
     path = np.concatenate([artist(figure, name).get_xydata() for name in ("tip path", "tip path after the strike")])
@@ -68,7 +62,7 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
     scene = PassFilm(odd, Tool(), width=320, height=240, duration=1.0, until=END)
     for number in (10, 30, 60, 100):
         scene.show(float(scene.warp.film_time(odd.time[number])))
-        shown = middle(scene.wire.wire.get_xy()[:-1])
+        shown = scene.wire.wire.get_xydata()
         # The warp's inverse is linear between 4001 nodes: an instant off by rounding, times 40 m/s.
         assert shown == pytest.approx(1e3 * odd.centre_line[number], abs=1e-6)
         assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * odd.tip[number], abs=1e-6)
@@ -78,7 +72,7 @@ WIRE_DRAWINGS = (
     "trajectory/sampled_motion",
     "render/drawing",
     "render/pass_figure",
-    "render/pass_video",
+    "render/tool_films",
     "render/cue_figure",
     "render/impact_video",
 )
@@ -103,10 +97,10 @@ def test_a_bent_wire_touches_the_bar_and_strikes_the_workpart_in_the_picture(ben
     tool, run = bent
     figure = pass_figure(run, tool)
     numbers = {event.name: number for number, event in enumerate(key_events(run), start=1)}
-    struck = middle(artist(figure, f"wire {numbers['strike']}").get_xy()[:-1])
+    struck = artist(figure, f"wire {numbers['strike']}").get_xydata()
     assert struck[-1] == pytest.approx(1e3 * run.tip[-1], abs=1e-9)
     assert struck[-1, 1] == pytest.approx(-1e3 * tool.workpart_depth, abs=1e-6)  # mm; where the touch is located
-    touching = middle(artist(figure, f"wire {numbers['bar touch']}").get_xy()[:-1])
+    touching = artist(figure, f"wire {numbers['bar touch']}").get_xydata()
     distance = min(_distance(1e3 * np.array(tool.bar.centre), *piece) for piece in itertools.pairwise(touching))
     assert distance == pytest.approx(1e3 * tool.bar_reach, abs=1e-6)
     speed = math.hypot(*run.first_contact("workpart").velocity_before)
@@ -156,16 +150,9 @@ def test_close_up_holds_wire_bar_and_surface_at_the_aspect_asked_for(run):
     assert view.bottom < -1e3 * tool.workpart_depth < view.top
 
 
-def test_wire_outline_is_a_rectangle_about_the_centre_line():
-    corners = wire_outline(np.array([[0.0, 0.0], [3.0, 4.0]]), 0.5)
-    assert corners.mean(axis=0) == pytest.approx([1.5, 2.0])
-    sides = np.hypot(*np.diff(np.vstack([corners, corners[:1]]), axis=0).T)
-    assert sides == pytest.approx([5.0, 0.5, 5.0, 0.5])
-
-
-def test_wire_outline_is_mitred_at_a_knee():
-    """Two pieces at a right angle: the corners stand half a diameter from both, at the root of 2 from the knee."""
-    corners = wire_outline(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), 1.0)
-    assert corners == pytest.approx(
-        np.array([[0.0, 0.5], [3.5, 0.5], [3.5, 3.0], [4.5, 3.0], [4.5, -0.5], [0.0, -0.5]])
-    )
+def test_a_wire_is_as_thick_as_the_drawing_shows_it():
+    """0.7 mm in a picture of 10 mm that is 5 inches, 360 points, wide; and half a point so that a hair can be seen."""
+    axes = Figure(figsize=(5.0, 5.0)).add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0.0, 10.0), ylim=(0.0, 10.0))
+    tool = Tool(bristle=Bristle(wire_diameter=7e-4))
+    assert WireDrawing(axes, tool).wire.get_linewidth() == pytest.approx(0.5 + 0.7 * 36.0)

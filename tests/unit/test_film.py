@@ -15,7 +15,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render import film
 from bristle_sim.render.colours import BLACK
 from bristle_sim.render.film import HEADER, LEFTS, Film, slow_motion
-from bristle_sim.render.pass_video import PassFilm
+from bristle_sim.render.tool_films import PassFilm
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import make_trajectory
 
@@ -154,7 +154,7 @@ def test_progress_counts_frames_on_standard_error(tmp_path, monkeypatch, capsys)
 
 
 def test_drawing_imports_neither_pyplot_nor_a_display():
-    modules = "pass_figure", "pass_video", "film"
+    modules = "pass_figure", "tool_films", "film"
     imports = "; ".join(f"import bristle_sim.render.{name}" for name in modules)
     script = f"{imports}; import sys; print([name for name in sys.modules if name in ('matplotlib.pyplot', 'tkinter')])"
     answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

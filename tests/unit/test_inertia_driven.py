@@ -9,7 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
-from bristle_sim.render.inertia_video import InertiaFilm
+from bristle_sim.render.tool_films import InertiaFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import inertia_driven, scene_run, until_radial
 from bristle_sim.theory.inertia_drive import (

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Neighbours, Tool, Workpart
-from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw, touch_place
-from bristle_sim.render.row_video import RowFilm
+from bristle_sim.render.drawing import touch_places
+from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
+from bristle_sim.render.tool_films import RowFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
 
@@ -145,9 +146,9 @@ class TestPictures:
         """The end of one wire 0.7 mm above the middle of the other one: midway between the centre lines."""
         flat = np.array([[0.0, 0.0], [0.02, 0.0]])
         upright = np.array([[0.01, 0.03], [0.01, 7e-4]])
-        assert touch_place(flat, upright, 7e-4) == pytest.approx([0.01, 3.5e-4])
-        assert touch_place(upright, flat, 7e-4) == pytest.approx([0.01, 3.5e-4])
-        assert touch_place(flat, upright + np.array([0.0, 1e-4]), 7e-4) is None
+        assert touch_places([flat, upright], 7e-4) == pytest.approx(np.array([[10.0, 0.35]]))
+        assert touch_places([upright, flat], 7e-4) == pytest.approx(np.array([[10.0, 0.35]]))
+        assert touch_places([flat, upright + np.array([0.0, 1e-4])], 7e-4).shape == (0, 2)
 
     def test_the_film_marks_touches_and_says_how_fast_the_spoilt_strike_is(self):
         subject = report().subject

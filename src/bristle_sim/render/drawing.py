@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
+from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 from matplotlib.patheffects import withStroke
 from numpy.typing import ArrayLike
 
@@ -26,9 +27,6 @@ HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
 
 GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
 """Look of what does not move: a workpart, the bracket of a hinge."""
-
-SHARPEST = 0.5
-"""Least 1 + cos of a corner's angle that is mitred in full: 120 degrees, beyond any knee."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +56,6 @@ class View:
         axes.set(xlim=(self.left, self.right), ylim=(self.bottom, self.top))
         axes.set_aspect("equal", adjustable="box")
 
-    def place(self, across: float, up: float) -> tuple[float, float]:
-        """Return the place at fractions of width and height."""
-        return self.left + across * (self.right - self.left), self.bottom + up * (self.top - self.bottom)
-
 
 def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> View:
     """Return the smallest view, mm, that holds wires (shape (..., 2), m), the bar and the workpart's surface."""
@@ -71,22 +65,6 @@ def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> V
     if tool.workpart is not None:
         points.append(np.array([[lines[..., 0].mean(), -tool.workpart_depth]]))
     return View.around([MILLIMETRES * each for each in points], aspect, margin)
-
-
-def draw_scale_bar(
-    axes: Axes, metres: float, place: tuple[float, float], letter_size: float, *, leftwards: bool = False
-) -> None:
-    """Draw a round length from a place in the axes, of which one unit is so many metres, with the length above it."""
-    left, right = axes.get_xlim()
-    most = LONGEST_BAR * (right - left) * metres
-    decade = 10.0 ** math.floor(math.log10(most))
-    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= most * (1.0 + 1e-9))
-    shown, halo = scale_for(length, "m"), [withStroke(linewidth=4.0, foreground="white")]
-    ends = sorted([place[0], place[0] + (-length if leftwards else length) / metres])
-    axes.plot(ends, [place[1], place[1]], "|-", color=BLACK, linewidth=1.5, path_effects=halo)
-    look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "path_effects": halo}
-    words = f"{length * shown.factor:g} {shown.unit}"
-    axes.annotate(words, (0.5 * sum(ends), place[1]), (0.0, 5.0), fontsize=letter_size, **look)
 
 
 def moving_arrow(axes: Axes, color: str, linewidth: float, head: float) -> FancyArrowPatch:
@@ -109,7 +87,15 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
     axes.set_axis_off()
     draw_tool(axes, tool, view)
     name_parts(axes, tool, letter_size)
-    draw_scale_bar(axes, 1.0 / MILLIMETRES, view.place(0.975, 0.03), letter_size, leftwards=True)
+    most = LONGEST_BAR * (view.right - view.left)
+    decade = 10.0 ** math.floor(math.log10(most))
+    length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= most * (1.0 + 1e-9))
+    shown, halo = scale_for(length / MILLIMETRES, "m"), [withStroke(linewidth=4.0, foreground="white")]
+    end, height = view.right - 0.025 * (view.right - view.left), view.bottom + 0.03 * (view.top - view.bottom)
+    axes.plot([end - length, end], [height, height], "|-", color=BLACK, linewidth=1.5, path_effects=halo)
+    look: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "path_effects": halo}
+    words = f"{length * shown.factor / MILLIMETRES:g} {shown.unit}"
+    axes.annotate(words, (end - 0.5 * length, height), (0.0, 5.0), fontsize=letter_size, **look)
 
 
 def draw_tool(axes: Axes, tool: Tool, view: View) -> None:
@@ -159,36 +145,31 @@ def toward(angle: ArrayLike) -> Array:
     return np.stack([np.sin(angle), -np.cos(angle)], axis=-1)
 
 
-def wire_outline(centre_line: Array, diameter: float) -> Array:
-    """Return the outline of a flat-ended wire about its centre line: along its left side to the tip and back along its right.
+def touch_places(lines: Sequence[Array], diameter: float) -> Array:
+    """Return where straight wires touch the next ones, to a twentieth of a diameter, from the hub's centre, shape (touches, 2), mm.
 
-    Corners are mitred, at most to SHARPEST, where a chain folds back on itself.
-
-    Args:
-        centre_line: shape (corners, 2), in the unit of ``diameter``.
-
-    Returns:
-        Shape (2 corners, 2); the tip lies midway between the two points in the middle.
+    Centre lines are of shape (2, 2), m.
     """
-    along = np.diff(centre_line, axis=0)
-    along /= np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-300)[:, np.newaxis]
-    across = np.stack([-along[:, 1], along[:, 0]], axis=-1)
-    before, after = np.vstack([across[:1], across]), np.vstack([across, across[-1:]])
-    # The mitre m has the projection 1 on both normals: m = (b + a)/(1 + b.a).
-    mitre = (before + after) / np.maximum(1.0 + (before * after).sum(axis=1), SHARPEST)[:, np.newaxis]
-    side = 0.5 * diameter * mitre
-    return np.concatenate([centre_line + side, (centre_line - side)[::-1]])
+    places = []
+    for pair in itertools.pairwise(lines):
+        for line, other in (pair, pair[::-1]):
+            along = other[1] - other[0]
+            foot = other[0] + along * np.clip(along @ (line[1] - other[0]) / (along @ along), 0.0, 1.0)
+            if np.hypot(*(line[1] - foot)) < 1.05 * diameter:
+                places.append(0.5 * (line[1] + foot))
+                break
+    return MILLIMETRES * np.reshape(places, (-1, 2))
 
 
 class WireDrawing:
     """The wire and its root in the belt; with details also the radial line it is measured from, and a ring of roots."""
 
     def __init__(self, axes: Axes, tool: Tool, *, color: str = BLUE, alpha: float = 1.0, details: bool = False) -> None:
-        self._diameter = tool.bristle.wire_diameter * MILLIMETRES
-        # The outline's line keeps a hair-thin wire visible.
-        self.wire = Polygon(np.zeros((4, 2)), facecolor=color, edgecolor=color, linewidth=0.5, alpha=alpha, zorder=4)
-        self.wire.set_joinstyle("round")
-        axes.add_patch(self.wire)
+        """``axes`` show their view already: the wire is as thick as that makes it, and a hair so that it can be seen."""
+        width = axes.get_window_extent().width / axes.figure.dpi * 72.0 / float(np.ptp(axes.get_xlim()))
+        look: dict[str, Any] = {"color": color, "alpha": alpha, "solid_capstyle": "butt", "solid_joinstyle": "miter"}
+        thickness = 0.5 + width * tool.bristle.wire_diameter * MILLIMETRES
+        (self.wire,) = axes.plot([], [], linewidth=thickness, zorder=4, **look)
         (self.root,) = axes.plot([], [], "o", color=GREEN, markersize=4.5, markeredgecolor="white", zorder=5)
         self.artists: list[Artist] = [self.wire, self.root]
         if details:
@@ -200,7 +181,7 @@ class WireDrawing:
         """Move everything to where the centre line's corners are, from the hub's centre, shape (corners, 2), m."""
         corners = np.asarray(centre_line) * MILLIMETRES
         root = corners[0]
-        self.wire.set_xy(wire_outline(corners, self._diameter))
+        self.wire.set_data(*corners.T)
         self.root.set_data(root[:1], root[1:])
         if len(self.artists) > 2:
             rim, length = math.hypot(*root), float(np.hypot(*np.diff(corners, axis=0).T).sum())

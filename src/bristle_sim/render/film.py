@@ -196,12 +196,11 @@ def _counted(times: Sequence[float]) -> Iterable[float]:
 def _require_encoder(target: Path) -> None:
     try:
         from imageio_ffmpeg import get_ffmpeg_exe
-    except ImportError:
-        raise ValueError(f"{target}: mp4 needs imageio-ffmpeg: pip install bristle-sim[video], or a .gif") from None
-    try:
+
         get_ffmpeg_exe()
-    except RuntimeError:
-        raise ValueError(f"{target}: imageio-ffmpeg carries no ffmpeg for this machine; a .gif needs none") from None
+    except (ImportError, RuntimeError):
+        advice = "pip install bristle-sim[video], or a .gif"
+        raise ValueError(f"{target}: mp4 needs imageio-ffmpeg with an ffmpeg for this machine: {advice}") from None
 
 
 def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:

@@ -31,10 +31,10 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
 
     ``maps`` is what :func:`bristle_sim.studies.cue_map.position_map` computes.
     """
-    figure, places = blank_figure(16.0, 14.4), _places(found)
+    figure, places = blank_figure(16.0, 14.9), _places(found)
     for number, name in enumerate(MAPS):
         title, unit, factor = QUANTITIES[name]
-        place = (1.5 + 7.9 * (number % 2), 8.1 - 6.6 * (number // 2), 5.2, 4.9)
+        place = (1.5 + 7.9 * (number % 2), 8.6 - 6.6 * (number // 2), 5.2, 4.9)
         axes = add_panel(figure, place, title, "white: the bar cues no strike")
         values = factor * maps[name].values if name in maps else None
         _draw_map(figure, axes, maps, values, unit, "viridis" if number else "RdBu")

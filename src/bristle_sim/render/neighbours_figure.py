@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -11,16 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, SERIES, VERMILION
-from bristle_sim.render.drawing import View, WireDrawing, draw_film_tool
+from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, touch_places
 from bristle_sim.render.panels import add_panel, note, say
 from bristle_sim.render.style import MILLIMETRES, QUANTITIES, blank_figure, styled
 from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
 from bristle_sim.trajectory.sampled_motion import SampledMotion
-
-BELOW = 4e-3
-"""How far below the workpart's surface a drawing shows, m."""
 
 BESIDE = 0.02
 """How far beside a least pitch the strike is computed, deg."""
@@ -79,42 +74,17 @@ def instants(row: Row) -> list[tuple[str, float]]:
     touches = [each for each in row.touches if each <= until]
     name = f"bristle {len(row.bristles)}"
     own = (f"{name} strikes" if strike is not None else "end of the pass", until)
-    if not touches:
-        front = row.bristles[0].event_time("strike")
-        return [("bristle 1 strikes" if front is not None else "start", front or 0.0), own]
-    if len(touches) == 1:
-        return [("first touch", touches[0]), own]
-    return [("first touch", touches[0]), (f"last touch before {name} strikes" if strike else "last touch", touches[-1])]
-
-
-def touch_place(first: Array, second: Array, diameter: float) -> Array | None:
-    """Return where two straight wires touch, from the hub's centre; None if they do not. Centre lines of shape (2, 2), m."""
-    for line, other in ((first, second), (second, first)):
-        along = other[1] - other[0]
-        fraction = np.clip(along @ (line[1] - other[0]) / (along @ along), 0.0, 1.0)
-        foot = other[0] + fraction * along
-        if np.hypot(*(line[1] - foot)) < diameter * (1.0 + 1e-3):
-            return np.asarray(0.5 * (line[1] + foot))
-    return None
-
-
-def row_view(tool: Tool, lines: Array, aspect: float) -> View:
-    """Return the view of wires, shape (..., 2) in m, with the bar and some of the workpart below the hub."""
-    points = [lines]
-    if tool.bar is not None:
-        points.append(np.array(tool.bar.centre) - tool.bar.radius)
-    if tool.workpart is not None:
-        points.append(np.array([0.0, -tool.workpart_depth - BELOW]))
-    return View.around([MILLIMETRES * each for each in points], aspect, 0.06)
+    front = row.bristles[0].event_time("strike")
+    first = ("bristle 1 strikes" if front is not None else "start", front or 0.0)
+    last = f"last touch before {name} strikes" if strike else "last touch"
+    return [("first touch", touches[0]) if touches else first, (last, touches[-1]) if len(touches) > 1 else own]
 
 
 def _draw_row(axes: Axes, row: Row, time: float) -> None:
     lines = [SampledMotion(run).centre_line(time) for run in row.bristles]
-    draw_film_tool(axes, row.tool, row_view(row.tool, np.array(lines), 7.6 / 5.8), 7.0)
+    draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
     for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
         WireDrawing(axes, row.tool, color=color).place(line)
         note(axes, str(number), tuple(0.9 * MILLIMETRES * line[0]), (0.0, 0.0), ha="center", va="center", color=color)
-    for first, second in itertools.pairwise(lines):
-        place = touch_place(first, second, row.tool.bristle.wire_diameter)
-        if place is not None:
-            axes.plot(*(MILLIMETRES * place), "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)
+    places = touch_places(lines, row.tool.bristle.wire_diameter)
+    axes.plot(*places.T, "o", markersize=13.0, markerfacecolor="none", color=BLACK, zorder=6)

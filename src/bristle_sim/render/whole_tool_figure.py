@@ -1,8 +1,6 @@
-"""The whole tool's force: one bristle's in a turn, all bristles' behind the load cell, and the band over its bandwidth."""
+"""The whole tool's force: one bristle's in a turn, and all bristles' behind the load cell."""
 
 from __future__ import annotations
-
-import dataclasses
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -30,8 +28,7 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
     figure = blank_figure(16.0, 12.8)
     _one_bristle(add_panel(figure, (1.5, 8.4, 12.8, 3.4), "one bristle in a turn, on the workpart"), whole)
     title = f"{whole.assembly.bristles:g} bristles behind a load cell of {whole.assembly.bandwidth:g} Hz"
-    _load_cell(add_panel(figure, (1.5, 1.2, 7.0, 4.7), title), whole)
-    _bandwidths(add_panel(figure, (11.2, 1.2, 4.4, 4.7), "band over bandwidth"), whole)
+    _load_cell(add_panel(figure, (1.5, 1.2, 12.8, 4.7), title), whole)
     return figure
 
 
@@ -68,17 +65,3 @@ def _load_cell(axes: Axes, whole: WholeTool) -> None:
         note(axes, words, (end, level), (3.0, 0.0), ha="left", va="center")
     axes.set(xlabel="time (ms)", ylabel="normal force (N)", xlim=(0.0, end))
     axes.margins(y=0.15)
-
-
-def _bandwidths(axes: Axes, whole: WholeTool) -> None:
-    bandwidths, bands = np.geomspace(100.0, 1e4, 21), []
-    for bandwidth in bandwidths.tolist():
-        assembly = dataclasses.replace(whole.assembly, bandwidth=bandwidth)
-        force = load_cell_series(dataclasses.replace(whole, assembly=assembly))["normal_force (N)"]
-        bands.append([*np.percentile(force, BAND), force.mean()])
-    low, high, mean = np.transpose(bands)
-    axes.fill_between(bandwidths, low, high, color=SKY, alpha=0.35, linewidth=0.0)
-    axes.plot(bandwidths, low, bandwidths, high, color=BLUE)
-    axes.plot(bandwidths, mean, color=BLACK, linewidth=0.8)
-    axes.axvline(whole.assembly.bandwidth, color=GREY, linewidth=0.8, linestyle="--")
-    axes.set(xlabel="bandwidth (Hz)", ylabel="normal force (N)", xscale="log")

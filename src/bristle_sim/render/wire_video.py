@@ -1,26 +1,24 @@
-"""Film of the strike of a wire that bends: its deflection enlarged, the contact force, and the bending wave up the wire."""
+"""Film of the strike of a wire that bends: wire and rigid bristle to scale, the contact force, and the bending wave."""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
+from matplotlib.lines import Line2D
 
 from bristle_sim.arrays import Array
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, VERMILION
-from bristle_sim.render.drawing import View, moving_arrow, point_arrow
+from bristle_sim.render.colours import BLACK, BLUE, ORANGE, VERMILION
+from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.panels import say
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, signed, styled
 from bristle_sim.studies.flexible_wire import FlexibleWire
-from bristle_sim.theory.cueing import centrifugal_stiffness
 from bristle_sim.theory.wire import hinge_stiffness
 
-SHOWN_DEFLECTION, LONGEST_FORCE = 0.35, 0.22
-"""The largest deflection of the wire, and the arrow of the largest force, as they are drawn, in lengths of the wire."""
+LONGEST_FORCE = 0.22
+"""Arrow of the largest force as it is drawn, in lengths of the wire."""
 
 ARRIVED = 0.1
 """Fraction of the largest bending moment at which the wave has reached the hinge next to the root."""
@@ -38,15 +36,11 @@ class WireFilm(Film):
     def __init__(self, struck: FlexibleWire, *, width: int = 960, height: int = 540, duration: float = 12.0) -> None:
         end = float(struck.wire.time[-1])
         super().__init__(slow_motion(0.0, end, duration), width, height, (BLUE, ORANGE), Scale(MICROSECONDS, "µs"))
-        self.wire, self.rigid = (_Motion(struck, rigid=rigid) for rigid in (False, True))
-        length, most = struck.strike.tool.bristle.length, float(np.abs(self.wire.deflections).max())
-        self.enlarged = max(1.0, SHOWN_DEFLECTION * length / most) if most else 1.0
-        figure, top, small = self.figure, 1.0 - HEADER, 0.62 * self.letters
-        self._draw_wire(figure.add_axes((0.0, 0.0, 0.5, top)), small)
+        self.struck, figure, top, small = struck, self.figure, 1.0 - HEADER, 0.62 * self.letters
+        self._draw_wires(figure.add_axes((0.0, 0.0, 0.5, top)), small)
         force = figure.add_axes((0.565, 0.55, 0.35, top - 0.6))
         wave = figure.add_axes((0.565, 0.115, 0.35, 0.3))
-        for motion, color in ((self.rigid, ORANGE), (self.wire, BLUE)):
-            touch, pushed = motion.force
+        for (touch, pushed), color in ((_force(struck.rigid), ORANGE), (_force(struck.wire), BLUE)):
             force.fill_between(touch * MICROSECONDS, pushed, color=color, alpha=0.15, linewidth=0.0)
             force.plot(touch * MICROSECONDS, pushed, color=color, linewidth=1.8)
         force.set_ylim(bottom=0.0)
@@ -58,43 +52,56 @@ class WireFilm(Film):
             self.hands.append(axes.axvline(0.0, color=BLACK, linewidth=1.0))
         wave.set_xlabel(wave.get_xlabel(), fontsize=small)
         wave.set_ylabel(wave.get_ylabel(), fontsize=small)
-        self.moving = [self.rigid_line, self.wire_line, self.arrow, *self.hands]
+        self.moving = [*self.rigid.artists, *self.wire.artists, self.arrow, *self.hands]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires and arrow to an instant, s."""
-        for line, motion in ((self.rigid_line, self.rigid), (self.wire_line, self.wire)):
-            points = (motion.straight + self.enlarged * motion.deflection(time)) * MILLIMETRES
-            line.set_data(points.real, points.imag)
-        forces = [float(np.interp(time, *motion.force, right=0.0)) for motion in (self.wire, self.rigid)]
-        size = LONGEST_FORCE * abs(self.wire.straight[-1]) * MILLIMETRES * forces[0] / self.wire.force[1].max()
-        foot, tip = points[-1] - 1j * size * np.exp(-1j * self.wire.turned(time)), points[-1]
-        point_arrow(self.arrow, (foot.real, foot.imag), (tip.real, tip.imag), shortest=0.3)
+        touch, force = _force(self.struck.wire)
+        pushed, rigid = (
+            float(np.interp(time, *_force(run), right=0.0)) for run in (self.struck.wire, self.struck.rigid)
+        )
+        self.rigid.place(_centre_line(self.struck.rigid, time))
+        self.wire.place(line := _centre_line(self.struck.wire, time))
+        (x, y), links = (line[-1] * MILLIMETRES).tolist(), self.struck.strike.tool.bristle.links
+        foot = y - self.longest * pushed / force.max()
+        point_arrow(self.arrow, (x, foot), (x, y), shortest=0.3)
         caption = "the wave is at the root"
-        if time > self.wire.force[0][-1]:
+        if time > touch[-1]:
             caption = "released, the wire swings on"
-        elif time < self.arrival or len(self.wire.straight) == 2:
+        elif time < self.arrival or links == 1:
             caption = "the end is struck" + ("; the root does not know of it" if time < self.arrival else "")
-        return caption, f"wire {signed(forces[0], 1, 5)} N", f"rigid {signed(forces[1], 1, 5)} N"
+        return caption, f"wire {signed(pushed, 1, 5)} N", f"rigid {signed(rigid, 1, 5)} N"
 
-    def _draw_wire(self, axes: Axes, letters: float) -> None:
-        """Draw the unhindered wire and its root, and add what moves: the wire, the rigid bristle and the force's arrow."""
-        straight, box = self.wire.straight * MILLIMETRES, axes.get_window_extent()
-        size, tip, links = abs(straight[-1]), straight[-1], len(straight) - 1
-        # Below the longest arrow there is room for the words.
-        corners = [(tip.real + 0.3 * size, tip.imag - 0.38 * size), (-0.45 * size, 0.1 * size)]
-        View.around([corners], box.width / box.height, 0.04).apply(axes)
-        axes.set_axis_off()
-        axes.plot(straight.real, straight.imag, color=GREY, linewidth=1.2, dashes=(4, 3), label="unhindered")
-        (self.rigid_line,) = axes.plot([], [], color=ORANGE, linewidth=2.0, label="rigid bristle")
-        look: dict[str, Any] = {"color": BLUE, "linewidth": 3.0, "markersize": 4.0, "markerfacecolor": "white"}
-        (self.wire_line,) = axes.plot([], [], "o-", **look, label=f"wire of {links} link{'s' * (links > 1)}")
-        axes.plot(0.0, 0.0, "o", color=GREEN, markersize=9, markeredgecolor="white", zorder=4, label="root, on the hub")
+    def _draw_wires(self, axes: Axes, letters: float) -> None:
+        """Draw hub and workpart to scale, and add what moves: the wire, the rigid bristle and the force's arrow."""
+        tool, box, runs = self.struck.strike.tool, axes.get_window_extent(), (self.struck.wire, self.struck.rigid)
+        points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in runs])
+        span = float(np.ptp(points[:, 1]))
+        self.longest = LONGEST_FORCE * span * MILLIMETRES
+        below = points.min(axis=0) - [0.0, LONGEST_FORCE * span]
+        draw_film_tool(axes, tool, close_up(np.vstack([points, below]), tool, box.width / box.height, 0.1), letters)
+        self.rigid, self.wire = (WireDrawing(axes, tool, color=color) for color in (ORANGE, BLUE))
         self.arrow = moving_arrow(axes, VERMILION, 2.5, 14.0)
-        axes.plot([], [], color=VERMILION, linewidth=2.5, label="normal force on its end")
-        axes.legend(loc="upper left", fontsize=letters, borderaxespad=1.0)
-        words = "seen from the root, turning with the unhindered wire;\n"
-        words += f"deflection from it drawn {self.enlarged:.2g} times as large as it is"
-        axes.text(0.03, 0.03, words, transform=axes.transAxes, fontsize=letters, color=GREY)
+        links = tool.bristle.links
+        names = {
+            "rigid bristle": ORANGE,
+            f"wire of {links} link{'s' * (links > 1)}": BLUE,
+            "normal force on its end": VERMILION,
+        }
+        handles = [Line2D([], [], color=color, linewidth=2.5, label=name) for name, color in names.items()]
+        axes.legend(handles=handles, loc="upper left", fontsize=letters, borderaxespad=1.0)
+
+
+def _force(run: Any) -> tuple[Array, Array]:
+    """Return time since the first touch, s, and normal force, N, of a strike."""
+    history = run.contact.history
+    return history.time - history.time[0], history.normal_force
+
+
+def _centre_line(run: Any, time: float) -> Array:
+    """Return root, joints and tip of a strike at an instant, m, linear between samples."""
+    columns = run.centre_line.reshape(run.time.size, -1).T
+    return np.reshape([np.interp(time, run.time, column) for column in columns], (-1, 2))
 
 
 def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
@@ -117,35 +124,3 @@ def _draw_wave(axes: Axes, scale: Axes, struck: FlexibleWire) -> float:
     axes.figure.colorbar(picture, cax=scale)
     scale.tick_params(labelsize="x-small")
     return float(time[np.argmax(np.abs(moments[0]) > ARRIVED * most)])
-
-
-class _Motion:
-    """A strike seen from the root, turning with the wire as it would move unhindered; places as x + iy, m.
-
-    Attributes:
-        straight: root, joints and tip of the unhindered wire.
-        deflections: how far they are from there, shape (samples, corners).
-        force: time and normal force of the contact, s and N.
-    """
-
-    def __init__(self, struck: FlexibleWire, *, rigid: bool) -> None:
-        strike, run = struck.strike, struck.rigid if rigid else struck.wire
-        self._strike, self._time, history = strike, run.time, run.contact.history
-        assert history is not None
-        self.force = (history.time - history.time[0], history.normal_force)
-        arm = -1j * strike.tool.bristle.length / run.angles.shape[1]
-        self.straight = np.exp(-1j * strike.impact_angle) * arm * np.arange(run.angles.shape[1] + 1)
-        arms = arm * np.exp(1j * (run.angles - self.turned(run.time)[:, np.newaxis]))
-        self.deflections = np.pad(np.cumsum(arms, axis=1), ((0, 0), (1, 0))) - self.straight
-
-    def deflection(self, time: float) -> NDArray[np.complex128]:
-        """Return how far root, joints and tip are from where they would be."""
-        return np.array([np.interp(time, self._time, corner) for corner in self.deflections.T])
-
-    def turned(self, time: Array | float) -> Array:
-        """Return how far the unhindered wire has turned: small swings on its belt, on the turning hub."""
-        tool = self._strike.tool
-        field = float(centrifugal_stiffness(tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed))
-        own = math.sqrt((tool.belt.stiffness + field) / tool.bristle.inertia_about_root)
-        relative = (self._strike.rate - tool.hub.speed) * np.sinc(own * np.asarray(time) / np.pi)
-        return np.asarray((tool.hub.speed + relative) * time)

@@ -29,8 +29,8 @@ def plot(run: Trajectory, *, until: float | None = None) -> Figure:
 
 
 def animate(run: Trajectory, path: str | Path, *, fps: float = 30.0, **options: Any) -> Path:
-    """Film the run to an mp4 or gif file; options are those of ``bristle_sim.render.pass_video.PassFilm``."""
-    from bristle_sim.render.pass_video import PassFilm
+    """Film the run to an mp4 or gif file; options are those of ``bristle_sim.render.tool_films.PassFilm``."""
+    from bristle_sim.render.tool_films import PassFilm
 
     return PassFilm(run, run.tool, **options).write(path, fps)
 

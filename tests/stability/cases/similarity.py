@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, within, worst
-from bristle_sim.benchmarks.hard_cases.measures import Start, impacts_of, scaled
-from bristle_sim.benchmarks.hard_cases.motion import SIZES
+from bristle_sim.benchmarks.hard_cases.measures import Start, impacts_of
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Bristle, Contact, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.scene.units import Units
@@ -49,6 +48,17 @@ MOTIONS: dict[str, tuple[Tool, Start, str | None]] = {
 """Tool, start and the event that ends the run."""
 
 
+SIZES = {
+    "1 um, 1e-12 kg": (1e-6, 1e-12, 1e-3),
+    "10 m, 1e3 kg": (10.0, 1e3, 30.0),
+    "1 um, 1e3 kg": (1e-6, 1e3, 1e3),
+    "10 m, 1e-12 kg": (10.0, 1e-12, 30.0),
+    "1 nm, 1e-30 kg": (1e-9, 1e-30, 1e-3),
+    "500 m, 9e5 kg": (500.0, 9e5, 1e4),
+}
+"""Length in m and mass in kg of a bristle, and a factor of time that keeps belt, hub and gravity within their ranges."""
+
+
 def size() -> list[HardCase]:
     """Return passes, flights and strikes: equal to the last bit for powers of two, to rounding for any other size."""
     exact = [
@@ -75,6 +85,25 @@ def _same(motion: str, scale: Units, limit: float) -> Finding:
     runs = [simulate(scaled(tool, each), settings, stop_after=stop_after, **start) for each in (scale, UNITY)]
     one, two = (dimensionless(run, each) for run, each in zip(runs, (scale, UNITY), strict=True))
     return within(_difference(one, two), limit, "off by", runs[0].cost.steps)
+
+
+def scaled(tool: Tool, scale: Units) -> Tool:
+    """Return the similar tool, its lengths, masses and times multiplied."""
+
+    def times(part: Any, **factors: float) -> Any:
+        values = {name: getattr(part, name) for name in factors}
+        return replace(part, **{name: value and value * factors[name] for name, value in values.items()})
+
+    length, time = scale.length, scale.time
+    return Tool(
+        hub=times(tool.hub, speed=1.0 / time, radius=length),
+        belt=times(tool.belt, stiffness=scale.energy),
+        bristle=times(tool.bristle, length=length, mass=scale.mass, wire_diameter=length),
+        bar=tool.bar and times(tool.bar, radius=length, horizontal=length, vertical=length),
+        workpart=tool.workpart and times(tool.workpart, penetration=length),
+        contact=times(tool.contact, duration=time),
+        gravity=tool.gravity * scale.acceleration,
+    )
 
 
 def dimensionless(run: Trajectory, scale: Units) -> dict[str, Any]:

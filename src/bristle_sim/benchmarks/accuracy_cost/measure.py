@@ -12,6 +12,7 @@ import dataclasses
 import math
 import statistics
 import time as clock
+import timeit
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -165,10 +166,7 @@ def _repetitions(action: Callable[[], Any], block_s: float) -> int:
 
 
 def _timed(action: Callable[[], Any], count: int) -> float:
-    begin = clock.process_time()
-    for _ in range(count):
-        action()
-    return clock.process_time() - begin
+    return timeit.timeit(action, timer=clock.process_time, number=count)
 
 
 def cheapest(points: Iterable[Point], target: float) -> Point | None:

@@ -14,7 +14,6 @@ from bristle_sim.parameters import RETRACTION_AT_RELEASE, Contact, Surface, Tool
 from bristle_sim.scene.repetitions import CLOSE
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.scene.tool import simulate
-from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.theory.cueing import stiffened_cue
@@ -150,25 +149,6 @@ def meets(
     at = run.event_time(event)
     late = math.inf if at is None else (at - expected) / unit
     return within(late, 1.0, "instant off by, of the limit,", run.cost.steps)
-
-
-def scaled(tool: Tool, scale: Units) -> Tool:
-    """Return the similar tool, its lengths, masses and times multiplied."""
-
-    def times(part: Any, **factors: float) -> Any:
-        values = {name: getattr(part, name) for name in factors}
-        return replace(part, **{name: value and value * factors[name] for name, value in values.items()})
-
-    length, time = scale.length, scale.time
-    return Tool(
-        hub=times(tool.hub, speed=1.0 / time, radius=length),
-        belt=times(tool.belt, stiffness=scale.energy),
-        bristle=times(tool.bristle, length=length, mass=scale.mass, wire_diameter=length),
-        bar=tool.bar and times(tool.bar, radius=length, horizontal=length, vertical=length),
-        workpart=tool.workpart and times(tool.workpart, penetration=length),
-        contact=times(tool.contact, duration=time),
-        gravity=tool.gravity * scale.acceleration,
-    )
 
 
 STRIKE_ACCURACY = 1e-6

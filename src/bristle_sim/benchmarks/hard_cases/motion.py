@@ -17,13 +17,11 @@ from bristle_sim.benchmarks.hard_cases.measures import (
     agrees_with_energy_integral,
     agrees_with_reference,
     meets,
-    scaled,
     spends_budget,
 )
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.parameters import Bar, Belt, Hub, Tool
 from bristle_sim.scene.obstacles import LEAST_REACH
 from bristle_sim.scene.tool import START, simulate, tool_units
-from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.theory.cueing import centrifugal_stiffness
 
@@ -98,25 +96,6 @@ def hub_speed() -> Iterator[HardCase]:
     for speed, belt in ((1e-3, Belt()), (1e-300, Belt()), (1e-300, Belt(stiffness=0.0))):
         name = f"{speed:g} rad/s: whole pass" + ("" if belt.stiffness else ", no belt; budget")
         yield case(name, SPENT, spends_budget, Tool(hub=Hub(speed=speed), belt=belt), BUDGET)
-
-
-SIZES = {
-    "1 um, 1e-12 kg": (1e-6, 1e-12, 1e-3),
-    "10 m, 1e3 kg": (10.0, 1e3, 30.0),
-    "1 um, 1e3 kg": (1e-6, 1e3, 1e3),
-    "10 m, 1e-12 kg": (10.0, 1e-12, 30.0),
-    "1 nm, 1e-30 kg": (1e-9, 1e-30, 1e-3),
-    "500 m, 9e5 kg": (500.0, 9e5, 1e4),
-}
-"""Length in m and mass in kg of a bristle, and a factor of time that keeps belt, hub and gravity within their ranges."""
-
-
-def size() -> Iterator[HardCase]:
-    """Yield passes of tools of every size, with gravity nearly as strong as the tip's centrifugal acceleration."""
-    tool = Tool(gravity=3e3)
-    for number, (name, (length, mass, time)) in enumerate(SIZES.items()):
-        large = scaled(tool, Units(length / Bristle().length, mass / Bristle().mass, time))
-        yield row("size", f"{name}: whole pass", AS_REFERENCE, agrees_with_reference, large, quick=number < 2)
 
 
 ROOT, TIP = TOOL.hub.radius, TOOL.hub.radius + TOOL.bristle.length

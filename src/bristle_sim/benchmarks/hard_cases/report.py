@@ -19,7 +19,6 @@ TABLES = {
     "damping": "motion",
     "jam": "impacts",
     "grazing": "impacts",
-    "size": "motion",
     "hub_speed": "motion",
     "tunnelling": "motion",
     "long_run": "motion",
