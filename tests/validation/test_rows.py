@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle, Contact, Tool
+from bristle_sim.reference import simulate_row_reference
 from bristle_sim.scene.resume import resume
 from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory
 
 ACCURACY = 1e-6
@@ -112,6 +114,17 @@ def test_wires_that_stay_in_contact() -> None:
         assert first.impulse[0] > 0.0
     assert runs[0].event_time("wire release") is not None
     assert np.array_equal(runs[0].time, runs[1].time)
+
+
+@pytest.mark.parametrize("accuracy", [1e-7, 1e-11])
+def test_wires_that_the_bar_folds_flat_on_each_other_jam(accuracy: float) -> None:
+    """Parallel, the wires would touch at their roots, where no force turns them, and the hub turns on."""
+    row = {"bristles": 2, "pitch": math.radians(1.6), "neighbour_friction": 0.31, "neighbour_restitution": 0.42}
+    scene, reference = simulate_row(Tool(), SHORT, **row), simulate_row_reference(Tool(), accuracy=accuracy, **row)
+    for runs in (scene, reference):
+        assert [run.stop_reason for run in runs] == [StopReason.JAM] * 2
+        assert runs[0].angles[-1] == pytest.approx(runs[1].angles[-1], abs=10.0 * ACCURACY)
+    assert reference[0].time[-1] == pytest.approx(scene[0].time[-1], rel=10.0 * ACCURACY)
 
 
 def test_records_are_of_the_bristles_that_take_part() -> None:

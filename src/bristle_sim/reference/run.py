@@ -18,12 +18,15 @@ from scipy.integrate import DOP853
 
 from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import nodes
-from bristle_sim.reference.decisions import record
+from bristle_sim.reference.decisions import jam, record
 from bristle_sim.reference.events import Follow, Step, events_of, first_event, note_extremes
 from bristle_sim.reference.forces import freedom
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
+
+AHEAD = 1e-3
+"""Radians of the fastest motion within which a contact loses its lever, but for this fraction, where no step is short enough."""
 
 
 @dataclass(slots=True)
@@ -43,7 +46,7 @@ class Run:
 
     def run(self) -> StopReason:
         """Run to the end and return the reason for stopping."""
-        reason = StopReason.END
+        reason, wedged = StopReason.END, False
         self._sample(self.state)
         try:
             while self.state.time < self.end:
@@ -55,9 +58,12 @@ class Run:
             self._sample(self.state)
         except np.linalg.LinAlgError:  # more contacts than the links can keep closed
             self.log.event("jam", self.state.time)
-            return StopReason.JAM
+            reason, wedged = StopReason.JAM, True
         for each in self.system.sustained:
             record(self.system, self.log, self.state, each, "end of run" if reason is StopReason.END else str(reason))
+        if wedged:  # without the forces, which have no bound
+            self.system.sustained = []
+            self._sample(self.state)
         return reason
 
     def _interval(self) -> Follow:
@@ -67,8 +73,11 @@ class Run:
         while solver.status == "running":
             if self.evaluations > self.most_evaluations:
                 raise Finished(StopReason.STEP_BUDGET, self.state)
-            solver.step()
+            with np.errstate(over="ignore", invalid="ignore"):  # in a step that fails
+                solver.step()
             if solver.status == "failed":
+                if self._wedged():
+                    jam(self.log, self.state)
                 raise Finished(StopReason.ACCURACY, self.state)
             values = solver.dense_output()
             self.evaluations, solver.nfev = self.evaluations + solver.nfev, 0
@@ -97,6 +106,18 @@ class Run:
                 return first[1]
             self._project(solver)
         return lambda state: state
+
+    def _wedged(self) -> bool:
+        """Whether a contact loses its lever within an instant, as that of two wires does where they lie flat on each other."""
+        time = AHEAD / self.system.fastest
+        ahead = self.system.at(
+            State(self.state.time + time, self.state.angles + time * self.state.rates, self.state.rates)
+        )
+        now = self.system.at(self.state)
+        return any(
+            freedom(ahead.mass, ahead.touch(each.point), 0.0) < AHEAD * freedom(now.mass, now.touch(each.point), 0.0)
+            for each in self.system.sustained
+        )
 
     def _project(self, solver: DOP853) -> None:
         """Let the integrator go on from the closed gaps."""

@@ -9,13 +9,16 @@ from functools import partial
 
 import numpy as np
 
-from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, refusal, row, within
+from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, refusal, row, within, worst
 from bristle_sim.benchmarks.hard_cases.measures import (
+    ACCURACY,
+    MORE_ACCURATE,
     STRIKE_ACCURACY,
     Start,
     agrees_in_time,
     agrees_with_closed_form,
     agrees_with_reference,
+    end_difference,
     impacts_of,
     is_finite,
     struck,
@@ -146,7 +149,7 @@ GAP = 1e-12
 
 
 def grazing() -> Iterator[HardCase]:
-    """Yield strikes at any angle, and tips that just reach an obstacle or just miss it."""
+    """Yield strikes at any angle, tips that just reach an obstacle or just miss it, and three contacts at one instant."""
     case = partial(row, "grazing")
     right = {f"a right angle less {10.0**-power:g} rad": math.pi / 2 - 10.0**-power for power in (3, 6, 9)}
     angles = {f"{angle:g} rad": angle for angle in (LEAST_ANGLE, 1e-30, 1e-9, 1e-6, 1e-4, 1e-3, 0.1)} | right
@@ -162,6 +165,9 @@ def grazing() -> Iterator[HardCase]:
             promise = f"touches, there to {GAP:g} of the length" if depth > 0.0 else "no touch"
             name = f"tip's circle {abs(depth):g} {'into' if depth > 0.0 else 'past'} the {what}"
             yield case(name, promise, _dips, what, depth, quick=abs(depth) in (1e-6, 1e-9, 1e-12))
+    for e in (0.0, RESTITUTION, 1.0):
+        name = f"three contacts at one instant: bar at a wire's joint, tip at the workpart; bar's restitution {e:g}"
+        yield case(name, f"state 30 deg later as in the reference, to {ACCURACY:g}", _three_at_once, e)
 
 
 def _dips(what: str, depth: float) -> Finding:
@@ -186,3 +192,31 @@ def _dips(what: str, depth: float) -> Finding:
     tip = (TIP * math.sin(angle), -TIP * math.cos(angle))
     gap = tool.workpart_depth + tip[1] if tool.bar is None else math.dist(tip, tool.bar.centre) - tool.bar_reach
     return all_of(within(gap / LENGTH, GAP, "gap", run.cost.steps), Finding(run.stop_reason, is_finite(run)))
+
+
+LATER = 1e-13
+"""Gap at the workpart when the bar is met, m: closed, but of a hundred roundings, which would decide on the first impact."""
+
+
+def _three_at_once(restitution: float) -> Finding:
+    """Have a radial wire of two links meet the bar with both, and the workpart with its tip."""
+    from bristle_sim.reference import simulate_reference
+
+    assert TOOL.bar is not None
+    assert TOOL.workpart is not None
+    cos = TOOL.workpart_depth / TIP
+    sin, joint, reach = math.sqrt(1.0 - cos**2), ROOT + 0.5 * LENGTH, TOOL.bar_reach
+    bar = replace(
+        TOOL.bar,
+        horizontal=joint * sin - reach * cos,
+        vertical=joint * cos + reach * sin,
+        restitution=restitution,
+    )
+    part = replace(TOOL.workpart, penetration=TOOL.workpart.penetration - LATER)
+    tool, turn = (
+        replace(TOOL, bristle=replace(TOOL.bristle, links=2), bar=bar, workpart=part),
+        0.5 * math.pi - math.acos(cos),
+    )
+    run = simulate(tool, Settings(ACCURACY, hub_turn=turn + math.radians(30.0)))
+    other = simulate_reference(tool, accuracy=MORE_ACCURATE * ACCURACY, hub_turn=turn + math.radians(30.0))
+    return within(worst(end_difference(run, other)), ACCURACY, "off by", run.cost.steps)
