@@ -514,8 +514,8 @@ def computed(found: dict[str, Any]) -> Any:
 CHEAP = {
     "cue_timing": ("--set", "reference=no"),
     "inertia_driven": ("--set", "reference=no"),
-    "bent_bristles": ("--set", "accuracy=1e-3"),
-    "whole_tool": ("--set", "accuracy=1e-4"),
+    "bent_bristles": ("--set", "accuracy=1e-2"),
+    "whole_tool": ("--set", "accuracy=1e-2"),
 }
 """Settings that make a run shorter, from which a key is changed."""
 
