@@ -191,7 +191,7 @@ PROMISES = {
         ),
         (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", "accuracy", "map_points"),
         lists={"moves": {"key", "value", "bar_direction_for_radial_strike_deg", "relative_speed_at_contact"}},
-        quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-4"),
+        quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-2"),
         strikes=False,
     ),
     "neighbours": Promise(
@@ -204,7 +204,7 @@ PROMISES = {
             "normal_final_impulse",
         ),
         (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
-        quick=("--set", "search=no"),
+        quick=("--set", "search=no", "--set", "accuracy=1e-2"),
         film=("bristle_sim.render.row_video", "row_video"),
     ),
     "whole_tool": Promise(
@@ -232,7 +232,7 @@ PROMISES = {
             *(f"spread_{key}" for key in TOOL + BELT + BAR),
         ),
         lists={"rows": {"output", "mean", "std", "low", "high", "indices"}},
-        quick=("--set", "samples=2", "--set", "rounding=no"),
+        quick=("--set", "samples=2", "--set", "rounding=no", "--set", "accuracy=1e-2"),
         statistics=True,
         strikes=False,
     ),
