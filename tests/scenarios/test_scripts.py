@@ -190,7 +190,7 @@ PROMISES = {
             "bar_direction_for_highest_tip_speed_deg",
         ),
         (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", "accuracy", "map_points"),
-        quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-4"),
+        quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-2"),
         strikes=False,
     ),
     "neighbours": Promise(
@@ -203,7 +203,7 @@ PROMISES = {
             "normal_final_impulse",
         ),
         (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
-        quick=("--set", "search=no"),
+        quick=("--set", "search=no", "--set", "accuracy=1e-2"),
         film=("bristle_sim.render.tool_films", "RowFilm"),
     ),
     "whole_tool": Promise(
@@ -234,7 +234,7 @@ PROMISES = {
             *(f"spread_{key}" for key in TOOL + BELT + BAR),
         ),
         lists={"rows": {"output", "mean", "std", "low", "high", "indices"}},
-        quick=("--set", "samples=2"),
+        quick=("--set", "samples=2", "--set", "accuracy=1e-2"),
         statistics=True,
         strikes=False,
     ),
@@ -518,8 +518,8 @@ def computed(found: dict[str, Any]) -> Any:
 CHEAP = {
     "cue_timing": ("--set", "reference=no"),
     "inertia_driven": ("--set", "reference=no"),
-    "bent_bristles": ("--set", "accuracy=1e-3"),
-    "whole_tool": ("--set", "accuracy=1e-4"),
+    "bent_bristles": ("--set", "accuracy=1e-2"),
+    "whole_tool": ("--set", "accuracy=1e-2"),
 }
 """Settings that make a run shorter, from which a key is changed."""
 

@@ -73,7 +73,7 @@ def interrupted(*_: object, **__: object) -> None:
 @pytest.mark.parametrize(
     ("module", "step", "run", "kept"),
     [
-        (report, "cases_of", lambda: report.hard_cases(report.HardCaseChoice("limits", "quick")), "rows"),
+        (report, "cases_of", lambda: report.hard_cases(report.HardCaseChoice("grazing", "quick")), "rows"),
         (study, "_measure", lambda: study.accuracy_cost(Effort("quick", "none")), "curves"),
         (figures, "redrawn", lambda: figures.figures_report(figures.Selection("4.6")), None),
     ],

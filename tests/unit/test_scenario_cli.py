@@ -13,8 +13,10 @@ import os
 import signal
 import subprocess
 import sys
+import time
 import types
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -632,6 +634,56 @@ def lose(values):
 
 sys.exit(main(dataclasses.replace(fake.SCENARIO, run=globals()[sys.argv[1]]), []))
 """
+
+
+@pytest.fixture
+def usual_handlers() -> Iterator[None]:
+    """What a terminal's Python has, whatever the tests are run by."""
+    usual = {signal.SIGINT: signal.default_int_handler, signal.SIGTERM: signal.SIG_DFL}
+    before = {number: signal.signal(number, handler) for number, handler in usual.items()}
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
+@pytest.mark.usefixtures("usual_handlers")
+@pytest.mark.parametrize(("number", "ended"), [(signal.SIGINT, KeyboardInterrupt), (signal.SIGTERM, SystemExit)])
+def test_a_signal_ends_the_work_by_an_exception(number: signal.Signals, ended: type[BaseException]):
+    with pytest.raises(ended), ending.ending_in_order():
+        signal.raise_signal(number)
+    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+
+
+@pytest.mark.usefixtures("usual_handlers")
+def test_handlers_of_others_and_other_threads_are_left_alone():
+    def inside() -> object:
+        with ending.ending_in_order():
+            return signal.getsignal(signal.SIGTERM)
+
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(inside).result() is signal.SIG_DFL
+    signal.signal(signal.SIGINT, mine := lambda *_: None)
+    signal.signal(signal.SIGTERM, mine)
+    hook = sys.unraisablehook
+    with ending.ending_in_order():
+        assert signal.getsignal(signal.SIGINT) is signal.getsignal(signal.SIGTERM) is mine
+        assert sys.unraisablehook is hook
+
+
+@pytest.mark.usefixtures("usual_handlers")
+def test_an_end_that_was_lost_comes_again_and_other_losses_are_told(monkeypatch: pytest.MonkeyPatch):
+    told: list[object] = []
+    monkeypatch.setattr(sys, "__unraisablehook__", told.append)
+    lost = types.SimpleNamespace(exc_type=ValueError)
+
+    def losing() -> None:
+        sys.unraisablehook(lost)
+        sys.unraisablehook(types.SimpleNamespace(exc_type=SystemExit))
+        time.sleep(10.0)
+
+    with pytest.raises(SystemExit), ending.ending_in_order():
+        losing()
+    assert told == [lost]
 
 
 def test_ctrl_c_inside_the_hook_of_lost_exceptions_is_tried_again(monkeypatch: pytest.MonkeyPatch):

@@ -136,7 +136,7 @@ def random_cases(links: int, count: int) -> list[tuple[Chain, Surface, float]]:
     return cases
 
 
-STEPS = 6000
+STEPS = 4000
 
 
 class TestAgainstTheMarch:
@@ -144,20 +144,20 @@ class TestAgainstTheMarch:
     def test_random_chains(self, links: int) -> None:
         """The march switches friction at the end of a step: up to pi/2 steps of the peak force late, two or three times.
 
-        One impulse changes rates by twice the fastest or so: 1e-3 of it are four to five steps of 6000.
+        One impulse changes rates by twice the fastest or so: 1.5e-3 of it are four to five steps of 4000.
         """
-        cases = random_cases(links, 30)
+        cases = random_cases(links, 20)
         records = [found(*case) for case in cases]
         kept = [i for i, record in enumerate(records) if record.outcome == "rebound"]
-        assert len(kept) > 15
+        assert len(kept) > 10
         stiffness = [history(records[i]).normal_force[1] / history(records[i]).penetration[1] for i in kept]
         march = Marched([cases[i][0] for i in kept], [cases[i][1] for i in kept], np.array(stiffness))
         march.go(np.array([records[i].duration for i in kept]), STEPS)
         assert march.left.all()
         for i, rates, impulse in zip(kept, march.rates, march.impulse, strict=True):
             scale = np.abs([*records[i].rates_before, *records[i].rates_after]).max()
-            np.testing.assert_allclose(records[i].rates_after, rates, rtol=0.0, atol=1e-3 * scale)
-            np.testing.assert_allclose(records[i].impulse, impulse, rtol=0.0, atol=1e-3 * np.abs(impulse).max())
+            np.testing.assert_allclose(records[i].rates_after, rates, rtol=0.0, atol=1.5e-3 * scale)
+            np.testing.assert_allclose(records[i].impulse, impulse, rtol=0.0, atol=1.5e-3 * np.abs(impulse).max())
 
     def test_a_jam_of_the_rigid_law_that_the_spring_gets_out_of(self) -> None:
         surface = Surface(3.0, None, 0.9)
@@ -213,7 +213,7 @@ class TestStickThatBreaks:
     @pytest.mark.parametrize("links", [1, 2, 3])
     def test_the_force_stays_within_the_friction_cone(self, links: int) -> None:
         """But for the accuracy, 1e-7, to which the instant is located where stick ends: ten times that of the peak."""
-        for chain, surface, duration in random_cases(links, 30):
+        for chain, surface, duration in random_cases(links, 15):
             course = history(found(chain, surface, duration))
             excess = np.abs(course.tangential_force) - surface.friction * course.normal_force
             assert excess.max() <= 1e-6 * course.normal_force.max()

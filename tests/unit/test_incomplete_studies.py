@@ -1,0 +1,127 @@
+"""Studies that find a part of what they look for: they say what is missing, and draw the rest."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bristle_sim.render.inertia_video import InertiaScene
+from bristle_sim.render.row_video import RowScene
+
+from bristle_sim.benchmarks import machine
+from bristle_sim.benchmarks.accuracy_cost.cases import release_flight
+from bristle_sim.benchmarks.accuracy_cost.measure import Point
+from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, tables
+from bristle_sim.parameters import Belt, Bristle, Neighbours, Tool, Workpart
+from bristle_sim.reference.strike import strike_reference
+from bristle_sim.render.cost_figure import cost_figure
+from bristle_sim.render.inertia_figure import inertia_figure
+from bristle_sim.render.whole_tool_figure import whole_tool_figure
+from bristle_sim.scene.joints import joint_rows
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of
+from bristle_sim.studies.inertia_driven import inertia_driven
+from bristle_sim.studies.neighbours import neighbours
+from bristle_sim.studies.strike_point import start_angle
+from bristle_sim.studies.sweep_point import check_arguments, identity_of
+from bristle_sim.studies.whole_pass import whole_pass
+from bristle_sim.theory.force_fit import fit_force_history
+
+OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (
+            functools.partial(whole_pass, Tool(bristle=Bristle(links=17)), Settings()),
+            "wire_links = 17: must be at most 16",
+        ),
+        (functools.partial(start_angle, Tool(bar=None)), "bar = None: must be a Bar"),
+        (functools.partial(joint_rows, object(), {}), "object: must be a joint"),
+        (functools.partial(whole_tool_figure, None), "whole_tool: the bristle completes no turn"),
+        (
+            functools.partial(strike_reference, Tool(), 0.0, (0.0,), (0.0,), stiffness=0.0, longest=1.0),
+            "stiffness = 0: must be",
+        ),
+        (
+            lambda: slide_of(simulate(Tool(), stop_after="strike").contacts[-1]),
+            "contact = energetic: must be compliant",
+        ),
+        (
+            lambda: InertiaScene(inertia_driven(OUT_OF_REACH, Settings(), with_reference=False).subject),
+            "the bristle must strike with the bar",
+        ),
+        (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "must be above 0"),
+    ],
+)
+def test_what_cannot_be_done_is_refused_in_one_line(call, words: str):
+    with pytest.raises(ValueError, match=words) as refusal:
+        call()
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_row_out_of_reach_is_filmed_to_the_end():
+    tool = dataclasses.replace(OUT_OF_REACH, bar=None)
+    scene = RowScene(neighbours(tool, Neighbours(search="no", pitch_deg=60.0), Settings()).subject, 160, 120, 1.0)
+    scene.show(0.5)
+    assert scene.caption.get_text() == "turning with the hub"
+
+
+def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_draw():
+    creeping = Tool(belt=Belt(damping_ratio=1.5))
+    figure = inertia_figure(inertia_driven(creeping, Settings(), with_reference=False).subject)
+    assert [line.get_label() for line in figure.axes[0].lines if not line.get_label().startswith("_")] == ["bar-cued"]
+
+
+def test_costs_without_effects_have_no_panel_of_growth():
+    case = release_flight()
+    point = Point(case.name, "bristle_sim simulate", "accuracy=1e-06", 1e-7, 1e-3, 1e-3, 100)
+    measured = AccuracyCost((case,), (point,), missing={"mujoco": "not installed"})
+    assert len(cost_figure(measured).axes) == 1
+    circumstances = machine.surroundings() | {"clock": "process CPU time", "command": "none"}
+    assert any("pip install 'bristle-sim[peers]'" in line for line in tables(measured, circumstances))
+
+
+def test_pictures_of_a_tool_without_bar_and_workpart_show_hub_and_wire():
+    svg = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
+    assert svg.count("<circle") == 1
+    assert "<line" not in svg
+
+
+def test_slides_that_do_not_go_forward_are_not_those_of_the_film():
+    back = Slide(-1e-3, 2e-3, 1e-4, 5e-5, None, None, math.nan)
+    assert "unlike in the film" in against_film({"reverse": back, "straight": back, "forward": back})
+    assert "neither turns nor stops" in str(back)
+
+
+def test_a_machine_that_tells_nothing_of_itself(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(machine, "Path", lambda _: Path("nowhere"))
+    assert machine.surroundings()["processor"]
+
+
+class Adder:
+    """Adds what it was made with."""
+
+    def __init__(self, more: float) -> None:
+        self.more = more
+
+    def add(self, x: float) -> float:
+        return x + self.more
+
+
+def again(n: int) -> int:
+    return 0 if n == 0 else again(n - 1)
+
+
+def test_methods_recursive_and_built_in_functions_have_an_identity():
+    """A method stands for its object's state; a function that calls itself is looked into once."""
+    pytest.importorskip("joblib")
+    assert identity_of(Adder(1.0).add) == identity_of(Adder(1.0).add) != identity_of(Adder(2.0).add)
+    assert identity_of(again) == identity_of(again)
+    check_arguments(max, {"anything": 1})  # it has no signature
