@@ -14,7 +14,7 @@ averages over D/16, which cost less than the samples and let noise through least
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -144,10 +144,10 @@ def _check(time: Array, force: Array, duration: float | None, start: float | Non
         raise ValueError(f"duration = {duration:g}: must be at least the last time, {time[-1] - start:g} (in s)")
 
 
-@dataclass(frozen=True, slots=True)
-class _Pulse:
-    """A pulse found in a record: start and duration on its clock, s, to a tenth of the duration, level and height in N."""
+class _Pulse(NamedTuple):
+    """A pulse found in a record: score, N^2 s, start and duration on its clock, s, to a tenth of it, level and height in N."""
 
+    score: float
     start: float
     duration: float
     baseline: float
@@ -163,12 +163,11 @@ def _find_contact(time: Array, force: Array) -> _Pulse | None:
     shortest = max(SHORTEST * float(np.median(np.diff(time))), BINS * length / MOST_BINS)
     count = int(np.ceil(np.log(2.0 * length / min(shortest, length)) / np.log(RATIO))) + 1
     found = [_best(time, integral, each) for each in 2.0 * length * RATIO ** -np.arange(count, dtype=float)]
-    scored = [each for each in found if each is not None]
-    return max(scored, key=lambda each: each[0])[1] if scored else None
+    return max((each for each in found if each is not None), default=None)
 
 
-def _best(time: Array, integral: Array, duration: float) -> tuple[float, _Pulse] | None:
-    """Return the best start of a pulse of that duration, with its score, N^2 s."""
+def _best(time: Array, integral: Array, duration: float) -> _Pulse | None:
+    """Return the pulse of that duration with the best start."""
     width = duration / BINS
     bins = int((time[-1] - time[0]) / width * (1.0 + 1e-9))
     if bins < LEAST_BINS:
@@ -186,7 +185,7 @@ def _best(time: Array, integral: Array, duration: float) -> tuple[float, _Pulse]
     if not score[top] > 0.0:
         return None
     baseline = level + float((of_force[top] - amplitude[top] * of_shape[top]) / number[top])
-    return float(score[top]), _Pulse(float(edges[top]), duration, baseline, float(amplitude[top]))
+    return _Pulse(float(score[top]), float(edges[top]), duration, baseline, float(amplitude[top]))
 
 
 def _sums(average: Array) -> tuple[Array, Array, Array, Array, Array]:
