@@ -11,6 +11,7 @@ import pytest
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
+from bristle_sim.studies import cue_map as module
 from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_place, placed, radial_place, simulation
 from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
 from bristle_sim.studies.strike_point import (
@@ -170,8 +171,16 @@ def test_a_maximum_is_found_uphill(peak: float):
     assert found.direction == pytest.approx(peak, abs=1e-5)
 
 
-def test_without_the_reference_nothing_is_judged():
+def test_how_the_answer_moves_agrees_with_asking_again(monkeypatch: pytest.MonkeyPatch):
+    """The rows are the same questions, so that each can be asked by itself; without the reference nothing is judged."""
+    monkeypatch.setattr(module, "MOVES", {"hub_speed": (0.9,), "belt_stiffness": (0.8, 1.25)})
     report = cue_map(Tool(), Settings(), with_reference=False)
+    moved, soft, stiff = report.extra["moves"]
+    again = radial_place(Tool(hub=Hub(speed=0.9 * Tool().hub.speed)), simulation(Settings()))
+    # Both are roots of one lag, good to 1e-6 of some rad.
+    assert moved["bar_direction_for_radial_strike_deg"] == pytest.approx(math.degrees(again.direction), rel=1e-6)
+    # A stiffer belt swings back sooner, so the hub turns less in the meantime.
+    assert soft["bar_direction_for_radial_strike_deg"] > stiff["bar_direction_for_radial_strike_deg"]
     assert all(row.reference is None and row.ok is None for row in report.quantities)
 
 
