@@ -10,10 +10,11 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
+from bristle_sim.render.map_figure import map_figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies import cue_map as module
 from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_place, placed, radial_place, simulation
-from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
+from bristle_sim.studies.cue_map import CueMap, MapGrid, cue_map, position_map
 from bristle_sim.studies.strike_point import (
     STRIKE_UNITS,
     GivenUpError,
@@ -196,6 +197,17 @@ def test_maps_hold_the_passes_at_their_positions():
     far = found.isel(bar_vertical=2, bar_horizontal=2)
     assert np.isnan(far["lag_deg_at_contact"].item())
     assert "NotCuedError" in far["failure"].item()
+
+
+def test_maps_reach_over_their_positions_though_no_lag_is_zero():
+    dataset = pytest.importorskip("xarray", reason="needs the extra sweep").Dataset
+    sides = {"bar_vertical": [0.02, 0.024], "bar_horizontal": [0.048, 0.052]}
+    maps = dataset({"lag_deg_at_contact": (tuple(sides), np.ones((2, 2)))}, coords=sides)
+    place = Place(math.radians(68.0), {})
+    figure = map_figure(CueMap(Tool(), Settings(), MapGrid(), place, place, None, ()), maps)
+    # Each value stands in the middle of a rectangle as wide as the positions are apart.
+    assert figure.axes[0].get_xlim() == pytest.approx((46.0, 54.0))
+    assert not [axes for axes in figure.axes if "moves" in axes.get_title(loc="left")]
 
 
 def test_a_tool_survives_its_keys():

@@ -91,6 +91,7 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
 def _mark_places(axes: Axes, found: CueMap, places: dict[str, tuple[float, dict[str, Any]]]) -> None:
     """Mark the places on the circle of the bar's distance; the map's limits stay."""
     assert found.tool.bar is not None
+    axes.autoscale_view()  # matplotlib puts it off until something asks for the limits
     axes.autoscale(enable=False)
     distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
     turn = np.linspace(0.0, np.pi, 721)
