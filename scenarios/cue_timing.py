@@ -1,7 +1,8 @@
 """Cue timing: how well do the quasi-static cue formulas place the bar?
 
 The bristle is released from rest relative to the hub at the retraction angle, with no bar in the scene. The time to its
-highest relative speed, and the hub's turn meanwhile, say where the bar must stand.
+highest relative speed, and the hub's turn meanwhile, say where the bar must stand, for each reading of the printed belt
+stiffness. Full passes, with the bar there and where bar_horizontal and bar_vertical put it, show the strikes that follow.
 """
 
 import math
@@ -20,18 +21,19 @@ def run(values: Mapping[str, Any]) -> Report:
     """Build the tool from the keys and release its bristle."""
     from bristle_sim.studies.cue_timing import cue_timing, unplaced
 
-    hub, bristle = build(Hub, values), build(Bristle, values)
+    hub, bristle, bar = build(Hub, values), build(Bristle, values), build(Bar, values)
     tool = Tool(
         hub=hub,
         belt=build(Belt, values),
         bristle=bristle,
-        bar=unplaced(build(Bar, values), hub, bristle),
+        bar=unplaced(bar, hub, bristle),
         workpart=build(Workpart, values),
     )
     return cue_timing(
         tool,
         math.radians(values["retraction_deg"]),
         build(Settings, values),
+        bar=bar,
         with_reference=values["reference"] == "yes",
     )
 
@@ -46,10 +48,6 @@ SCENARIO = Scenario(
     without=(
         "knee_position",
         "knee_angle_deg",
-        "bar_horizontal",
-        "bar_vertical",
-        "bar_friction",
-        "bar_restitution",
         "hub_turn",
         "friction",
         "restitution_friction",

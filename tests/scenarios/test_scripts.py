@@ -190,6 +190,7 @@ PROMISES = {
             "bar_direction_for_highest_tip_speed_deg",
         ),
         (*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", "accuracy", "map_points"),
+        lists={"moves": {"key", "value", "bar_direction_for_radial_strike_deg", "relative_speed_at_contact"}},
         quick=("--set", "map_points=3", "--set", "reference=no", "--set", "accuracy=1e-2"),
         strikes=False,
     ),

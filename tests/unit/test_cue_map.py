@@ -10,9 +10,11 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
+from bristle_sim.render.map_figure import map_figure
 from bristle_sim.settings import Settings
+from bristle_sim.studies import cue_map as module
 from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_place, placed, radial_place, simulation
-from bristle_sim.studies.cue_map import MapGrid, cue_map, position_map
+from bristle_sim.studies.cue_map import CueMap, MapGrid, cue_map, position_map
 from bristle_sim.studies.strike_point import (
     STRIKE_UNITS,
     GivenUpError,
@@ -170,8 +172,16 @@ def test_a_maximum_is_found_uphill(peak: float):
     assert found.direction == pytest.approx(peak, abs=1e-5)
 
 
-def test_without_the_reference_nothing_is_judged():
+def test_how_the_answer_moves_agrees_with_asking_again(monkeypatch: pytest.MonkeyPatch):
+    """The rows are the same questions, so that each can be asked by itself; without the reference nothing is judged."""
+    monkeypatch.setattr(module, "MOVES", {"hub_speed": (0.9,), "belt_stiffness": (0.8, 1.25)})
     report = cue_map(Tool(), Settings(), with_reference=False)
+    moved, soft, stiff = report.extra["moves"]
+    again = radial_place(Tool(hub=Hub(speed=0.9 * Tool().hub.speed)), simulation(Settings()))
+    # Both are roots of one lag, good to 1e-6 of some rad.
+    assert moved["bar_direction_for_radial_strike_deg"] == pytest.approx(math.degrees(again.direction), rel=1e-6)
+    # A stiffer belt swings back sooner, so the hub turns less in the meantime.
+    assert soft["bar_direction_for_radial_strike_deg"] > stiff["bar_direction_for_radial_strike_deg"]
     assert all(row.reference is None and row.ok is None for row in report.quantities)
 
 
@@ -187,6 +197,17 @@ def test_maps_hold_the_passes_at_their_positions():
     far = found.isel(bar_vertical=2, bar_horizontal=2)
     assert np.isnan(far["lag_deg_at_contact"].item())
     assert "NotCuedError" in far["failure"].item()
+
+
+def test_maps_reach_over_their_positions_though_no_lag_is_zero():
+    dataset = pytest.importorskip("xarray", reason="needs the extra sweep").Dataset
+    sides = {"bar_vertical": [0.02, 0.024], "bar_horizontal": [0.048, 0.052]}
+    maps = dataset({"lag_deg_at_contact": (tuple(sides), np.ones((2, 2)))}, coords=sides)
+    place = Place(math.radians(68.0), {})
+    figure = map_figure(CueMap(Tool(), Settings(), MapGrid(), place, place, None, ()), maps)
+    # Each value stands in the middle of a rectangle as wide as the positions are apart.
+    assert figure.axes[0].get_xlim() == pytest.approx((46.0, 54.0))
+    assert not [axes for axes in figure.axes if "moves" in axes.get_title(loc="left")]
 
 
 def test_a_tool_survives_its_keys():

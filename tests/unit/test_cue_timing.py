@@ -1,4 +1,4 @@
-"""Cue timing: the release compared with formula and reference, and the bar it needs."""
+"""Cue timing: the release compared with formula and reference, the bars it needs, and whole passes over them."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ import pytest
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_timing import cue_timing, formula_motion
+from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.inertia_driven import reference_run, scene_run, until_radial
+from bristle_sim.studies.strike_point import full_pass
+from bristle_sim.theory.cueing import released_motion
 
 DAMPINGS = (0.0, 0.3, 1.0, 4.0)
 
@@ -22,7 +25,7 @@ def test_formula_of_the_released_bristle_obeys_its_equation(damping: float) -> N
     tool = Tool(belt=Belt(damping_ratio=damping))
     rate = math.sqrt(tool.belt.stiffness / tool.bristle.inertia_about_root)
     time = np.linspace(0.0, 2.0 / rate, 4001)
-    lag, speed = formula_motion(tool, 0.7, time)
+    lag, speed = released_motion(tool, 0.7, time)
     angle = -lag
     assert (lag[0], speed[0]) == (0.7, 0.0)
     step = time[1] - time[0]
@@ -37,14 +40,14 @@ def test_formula_is_a_cosine_without_damping() -> None:
     tool = Tool()
     rate = math.sqrt(tool.belt.stiffness / tool.bristle.inertia_about_root)
     time = np.linspace(0.0, 0.5 * math.pi / rate, 7)
-    lag, speed = formula_motion(tool, 0.7, time)
+    lag, speed = released_motion(tool, 0.7, time)
     np.testing.assert_allclose(lag, 0.7 * np.cos(rate * time), atol=1e-15)
     assert speed[-1] == pytest.approx(0.7 * rate, rel=1e-14)
 
 
 def test_formula_needs_a_belt() -> None:
     with pytest.raises(ValueError, match="stiffness = 0"):
-        formula_motion(Tool(belt=Belt(0.0)), 0.7, 1e-3)
+        released_motion(Tool(belt=Belt(0.0)), 0.7, 1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -52,16 +55,49 @@ def cued() -> Report:
     return cue_timing(Tool(), math.radians(44.5), Settings())
 
 
-def test_the_bar_that_the_release_needs(cued: Report) -> None:
-    simulated = cued.subject.simulated
+def test_bars_that_the_readings_need(cued: Report) -> None:
+    readings = cued.subject.readings
     # From an integration of I alpha'' + k alpha + g sin alpha = 0, to hundredths of a degree.
-    assert math.degrees(simulated.bar_direction) == pytest.approx(66.56, abs=0.005)
-    # The printed bar touches at the same retraction, so S is the same.
-    assert simulated.bar_distance == pytest.approx(math.hypot(*Bar().centre), rel=1e-9)
+    for reading, degrees in (("per_degree", 66.56), ("from_254_hz", 59.97)):
+        simulated = readings[reading].simulated
+        assert math.degrees(simulated.bar_direction) == pytest.approx(degrees, abs=0.005)
+        # The printed bar touches at the same retraction, so S is the same.
+        assert simulated.bar_distance == pytest.approx(math.hypot(*Bar().centre), rel=1e-9)
+    # A quarter period on the belt alone: A + omega t_c + gamma, A and gamma from eq. 2.2.
+    inertia = 8.387e-5 * 0.027**2 / 3.0
+    turn = 261.8 * 0.5 * math.pi / math.sqrt(0.00041 / inertia)
+    soft = math.degrees(readings["per_radian"].formula.bar_direction)
+    assert soft == pytest.approx(22.035 + math.degrees(turn) + 23.447, abs=0.01)
+
+
+def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
+    """Over the bar that the release needs and over the one that stands, compared with the independent solution."""
+    mine = cued.subject.readings["per_degree"]
+    places = ((mine.simulated.bar_horizontal, mine.simulated.bar_vertical), (Bar().horizontal, Bar().vertical))
+    for (horizontal, vertical), passed in zip(places, mine.passes, strict=True):
+        tool = Tool(bar=Bar(horizontal=horizontal, vertical=vertical))
+        run = simulate_reference(tool, accuracy=1e-9, stop_after="strike")
+        (struck,) = (each for each in run.contacts if each.obstacle == "workpart")
+        lag = -0.5 * math.pi + 261.8 * struck.time - struck.angles[0]
+        # The lag is a small difference of large angles, good to 100 times the accuracy of 1e-6.
+        assert math.radians(passed["lag_deg_at_contact"]) == pytest.approx(lag, abs=1e-4)
+        assert passed["relative_speed_at_contact"] == pytest.approx(struck.rates_before[0] - 261.8, rel=1e-5)
+    assert [row for row in cued.extra["full_passes"] if row["belt_stiffness"] == Belt().stiffness] == [*mine.passes]
+    assert cued.extra["bar_stands_at_deg"] == pytest.approx(65.93, abs=0.005)
+    per_radian, per_degree, _, nearest, *_ = cued.remarks
+    assert "with the bar at 65.93 deg a full pass has no cued strike" in per_radian
+    assert "with the bar at 66.56 deg a full pass strikes 1.97 deg short of radial" in per_degree
+    assert nearest.endswith("needed by belt stiffness per degree")
+
+
+def test_a_pass_that_cannot_be_simulated_says_why() -> None:
+    passed = full_pass(Tool(), Bar(horizontal=0.01, vertical=0.01), Settings())
+    assert passed["lag_deg_at_contact"] is None
+    assert passed["no_strike"].startswith("bar_radius")
 
 
 def test_every_row_is_judged_by_the_same_side(cued: Report) -> None:
-    """With the reference all relative differences are from it, and each is held to its tolerance."""
+    """With the reference all relative differences are from it, the readings' too, and each is held to its tolerance."""
     assert all(row.reference is not None and row.ok for row in cued.quantities)
     bare = cue_timing(Tool(), math.radians(44.5), Settings(), with_reference=False)
     assert all(row.reference is None and row.ok is None for row in bare.quantities)

@@ -1,4 +1,4 @@
-"""Draw the released bristle and the quasi-static formula, and the bar that each of them needs."""
+"""Draw the released bristle and the quasi-static formula, and the bars that they need for each reading of the stiffness."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from matplotlib.figure import Figure
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, name_parts
 from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, blank_figure, styled
-from bristle_sim.studies.cue_timing import CueTiming, formula_motion
-from bristle_sim.theory.cueing import Cue
+from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
+from bristle_sim.studies.cue_timing import CueTiming
+from bristle_sim.theory.cueing import Cue, released_motion
 
 POINTS = 400
 """Instants of the formula's curve."""
@@ -36,7 +36,8 @@ def cue_figure(timing: CueTiming) -> Figure:
     below = "up to the cue time" + ("" if timing.bends else ", at which it is highest")
     speed = add_panel(figure, (1.5, 1.2, 5.8, 4.4), "released from rest: relative speed", below, sharex=retraction)
     _draw_motion(retraction, speed, timing)
-    _draw_plan(add_panel(figure, (8.6, 2.3, 7.2, 9.1), "where the bar must stand", "to scale"), timing)
+    _draw_plan(add_panel(figure, (8.6, 5.2, 7.2, 6.2), "where the bar must stand", "to scale; grey: as given"), timing)
+    _draw_table(axes_at(figure, 7.9, 0.6, 7.9, 3.4), timing)
     return figure
 
 
@@ -45,7 +46,7 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
     lines = [("simulated", BLUE, "-", timing.motion)]
     if timing.formula is not None:
         instants = np.linspace(0.0, timing.formula.cue_time, POINTS)
-        formula = (instants, *formula_motion(timing.tool, timing.retraction, instants))
+        formula = (instants, *released_motion(timing.tool, timing.retraction, instants))
         lines.append(("quasi-static formula", VERMILION, "--", formula))
     latest = max(float(time[-1]) for *_, (time, *_) in lines)
     for name, color, style, (instants, angle, rate) in lines:
@@ -73,21 +74,20 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
 def _draw_plan(axes: Axes, timing: CueTiming) -> None:
     """Draw the tool and the bars it needs, with the wire as released and fastest."""
     tool, (released, fastest) = replace(timing.tool, bar=None), timing.wires
-    assert timing.tool.bar is not None
-    radius = timing.tool.bar.radius
+    given, radius = timing.bar, timing.bar.radius
     cues = {"simulated": (timing.simulated, BLUE, "-"), "formula": (timing.formula, VERMILION, "--")}
     bars = {name: (cue, color, style) for name, (cue, color, style) in cues.items() if cue is not None}
     corners = radius * np.array([[-1.0, -1.0], [1.0, 1.0]])
     surface = np.array([[0.4 * tool.hub.radius, 0.0], [0.0, -1.06 * tool.workpart_depth]])
-    points = [*(np.array(_centre(cue)) + corners for cue, *_ in bars.values()), released, fastest, surface]
-    view = View.around([MILLIMETRES * each for each in points], 7.2 / 9.1, 0.06)
+    centres = [(-given.horizontal, -given.vertical), *(_centre(cue) for cue, *_ in bars.values())]
+    points = [*(np.array(each) + corners for each in centres), released, fastest, surface]
+    view = View.around([MILLIMETRES * each for each in points], 7.2 / 6.2, 0.06)
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
+    draw_bar(axes, *centres[0], radius, gid="bar as given")
     for name, (cue, color, style) in bars.items():
         look: dict[str, Any] = {"edgecolor": color, "linewidth": 1.3, "zorder": 5, "fill": False, "linestyle": style}
         draw_bar(axes, *_centre(cue), radius, gid=f"bar, {name}", **look)
-        words = f"{name}: {math.degrees(cue.bar_direction):.2f}° from the workpart's normal"
-        note(axes, words, (0.0, 0.0), (0.0, -36.0 - 10.0 * [*bars].index(name)), xycoords="axes fraction", color=color)
     view.apply(axes)
     name_parts(axes, tool, 7.0)
     names = (("released", GREY, (0.0, 4.0), "right", "bottom"), ("fastest", BLACK, (6.0, -2.0), "left", "top"))
@@ -99,6 +99,28 @@ def _draw_plan(axes: Axes, timing: CueTiming) -> None:
         note(axes, name, (float(x), float(y)), offset, color=color, ha=ha, va=va)
     axes.set_xlabel("x (mm)", labelpad=1.0)
     axes.set_ylabel("y (mm)", labelpad=1.0)
+
+
+def _draw_table(axes: Axes, timing: CueTiming) -> None:
+    """List where each belt stiffness needs the bar, and the lag at the strike of whole passes with the bar there and as given."""
+    axes.set_axis_off()
+    lines = []
+    for name, each in timing.readings.items():
+        cues = (cue and f"{math.degrees(cue.bar_direction):.2f}°" for cue in (each.simulated, each.formula))
+        lags = [None, *(row["lag_deg_at_contact"] for row in each.passes)][-2:]
+        strikes = ("no strike" if lag is None else f"{signed(lag, 2)}°" for lag in lags)
+        stiffness = f"{name.replace('_', ' ')}: {1e3 * each.tool.belt.stiffness:.3g}"
+        lines.append((stiffness, *(cue or "none" for cue in cues), *strikes))
+    given = f"{timing.passes[-1]['bar_direction_deg']:.2f}°"
+    bars = ("bar,\nsimulated", "bar,\nformula", "lag with\nbar there", f"lag with\nbar at {given}")
+    heads, widths = ("belt stiffness\n(mN·m/rad)", *bars), (0.29, 0.17, 0.15, 0.17, 0.22)
+    table = axes.table(lines, colLabels=heads, colWidths=widths, edges="open", loc="center")
+    table.auto_set_font_size(False)
+    table.set_fontsize(7.0)
+    table.scale(1.0, 1.5)
+    for column, color in ((1, BLUE), (2, VERMILION)):
+        table[0, column].get_text().set_color(color)
+    note(axes, "bars from the workpart's normal; lags at the strikes of full passes", (0.0, 0.0), (0.0, -9.0))
 
 
 def _centre(cue: Cue) -> tuple[float, float]:

@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from bristle_sim.parameters import Bar
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.panels import add_panel
-from bristle_sim.render.style import MILLIMETRES, QUANTITIES, blank_figure, styled
-from bristle_sim.studies.cue_map import CueMap
+from bristle_sim.render.style import MILLIMETRES, QUANTITIES, axes_at, blank_figure, styled
+from bristle_sim.studies.cue_map import MOVES, CueMap
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,20 +27,23 @@ HIGHEST = 97.0
 
 @styled()
 def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
-    """Draw lag, tip speed, normal work and crater depth over the bar's position.
+    """Draw lag, tip speed, normal work and crater depth over the bar's position, and how the best direction moves.
 
     ``maps`` is what :func:`bristle_sim.studies.cue_map.position_map` computes.
     """
-    figure, places = blank_figure(16.0, 14.9), _places(found)
+    lower = 5.0 if found.moves else 0.0
+    figure, places = blank_figure(16.0, 14.9 + lower), _places(found)
     for number, name in enumerate(MAPS):
         title, unit, factor = QUANTITIES[name]
-        place = (1.5 + 7.9 * (number % 2), 8.6 - 6.6 * (number // 2), 5.2, 4.9)
+        place = (1.5 + 7.9 * (number % 2), lower + 8.6 - 6.6 * (number // 2), 5.2, 4.9)
         axes = add_panel(figure, place, title, "white: the bar cues no strike")
         values = factor * maps[name].values if name in maps else None
         _draw_map(figure, axes, maps, values, unit, "viridis" if number else "RdBu")
         _mark_places(axes, found, places)
         axes.set_ylabel("" if number % 2 else "S_V, normal to the workpart (mm)")
         axes.set_xlabel("S_H, along the workpart (mm)" if number >= 2 else "")
+    if found.moves:
+        _draw_moves(figure, found)
     handles = [*(Line2D([], [], **look) for _, look in places.values()), Line2D([], [], color=BLACK, linewidth=0.9)]
     names = [*(f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in places.items()), "lag zero"]
     figure.legend(handles, names, loc="lower center", ncols=5, columnspacing=1.0, handletextpad=0.3)
@@ -88,9 +91,32 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
 def _mark_places(axes: Axes, found: CueMap, places: dict[str, tuple[float, dict[str, Any]]]) -> None:
     """Mark the places on the circle of the bar's distance; the map's limits stay."""
     assert found.tool.bar is not None
+    axes.autoscale_view()  # matplotlib puts it off until something asks for the limits
     axes.autoscale(enable=False)
     distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
     turn = np.linspace(0.0, np.pi, 721)
     axes.plot(distance * np.sin(turn), distance * np.cos(turn), color=GREY, linewidth=0.7, dashes=(3, 2))
     for name, (direction, look) in places.items():
         axes.plot([distance * math.sin(direction)], [distance * math.cos(direction)], gid=name, zorder=5, **look)
+
+
+def _draw_moves(figure: Figure, found: CueMap) -> None:
+    """Draw the direction for a radial strike over each of three parameters, simulated and by the formula."""
+    hub, belt = found.tool.hub, found.tool.belt
+    own = (
+        (hub.speed, "hub speed (rad/s)"),
+        (belt.stiffness, "belt stiffness (N·m/rad)"),
+        (belt.damping_ratio, "belt damping ratio"),
+    )
+    formula = None if found.formula is None else math.degrees(found.formula)
+    title = "the bar direction for a radial strike moves with hub speed, stiffness and damping"
+    for number, (key, (value, label)) in enumerate(zip(MOVES, own, strict=True)):
+        spot = (1.5 + 4.95 * number, 1.7, 4.0, 2.5)
+        axes = axes_at(figure, *spot) if number else add_panel(figure, spot, title)
+        moved = [list(row.values())[1:4] for row in found.moves if row["key"] == key]
+        rows = sorted([*moved, [value, math.degrees(found.radial.direction), formula]], key=lambda row: row[0])
+        values, simulated, theory = np.array(rows, dtype=float).T
+        axes.plot(values, simulated, "o-", color=VERMILION, markersize=3.0, gid=f"simulated {key}")
+        axes.plot(values, theory, "^--", color=BLUE, markersize=3.0, gid=f"formula {key}")
+        axes.locator_params("x", nbins=4)
+        axes.set(xlabel=label, ylabel="" if number else "bar direction (°)")

@@ -41,19 +41,22 @@ def tolerance_figure(study: Study) -> Figure:
         Patch(facecolor=SKY, label="passes"),
         Patch(facecolor=BLUE, alpha=0.12, label="95 % of them"),
         Patch(facecolor=VERMILION, alpha=0.45, label="total Sobol index"),
-        Line2D([], [], color=BLUE, marker="o", markersize=3.2, label="first-order index"),
+        Line2D([], [], color=BLUE, marker="o", markersize=3.2, label="first-order index, 95 % intervals as lines"),
     ]
     figure.legend(handles=handles, loc="lower center", ncols=4, columnspacing=1.4)
     return figure
 
 
 def _draw_indices(axes: Axes, study: Study, number: int) -> None:
-    """Draw bars of the total index with the first-order index as points, largest first."""
+    """Draw bars of the total index with the first-order index as points, both with their intervals, largest first."""
     chosen = np.argsort(-study.total[number])[:MOST]
     places, first = np.arange(chosen.size), study.first_order[number, chosen]
     axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7, gid="total")
-    axes.plot(first, places, "o", color=BLUE, markersize=3.2, gid="first order")
+    axes.plot(first, places - 0.17, "o", color=BLUE, markersize=3.2, gid="first order")
+    sides = ((study.total_interval, VERMILION, 0.17), (study.first_order_interval, BLUE, -0.17))
+    for intervals, color, shift in sides:
+        axes.hlines(places + shift, *intervals[number, chosen].T, color=color, linewidth=0.9)
     axes.set_yticks(places, [study.inputs[each].replace("_", " ") for each in chosen])
     axes.invert_yaxis()
-    axes.set_xlim(min(-0.02, float(first.min())), None)
+    axes.set_xlim(min(-0.02, float(study.first_order_interval[number, chosen].min())), None)
     axes.tick_params(axis="y", length=0.0)

@@ -6,13 +6,14 @@ tip at its fastest.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import functools
 import logging
 import math
 import time as clock
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
@@ -31,7 +32,7 @@ from bristle_sim.studies.bar_search import (
     stiffened_direction,
 )
 from bristle_sim.studies.inertia_driven import WIRE_RUNS
-from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:
@@ -55,6 +56,9 @@ PRINTED = {
 }
 """Zhang 2020, eqs. 2.2 and 2.3."""
 
+MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
+"""Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
+
 
 @dataclass(frozen=True, slots=True)
 class MapGrid(Declared):
@@ -77,7 +81,7 @@ class MapGrid(Declared):
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The results: the tool, its places, and the formula's direction, rad."""
+    """The results: the tool, its places, the formula's direction, rad, and how the answer moves (of a rigid bristle)."""
 
     tool: Tool
     settings: Settings
@@ -85,6 +89,7 @@ class CueMap:
     radial: Place
     fastest: Place
     formula: float | None
+    moves: tuple[dict[str, Any], ...]
 
 
 def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with_reference: bool = True) -> Report:
@@ -101,6 +106,7 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     radial = radial_place(tool, strike)
     fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
+    moves = _moves(tool, strike, radial.direction) if tool.bristle.links == 1 else ()
     referred: Values = {}
     if with_reference:
         logging.getLogger(__name__).info("simulated; the independent solution is searched next")
@@ -125,8 +131,9 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
             lambda name: tolerance * widened.get(name, 1.0) if referred else None,
         ),
         wall_s=clock.perf_counter() - started,
-        remarks=_remarks(tool, strike),
-        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula),
+        remarks=_remarks(tool, strike, moves),
+        extra={"moves": list(moves)},
+        subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
     )
 
 
@@ -152,7 +159,26 @@ def _by_formula(tool: Tool, direction: float) -> Values:
     return _named(tool, place, place)
 
 
-def _remarks(tool: Tool, strike: Strike) -> tuple[str, ...]:
+def _moves(tool: Tool, strike: Strike, start: float) -> tuple[dict[str, Any], ...]:
+    """Return the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
+    own, found = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}, []
+    for key, value in ((key, own.get(key, 1.0) * choice) for key, choices in MOVES.items() for choice in choices):
+        other, place = tool_of_keys(**{**keys_of(tool), key: value}), None
+        with contextlib.suppress(ValueError):  # the row says so by having no direction
+            place = radial_place(other, strike, start)
+        formula = _formula(other)
+        row = {
+            "key": key,
+            "value": value,
+            "bar_direction_for_radial_strike_deg": place and math.degrees(place.direction),
+            "theory": formula and math.degrees(formula),
+            "relative_speed_at_contact": place and place.strike["relative_speed_at_contact"],
+        }
+        found.append(row)
+    return tuple(found)
+
+
+def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> tuple[str, ...]:
     assert tool.bar is not None
     stands = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
     stiffened = math.degrees(stiffened_direction(tool))
@@ -160,8 +186,11 @@ def _remarks(tool: Tool, strike: Strike) -> tuple[str, ...]:
         lag = f"{strike(tool)['lag_deg_at_contact']:.4g} deg short of radial"
     except NotCuedError as error:
         lag = str(error)
+    words = "with {} = {}: radial strike at {} deg (formula: {} deg), {} rad/s"
+    cells = [[f"{each:.5g}" if isinstance(each, float) else each or "none" for each in row.values()] for row in moves]
     return (
         f"where the bar stands, {stands:.3f} deg: {lag}; the formula with centrifugal stiffening: {stiffened:.3f} deg",
+        *(words.format(*row) for row in cells),
         *(
             ("highest tip speed: the maximum next to the radial strike; a wire that vibrates has others",)
             if tool.bristle.links > 1

@@ -1,29 +1,29 @@
 """Compares the bar position of the quasi-static cue formulas with that of a simulated release from rest.
 
-In the formulas the bristle swings as a linear oscillator on its belt,
-
-    alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta Omega/w sinh w t),    w = Omega sqrt(zeta^2 - 1),
-
-an undamped cosine in the dissertation (Zhang 2020, sec. 2.2), and its cue time places the bar (2.1). They leave out the
-rotating root's centrifugal stiffening, which the simulated release includes.
+In the formulas the bristle swings as a linear oscillator on its belt, undamped in the dissertation (Zhang 2020, sec. 2.2), and
+its cue time places the bar (2.1). They leave out the rotating root's centrifugal stiffening, which the simulated release
+includes, and the bar's own effects: the impact of first touch, the swing that continues after the last touch. A whole pass
+includes these too.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Report, Values, rows
-from bristle_sim.parameters import Bar, Bristle, Hub, Tool
+from bristle_sim.comparison import Quantity, Report, Values, rows
+from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import WIRE_RUNS, Run, reference_run, scene_run, until_radial
-from bristle_sim.studies.strike_point import from_radial, ran, require_result
+from bristle_sim.studies.strike_point import from_radial, full_pass, ran, require_result
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory
@@ -52,10 +52,14 @@ FULL_TURNS = 1e3
 MOST_DAMPED = 10.0
 """Samples of a damped release are at most this many times as dense; beyond it the scene's own steps are as short."""
 
+LEFT_OUT = (
+    "left out by the formulas: centrifugal stiffening of the rotating root, which the release includes, and the bar's dynamics"
+    " (first tap, swing beyond the last touch), which a full pass simulates"
+)
 
 OF_WIRE = (
-    "a wire that bends is cued when its tip is radial, where an undamped rigid bristle is fastest; its lag and its rate are",
-    "those of the line from root to tip",
+    "a wire that bends is cued when its tip is radial, where an undamped rigid bristle is fastest; its lag and its rate are"
+    " those of the line from root to tip"
 )
 
 
@@ -63,7 +67,8 @@ OF_WIRE = (
 class CueTiming:
     """A simulated release up to the highest relative speed, and the bars that it and the formula need; None where none.
 
-    The retraction is in rad.
+    The retraction is in rad. The readings are those of the belt stiffness and ``own`` if the tool's is another; each has
+    whole passes with the bar where its release needs it, if anywhere, and where it stands, ``bar``.
     """
 
     tool: Tool
@@ -71,6 +76,10 @@ class CueTiming:
     trajectory: Trajectory
     simulated: Cue | None
     formula: Cue | None
+    reference: Cue | None
+    bar: Bar
+    passes: tuple[dict[str, Any], ...]
+    readings: Mapping[str, CueTiming] = field(default_factory=dict)
 
     @property
     def bends(self) -> bool:
@@ -107,8 +116,19 @@ def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
     return dataclasses.replace(bar, horizontal=min(away, 1e3), vertical=0.0)
 
 
-def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_reference: bool = True) -> Report:
-    """Simulate the release from rest at a retraction (rad) and place the bar by what came out.
+def stiffness_readings(tool: Tool) -> dict[str, float]:
+    """Return the readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
+    filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
+    degrees = math.degrees(PRINTED_BELT_STIFFNESS)
+    return {"per_radian": PRINTED_BELT_STIFFNESS, "per_degree": degrees, "from_254_hz": filmed}
+
+
+def cue_timing(
+    tool: Tool, retraction: float, settings: Settings, *, bar: Bar | None = None, with_reference: bool = True
+) -> Report:
+    """Simulate the release from rest at a retraction (rad) and place the bar by what came out, for each belt stiffness.
+
+    ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's.
 
     Raises:
         ValueError: if nothing drives the bristle, the tip cannot reach the workpart radially, or the release is not
@@ -116,6 +136,32 @@ def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_refere
     """
     if tool.bristle.links > 1:
         settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
+
+    @functools.cache
+    def timed(stiffness: float) -> CueTiming:
+        read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
+        return _timed(read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference)
+
+    own, readings = timed(tool.belt.stiffness), stiffness_readings(tool)
+    found = _rows(own, settings, UNITS, PRINTED if tool.belt == Belt() else {})
+    for reading, stiffness in readings.items():
+        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), PRINTED, f"_{reading}")
+    if tool.belt.stiffness not in readings.values():
+        readings = {"own": tool.belt.stiffness, **readings}
+    timings = {reading: timed(stiffness) for reading, stiffness in readings.items()}
+    passes = [row for each in timings.values() for row in each.passes]
+    return Report(
+        outcome=None,
+        quantities=tuple(found),
+        **ran(own.trajectory),
+        extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
+        remarks=(*_in_words(timings), LEFT_OUT, *([OF_WIRE] if tool.bristle.links > 1 else [])),
+        subject=dataclasses.replace(own, readings=timings),
+    )
+
+
+def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool) -> CueTiming:
+    """Release the bristle, and simulate whole passes with the bar where the release needs it and where it stands."""
     run = _release(tool, retraction, settings)
     found, referred = _cue(tool, retraction, run), None
     if with_reference and found is not None:
@@ -129,24 +175,49 @@ def cue_timing(tool: Tool, retraction: float, settings: Settings, *, with_refere
             bare = simulate_reference(_bare(tool), start_relative_angle=-retraction, stop_after=stop, **options)
         referred = _cue(tool, retraction, bare)
     formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
-    simulated, theory, reference = (_values(each) for each in (found, formula, referred))
+    places = [(found.bar_horizontal, found.bar_vertical)] if found is not None else []
+    bars = [dataclasses.replace(bar, horizontal=x, vertical=y) for x, y in (*places, (bar.horizontal, bar.vertical))]
+    passes = tuple(full_pass(tool, each, settings) for each in bars)
+    return CueTiming(tool, retraction, run, found, formula, referred, bar, passes)
+
+
+def _rows(
+    timing: CueTiming, settings: Settings, names: Iterable[str], printed: Values, reading: str = ""
+) -> list[Quantity]:
+    """Compare the bars that a release needs with those of formula and reference, which judges them."""
+    tool, own = timing.tool, Tool()
+    simulated, theory, reference = (_values(each) for each in (timing.simulated, timing.formula, timing.reference))
+    same = (tool.hub, tool.bristle, tool.workpart) == (own.hub, own.bristle, own.workpart)
+    if not same or tool.belt.damping_ratio or timing.retraction != math.radians(44.5):
+        printed = {}
 
     def tolerance(name: str) -> float | None:
-        return None if referred is None else _tolerance(settings) * _conditioning(name, reference, tool)
+        return None if timing.reference is None else _tolerance(settings) * _conditioning(name, reference, tool)
 
-    own = Tool()
-    same = (tool.hub, tool.belt, tool.bristle, tool.workpart) == (own.hub, own.belt, own.bristle, own.workpart)
-    printed = PRINTED if same and retraction == math.radians(44.5) else {}
-    return Report(
-        outcome=None,
-        quantities=rows(UNITS, simulated, theory, reference, printed, tolerance),
-        **ran(run),
-        remarks=(
-            "left out by the formula: centrifugal stiffening of the rotating root",
-            *(OF_WIRE if tool.bristle.links > 1 else ()),
-        ),
-        subject=CueTiming(tool, retraction, run, found, formula),
-    )
+    found = rows({name: UNITS[name] for name in names}, simulated, theory, reference, printed, tolerance)
+    return [dataclasses.replace(each, name=each.name + reading) for each in found]
+
+
+def _in_words(readings: Mapping[str, CueTiming]) -> list[str]:
+    """Say where each belt stiffness needs the bar, what whole passes give, and which needs it nearest to where it stands."""
+    lines, away = [], dict[str, float]()
+    for reading, timing in readings.items():
+        name, stands = f"belt stiffness {reading.replace('_', ' ')}", timing.passes[-1]["bar_direction_deg"]
+        needed = "no speed is the highest, no bar cues it"
+        if timing.simulated is not None:
+            away[name] = math.degrees(timing.simulated.bar_direction) - stands
+            needed = f"bar needed at {stands + away[name]:.2f} deg, {away[name]:+.2f} deg from where it stands"
+        lines.append(f"{name} ({timing.tool.belt.stiffness:.5g} N m/rad): {needed}")
+        for row in timing.passes:
+            lag, end = row["lag_deg_at_contact"], f"has no cued strike ({row.get('no_strike')})"
+            if lag is not None:
+                side = f"{abs(lag):.2f} deg {'beyond' if lag < 0.0 else 'short of'} radial"
+                end = f"strikes {side} at {row['relative_speed_at_contact']:.1f} rad/s"
+            lines[-1] += f"; with the bar at {row['bar_direction_deg']:.2f} deg a full pass {end}"
+    if away:
+        nearest = min(away, key=lambda name: abs(away[name]))
+        lines.append(f"the bar stands at {stands:.2f} deg, nearest to where it is needed by {nearest}")
+    return lines
 
 
 def _bare(tool: Tool) -> Tool:
@@ -226,19 +297,3 @@ def _conditioning(name: str, values: Values, tool: Tool) -> float:
     distance = math.hypot(values["bar_horizontal"] or 0.0, values["bar_vertical"] or 0.0)
     turned = max(1.0, math.radians(values["bar_direction_deg"] or 0.0))
     return timing * turned * distance / max(abs(values[name] or 0.0), 1e-300)
-
-
-def formula_motion(tool: Tool, retraction: float, time: ArrayLike) -> tuple[Array, Array]:
-    """Return retraction and relative speed of the released bristle as a linear oscillator, rad and rad/s, at times in s.
-
-    Raises:
-        ValueError: if the belt has no stiffness.
-    """
-    instants = np.asarray(time, dtype=float)
-    rate = float(cueing.natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root))
-    decay = tool.belt.damping_ratio * rate
-    turns = 1j * np.sqrt(complex(decay**2 - rate**2)) * instants
-    # sinh(w t)/w = t sin(i w t)/(i w t), which has its limit t at critical damping.
-    swing, drift = np.cos(turns), instants * np.sinc(turns / np.pi)
-    fading = np.exp(-decay * instants)
-    return retraction * fading * (swing + decay * drift).real, retraction * rate**2 * fading * drift.real

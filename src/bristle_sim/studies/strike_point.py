@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameter_file import tool_keys
-from bristle_sim.parameters import PARTS, Bristle, Tool
+from bristle_sim.parameters import PARTS, Bar, Bristle, Tool
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
@@ -104,6 +105,9 @@ def stopped(run: Trajectory) -> dict[str, Any]:
 
 STRIKE_UNITS = {**STATE_UNITS, "normal_final_impulse": "N s", "normal_compressive_work": "J", "crater_depth": "m"}
 
+BEFORE_BAR = math.radians(30.0)
+"""A whole pass over any bar starts with the radial bristle this far before the bar's direction, clear of the bar, rad."""
+
 MARGIN = math.radians(5.0)
 """Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad."""
 
@@ -154,6 +158,21 @@ def simulated_strike(tool: Tool, settings: Settings) -> Trajectory:
     run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
     require_result(run, settings)
     return run
+
+
+def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
+    """Return lag and relative speed at the strike of a pass with a bar; None where there is none, with the reason."""
+    direction = math.atan2(bar.horizontal, bar.vertical)
+    row: dict[str, Any] = {"belt_stiffness": tool.belt.stiffness, "bar_direction_deg": math.degrees(direction)}
+    row |= {"lag_deg_at_contact": None, "relative_speed_at_contact": None}
+    turning = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
+    try:
+        placed = dataclasses.replace(tool, bar=bar)
+        run = simulate(placed, turning, start_hub_angle=-direction - BEFORE_BAR, stop_after="strike")
+        found = strike_measures(placed, run)
+    except ValueError as error:
+        return row | {"no_strike": str(error)}
+    return row | {name: each for name, each in found.items() if name in row}
 
 
 def start_angle(tool: Tool) -> float:

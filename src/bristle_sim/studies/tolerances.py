@@ -28,14 +28,16 @@ from bristle_sim.parameter_file import tool_keys
 from bristle_sim.parameters import Tool
 from bristle_sim.quantity import ANY, Declared, Range, count, quantity, validate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.printed_rounding import Measures, propagated, rounding_remarks, rounding_rows
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys
-
-Measures = Mapping[str, float | None]
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
 ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
-"""Percentiles between which outputs lie with a probability of 95 %."""
+"""Percentiles between which outputs and indices lie with a probability of 95 %."""
+
+RESAMPLES = 200
+"""Bootstrap resamples; the ends of a 95 % interval then rest on five of them each."""
 
 FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
 
@@ -96,24 +98,26 @@ class Sampling:
 
 @dataclass(frozen=True, slots=True)
 class Study:
-    """Outputs of all samples, shape (outputs, 2 samples), and their indices, shape (outputs, inputs)."""
+    """Outputs of all samples, shape (outputs, 2 samples), their indices, (outputs, inputs), and intervals, with a last axis of 2."""
 
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     values: Array
     first_order: Array
     total: Array
+    first_order_interval: Array
+    total_interval: Array
 
     def rows(self, propagated_std: Mapping[str, float]) -> list[dict[str, Any]]:
         """Return one row an output, in plain numbers."""
-        found = []
-        for name, values, *indices in zip(self.outputs, self.values, self.first_order, self.total, strict=True):
+        names, found = ("first_order", "first_order_interval", "total", "total_interval"), []
+        for number, (output, values) in enumerate(zip(self.outputs, self.values, strict=True)):
             low, high = np.percentile(values, ENDS).tolist()
-            pairs = np.transpose(indices).tolist()
-            row = {"output": name, "mean": float(values.mean()), "std": float(values.std(ddof=1))}
-            row |= {"std_first_order": propagated_std.get(name), "low": low, "high": high}
-            shares = [dict(zip(("first_order", "total"), pair, strict=True)) for pair in pairs]
-            found.append(row | {"indices": dict(zip(self.inputs, shares, strict=True))})
+            row = {"output": output, "mean": float(values.mean()), "std": float(values.std(ddof=1))}
+            row |= {"std_first_order": propagated_std.get(output), "low": low, "high": high}
+            columns = (getattr(self, name)[number].tolist() for name in names)
+            indices = [dict(zip(names, each, strict=True)) for each in zip(*columns, strict=True)]
+            found.append(row | {"indices": dict(zip(self.inputs, indices, strict=True))})
         return found
 
 
@@ -132,7 +136,7 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
     changes = propagated(point, middles, {key: 0.5 * (high - low) for key, (low, high) in intervals.items()})
     std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}
-    rows = study.rows(std)
+    rows, rounding = study.rows(std), rounding_rows(tool, settings)
     return Report(
         outcome=None,
         quantities=tuple(
@@ -146,8 +150,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
             for name in ("mean", "std")
         ),
         wall_s=clock.perf_counter() - started,
-        remarks=_remarks(rows),
-        extra={"rows": rows},
+        remarks=(*_remarks(rows), *rounding_remarks(rounding)),
+        extra={"rows": rows, "rounding": rounding},
         subject=study,
     )
 
@@ -191,7 +195,7 @@ def sobol_study(
 
     The point function is one as ``sweep`` takes it, and so are the workers; each argument is uniform in its interval. There are
     at least two outputs, and samples, a power of 2, of each of the two independent samples. The seed is that of the sequence's
-    scrambling.
+    scrambling and of the bootstrap; scipy's own bootstrap takes none.
 
     Raises:
         ValueError: if the function has no result somewhere in the intervals, or the extra ``sweep`` is not installed.
@@ -203,11 +207,19 @@ def sobol_study(
         return evaluated[-1].copy()  # scipy subtracts the mean in place
 
     dists = [uniform(loc=low, scale=high - low) for low, high in intervals.values()]
+    random, shape = np.random.default_rng(seed), (len(outputs), len(intervals))
     # The keyword rng has this name since scipy 1.15.
-    found = sobol_indices(func=evaluate, n=samples, dists=dists, random_state=np.random.default_rng(seed))
-    shape = (len(outputs), len(intervals))
+    found = sobol_indices(func=evaluate, n=samples, dists=dists, random_state=random)
+    first, second, mixed = evaluated
+    mixed = np.moveaxis(mixed.reshape(len(outputs), samples, -1), -1, 0)
+    resampled = []
+    for chosen in random.integers(0, samples, (RESAMPLES, samples)):
+        func = {"f_A": first[:, chosen], "f_B": second[:, chosen], "f_AB": mixed[..., chosen]}
+        again = sobol_indices(func=func, n=samples)
+        resampled.append([np.reshape(each, shape) for each in (again.first_order, again.total_order)])
     both = (np.reshape(each, shape) for each in (found.first_order, found.total_order))
-    return Study(tuple(intervals), tuple(outputs), np.concatenate(evaluated[:2], axis=1), *both)
+    ends: Array = np.moveaxis(np.percentile(resampled, ENDS, axis=0), 0, -1)
+    return Study(tuple(intervals), tuple(outputs), np.concatenate([first, second], axis=1), *both, *ends)
 
 
 def _swept(
@@ -233,21 +245,3 @@ def _swept(
             f"spreads: must be smaller, {int(lost.sum())} of {lost.size} points have no result; at {point}: {reason}"
         )
     return values
-
-
-def propagated(
-    function: Callable[..., Measures], values: Mapping[str, float], half_widths: Mapping[str, float]
-) -> dict[str, dict[str, float]]:
-    """Half the change of every output between both ends of each input's interval, the others at their values.
-
-    For small half-widths h_i it is dy/dx_i h_i; uniform inputs then give the standard deviation sqrt(sum (.)^2/3) and, at
-    worst, the deviation sum |.|.
-    """
-    changes: dict[str, dict[str, float]] = {}
-    for key, half_width in half_widths.items():
-        low, high = (function(**{**values, key: values[key] + sign * half_width}) for sign in (-1.0, 1.0))
-        for name, value in high.items():
-            other = low[name]
-            if value is not None and other is not None:
-                changes.setdefault(name, {})[key] = 0.5 * (value - other)
-    return changes

@@ -130,6 +130,21 @@ def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio
 
 
 @checked_arguments
+def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
+    """Return retraction and speed relative to the hub of the released bristle without g, rad and rad/s, at times in s.
+
+    alpha(t) = -theta_p e^(-zeta Omega t) (cosh w t + zeta Omega/w sinh w t),    w = Omega sqrt(zeta^2 - 1)
+    """
+    rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
+    decay = tool.belt.damping_ratio * rate
+    turns = 1j * np.sqrt(complex(decay**2 - rate**2)) * time
+    # sinh(w t)/w = t sin(i w t)/(i w t), which has its limit t at critical damping.
+    swing, drift = np.cos(turns), time * np.sinc(turns / np.pi)
+    fading = np.exp(-decay * time)
+    return retraction * fading * (swing + decay * drift).real, retraction * rate**2 * fading * drift.real
+
+
+@checked_arguments
 def damping_ratio(speed_share: Number) -> Number:
     """Return zeta for which the highest speed is this fraction of the undamped one, from 0.368 (1/e at zeta = 1) to 1.
 
