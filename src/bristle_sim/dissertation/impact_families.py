@@ -36,9 +36,12 @@ ROD = {
 }
 """Quantities and sweeps of a single rod by title: figures 2.24 and 2.26, 2.22, 2.23."""
 
+RATIOS = (2e-9, 5e11)
+"""Least and largest mass ratio in the middle of curves: half the one and twice the other are the last that there are."""
+
 ITERATIONS = np.array([1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000])
 
-STEPS = 2 ** np.arange(4, 11)
+STEPS = 2 ** np.arange(6, 11)
 """Plain engine steps in a contact."""
 
 LEAST = 1e-16
@@ -55,7 +58,7 @@ def impact_families(impacts: Impacts) -> dict[str, Panel]:
         return {}
     panels = _rod_panels(impacts) if len(impacts.chain.masses) == 1 else _double_panels(impacts)
     if impacts.law == "compliant":
-        panels["the contact resolved in time, its step"] = convergence_panel(impacts)
+        panels["error of the contact resolved in time"] = convergence_panel(impacts)
     return panels
 
 
@@ -72,10 +75,15 @@ def _rod_panels(impacts: Impacts) -> dict[str, Panel]:
 
 def _through(sweep: Sweep, own: Case) -> Sweep:
     """Return a sweep with a case of one's own, in place of the nearest of its curves."""
-    high = max(sweep.high, 1.25 * own.friction) if sweep.along == "friction" else sweep.high
+    high = _largest_friction(own.friction) if sweep.along == "friction" else sweep.high
     values = with_own(sweep.values, getattr(own, sweep.family))
     until_stiction = sweep.until_stiction and own.restitution_friction is None
     return dataclasses.replace(sweep, high=high, values=values, until_stiction=until_stiction, base=own)
+
+
+def _largest_friction(own: float) -> float:
+    """Return where curves over friction end: at 1, beyond one's own, or where no surface is rougher."""
+    return min(max(1.0, 1.25 * own), 1e9)
 
 
 def with_own(values: tuple[float, ...], own: float) -> tuple[float, ...]:
@@ -87,14 +95,15 @@ def with_own(values: tuple[float, ...], own: float) -> tuple[float, ...]:
 def _double_panels(impacts: Impacts) -> dict[str, Panel]:
     """Return rates over the mass ratio (figs. 2.28, 2.29), final impulse over friction (fig. 2.30) and the engine's energy."""
     chain, surface, found = impacts.chain, impacts.surface, impacts.strikes[impacts.law].contact
-    own, friction = chain.masses[0] / chain.masses[1], surface.friction
+    own, friction = min(max(chain.masses[0] / chain.masses[1], RATIOS[0]), RATIOS[1]), surface.friction
     frictions, ratios = with_own((0.3, 0.5, 0.7), friction), (min(1.0, 0.5 * own), max(1e4, 2.0 * own))
-    impulse = friction_panel(chain, surface, with_own((1.0, 10.0, 100.0), own), max(1.0, 1.25 * friction))
-    panels = {"final impulse over friction": dataclasses.replace(impulse, marks=(Mark(friction, found.impulse[0]),))}
+    impulse = friction_panel(chain, surface, with_own((1.0, 10.0, 100.0), own), _largest_friction(friction))
+    panels = {}
     for rod, name in ((1, "first"), (2, "second")):
         panel, mark = rate_panel(chain, surface, rod, frictions, ratios), Mark(own, -found.rates_after[rod - 1])
         panels[f"rate of the {name} rod after impact"] = dataclasses.replace(panel, marks=(mark,))
-    return panels | {"the engine's own contact: its energy": energy_panel(impacts)}
+    panels["final impulse over friction"] = dataclasses.replace(impulse, marks=(Mark(friction, found.impulse[0]),))
+    return panels | {"energy after the engine's own contact": energy_panel(impacts)}
 
 
 def energy_panel(impacts: Impacts) -> Panel:
@@ -118,9 +127,10 @@ def convergence_panel(impacts: Impacts) -> Panel:
     rates = np.array([*(_struck(impacts, law)[0] for law in laws), resolved.contact.rates_after])
     fastest = np.abs([limit.rates_before, limit.rates_after]).max()
     *errors, own = np.maximum(np.abs(rates - limit.rates_after).max(axis=1) / fastest, LEAST)
-    steps, order = 1.0 / STEPS, np.polyfit(np.log(STEPS), -np.log(errors), 1)[0]
-    points = {"compliant": (steps, np.array(errors))}
-    curve = Curve(f"first order; observed: {order:.2f}", steps, errors[-1] * steps / steps[-1], points)
+    steps, points = 1.0 / STEPS, {"compliant": (1.0 / STEPS, np.array(errors))}
+    order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
+    observed = f"observed: {order:.2f}" if max(errors) > RIGID else f"all below {RIGID:g}"
+    curve = Curve(f"first order; {observed}", steps, errors[-1] * steps / steps[-1], points)
     marks = (Mark(1.0 / resolved.steps, own),) if duration is None else ()
     axes = Axis("engine step / duration of the contact", log=True), Axis("error of the rates / fastest rate", log=True)
     return Panel(*axes, (curve,), marks=marks, levels=(Level(COMPLIANT_TOLERANCE, "tolerance of the default"),))

@@ -18,7 +18,7 @@ from bristle_sim.render.style import blank_figure, scale_for, styled
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 
-LEFT, COLUMN, WIDTH, ROW, HEIGHT, FOOT = 1.6, 8.0, 6.2, 7.0, 4.9, 1.9
+LEFT, COLUMN, WIDTH, ROW, HEIGHT, FOOT = 1.45, 7.4, 6.0, 6.9, 4.9, 1.9
 """Left edge, columns' distance and width of panels, rows' distance and height of panels, and the lowest panel's edge, cm."""
 
 PHASE_COLOURS = {
@@ -41,7 +41,7 @@ def impact_figure(impacts: Impacts, families: Mapping[str, Panel]) -> Figure:
     """Draw an impact on the impulse plane, phase by phase, and the families it belongs to, a panel each with its title."""
     wide = len(families) % 2 == 0
     rows = 1 + len(families) // 2
-    figure = blank_figure(16.0, FOOT + rows * ROW)
+    figure = blank_figure(16.0, FOOT + rows * ROW - 0.8)
     lowest = FOOT + (rows - 1) * ROW
     place = (LEFT, lowest, COLUMN + WIDTH if wide else WIDTH, HEIGHT)
     axes = add_panel(figure, place, "the impact at hand", _coefficients(impacts))
@@ -69,7 +69,7 @@ def _coefficients(impacts: Impacts) -> str:
     """Write angles and coefficients of the impact at hand."""
     surface = impacts.surface
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
-    later = "" if surface.restitution_friction is None else f" (restitution {surface.restitution_friction:.4g})"
+    later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
     return f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
 
 
