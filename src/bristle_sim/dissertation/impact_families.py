@@ -95,9 +95,10 @@ def with_own(values: tuple[float, ...], own: float) -> tuple[float, ...]:
 def _double_panels(impacts: Impacts) -> dict[str, Panel]:
     """Return rates over the mass ratio (figs. 2.28, 2.29), final impulse over friction (fig. 2.30) and the engine's energy."""
     chain, surface, found = impacts.chain, impacts.surface, impacts.strikes[impacts.law].contact
-    own, friction = min(max(chain.masses[0] / chain.masses[1], RATIOS[0]), RATIOS[1]), surface.friction
-    frictions, ratios = with_own((0.3, 0.5, 0.7), friction), (min(1.0, 0.5 * own), max(1e4, 2.0 * own))
-    impulse = friction_panel(chain, surface, with_own((1.0, 10.0, 100.0), own), _largest_friction(friction))
+    own, friction = chain.masses[0] / chain.masses[1], surface.friction
+    middle = min(max(own, RATIOS[0]), RATIOS[1])
+    frictions, ratios = with_own((0.3, 0.5, 0.7), friction), (min(1.0, 0.5 * middle), max(1e4, 2.0 * middle))
+    impulse = friction_panel(chain, surface, with_own((1.0, 10.0, 100.0), middle), _largest_friction(friction))
     panels = {}
     for rod, name in ((1, "first"), (2, "second")):
         panel, mark = rate_panel(chain, surface, rod, frictions, ratios), Mark(own, -found.rates_after[rod - 1])

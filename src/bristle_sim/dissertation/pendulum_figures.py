@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -92,6 +92,7 @@ def _impact(chain: Chain, surface: Surface, mass_ratio: float, friction: float) 
     return dataclasses.replace(chain, masses=masses), dataclasses.replace(surface, friction=friction)
 
 
+@cache
 def _closed_form(chain: Chain, surface: Surface) -> DoublePendulumImpact:
     """Return the double pendulum's closed form, its rates signed as in the dissertation."""
     first, second = chain.masses
