@@ -8,7 +8,7 @@ import sys
 
 from bristle_sim.parameters import Contact, DoublePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact, study
+from bristle_sim.scenario_cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(
@@ -16,7 +16,7 @@ SCENARIO = Scenario(
     question="Stronge's double pendulum: does the simulated impact follow the closed form, whatever the masses?",
     parts=(DoublePendulum, Surface, Contact, Settings),
     run=study("studies.impacts.double_pendulum"),
-    plot=figure("impact_figure"),
+    plot=figure_of_impact,
     video=film_of_impact,
     series=series_of_impact,
     defaults={

@@ -8,7 +8,7 @@ import sys
 
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact, study
+from bristle_sim.scenario_cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(
@@ -16,7 +16,7 @@ SCENARIO = Scenario(
     question="One strike of a radial bristle: does the simulated impact follow the closed forms?",
     parts=(Hub, Bristle, Strike, Surface, Contact, Settings),
     run=study("studies.impacts.oblique_impact"),
-    plot=figure("impact_figure"),
+    plot=figure_of_impact,
     video=film_of_impact,
     series=series_of_impact,
     without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),

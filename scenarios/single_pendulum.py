@@ -8,7 +8,7 @@ import sys
 
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, film_of_impact, series_of_impact, study
+from bristle_sim.scenario_cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(
@@ -16,7 +16,7 @@ SCENARIO = Scenario(
     question="Stronge's single pendulum: does the simulated impact follow the closed form?",
     parts=(SinglePendulum, Surface, Contact, Settings),
     run=study("studies.impacts.single_pendulum"),
-    plot=figure("impact_figure"),
+    plot=figure_of_impact,
     video=film_of_impact,
     series=series_of_impact,
     without=("step", "hub_turn"),

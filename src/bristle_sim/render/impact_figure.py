@@ -1,19 +1,25 @@
-"""Draw a single impact: velocities of the tip over the normal impulse, by the energetic law and as resolved in time."""
+"""Draw a single impact: velocities of the tip over the normal impulse, by the energetic law and in time, and its families."""
 
 from __future__ import annotations
 
+import dataclasses
 import math
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from bristle_sim.dissertation.redrawn import Panel
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.panels import add_panel, note, say
+from bristle_sim.render.panels import add_panel, draw_named_panel, explain_points, note, say
 from bristle_sim.render.style import blank_figure, scale_for, styled
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
+
+LEFT, COLUMN, WIDTH, ROW, HEIGHT, FOOT = 1.45, 7.4, 6.0, 6.9, 4.9, 1.9
+"""Left edge, columns' distance and width of panels, rows' distance and height of panels, and the lowest panel's edge, cm."""
 
 PHASE_COLOURS = {
     "compression slip": "#e6eef6",
@@ -31,22 +37,39 @@ LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_ve
 
 
 @styled()
-def impact_figure(impacts: Impacts) -> Figure:
-    """Draw an impact on the impulse plane: velocities of the tip over the normal impulse, phase by phase."""
-    figure = blank_figure(16.0, 8.4)
-    axes = add_panel(figure, (1.5, 1.3, 14.2, 5.6), "the impact at hand", _coefficients(impacts))
+def impact_figure(impacts: Impacts, families: Mapping[str, Panel]) -> Figure:
+    """Draw an impact on the impulse plane, phase by phase, and the families it belongs to, a panel each with its title."""
+    wide = len(families) % 2 == 0
+    rows = 1 + len(families) // 2
+    figure = blank_figure(16.0, FOOT + rows * ROW - 0.8)
+    lowest = FOOT + (rows - 1) * ROW
+    place = (LEFT, lowest, COLUMN + WIDTH if wide else WIDTH, HEIGHT)
+    axes = add_panel(figure, place, "the impact at hand", _coefficients(impacts))
     resolved = impacts.strikes.get("compliant")
     history = None if resolved is None else resolved.contact.history
     recorded = None if history is None else recorded_course(history)
     _draw_impulse_plane(axes, energetic_course(impacts.chain, impacts.surface), recorded)
+    for number, (title, panel) in enumerate(families.items(), start=1 + wide):
+        row, column = divmod(number, 2)
+        axes = add_panel(figure, (LEFT + column * COLUMN, lowest - row * ROW, WIDTH, HEIGHT), title)
+        draw_named_panel(axes, in_readable_unit(panel))
+    explain_points(figure, families.values(), "the impact at hand")
     return figure
+
+
+def in_readable_unit(panel: Panel) -> Panel:
+    """Return a panel of impulses in the prefix that suits them: those of a light bristle and a heavy rod differ by 1e6."""
+    if not panel.y.unit.endswith("N·s"):
+        return panel
+    scale = scale_for(panel.top or max(float(np.abs(curve.theory).max()) for curve in panel.curves), "N·s")
+    return dataclasses.replace(panel, y=dataclasses.replace(panel.y, unit=scale.unit, factor=scale.factor))
 
 
 def _coefficients(impacts: Impacts) -> str:
     """Write angles and coefficients of the impact at hand."""
     surface = impacts.surface
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
-    later = "" if surface.restitution_friction is None else f" (restitution {surface.restitution_friction:.4g})"
+    later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
     return f"{angles} to the normal, μ = {surface.friction:.4g}{later}, e* = {surface.restitution:.4g}"
 
 
@@ -71,8 +94,7 @@ def _draw_impulse_plane(axes: Axes, course: ImpulseCourse, recorded: ImpulseCour
             shown = recorded.impulse <= 1.01 * last
             points = (recorded.impulse[shown] * impulse.factor, getattr(recorded, which)[shown] * speed.factor)
             look = {"markersize": 3.6, "markeredgewidth": 0.8, "zorder": 3, "clip_on": False}
-            (crosses,) = axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
-            axes.legend([crosses], ["contact resolved in time"], loc="lower right", bbox_to_anchor=(1.0, 1.0))
+            axes.plot(*points, "x", color=BLACK, gid=f"{which}, resolved in time", **look)
     bottom, top = axes.get_ylim()
     axes.set_xlim(0.0, 1.03 * last * impulse.factor)
     axes.set_ylim(bottom - 0.06 * (top - bottom), top + 0.24 * (top - bottom))  # room for names above and below

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from bristle_sim.dissertation.redrawn import SOURCES, Level, Panel
-from bristle_sim.render.colours import BLACK, GREY, SERIES
+from bristle_sim.render.colours import BLACK, GREY, SERIES, VERMILION
 from bristle_sim.render.style import axes_at
 
 NOTHING = 1e-12
@@ -29,6 +30,7 @@ _CIRCLE: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": 
 _LOOKS: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("energetic", "printed", "motion"), _CIRCLE),
     "compliant": {"marker": "x", "markersize": 4.2},
+    "engine": {"marker": "s", "markersize": 3.4, "color": VERMILION, "linestyle": "-", "linewidth": 0.7},
     "contact": {"marker": "x", "markersize": 3.4, "color": BLACK, "linestyle": "-", "linewidth": 0.7},
     "table": {"marker": "s", "markersize": 3.6, "markerfacecolor": "white"},
     "sampled": {"marker": ".", "markersize": 4.0, "color": GREY},
@@ -55,6 +57,28 @@ def say(axes: Axes, words: str) -> None:
     """Write words in the middle of a panel that has nothing to show, without scales."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
+
+
+def draw_named_panel(axes: Axes, panel: Panel) -> None:
+    """Draw a panel; its curves are named in a row above it, or inside it where the names are long."""
+    draw_panel(axes, panel)
+    axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
+    axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
+    lines = [line for line in line_entries(panel) if str(line.get_label()).strip()]
+    look: dict[str, Any] = {"fontsize": 6.5, "handlelength": 1.1, "handletextpad": 0.4, "labelspacing": 0.25}
+    if panel.family:
+        look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.7}
+    else:
+        look |= {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
+    axes.legend(handles=lines, **look)
+
+
+def explain_points(figure: Figure, panels: Iterable[Panel], dot: str = "operating point") -> None:
+    """Say at the foot of a figure what the points of its panels and the dot are."""
+    key = {line.get_label(): line for panel in panels for line in point_entries(panel, dot)}
+    if key:
+        look: dict[str, Any] = {"ncols": min(len(key), 4), "fontsize": 7.0, "columnspacing": 1.4}
+        figure.legend(handles=list(key.values()), loc="lower center", **look)
 
 
 def draw_panel(axes: Axes, panel: Panel) -> None:
@@ -104,11 +128,12 @@ def _level_looks(panel: Panel) -> list[tuple[Level, tuple[float, float]]]:
     return [*zip(flat, _DASHES, strict=False), *upright]
 
 
-def point_entries(panel: Panel) -> list[Line2D]:
-    """Return entries of a legend that say what the points and the dot of the operating point are."""
-    laws = dict.fromkeys(law for curve in panel.curves for law in curve.points)
-    dot = ["operating point"] if any(not mark.label for mark in panel.marks) else []
-    return [_entry(kind) for kind in (*laws, *dot)]
+def point_entries(panel: Panel, dot: str) -> list[Line2D]:
+    """Return entries of a legend that say what the points and the dot, a mark without a label, are."""
+    entries = [_entry(law) for law in dict.fromkeys(law for curve in panel.curves for law in curve.points)]
+    if any(not mark.label for mark in panel.marks):
+        entries.append(Line2D([], [], linestyle="none", label=dot, markeredgewidth=0.65, **OPERATING_POINT))
+    return entries
 
 
 def line_entries(panel: Panel) -> list[Line2D]:
@@ -124,8 +149,6 @@ def _names(panel: Panel) -> list[Line2D]:
 
 
 def _entry(kind: str) -> Line2D:
-    """Return an entry of a legend that says what a mark, or a source's points, look like and what they are."""
-    if kind == "operating point":
-        return Line2D([], [], linestyle="none", label=kind, markeredgewidth=0.65, **OPERATING_POINT)
+    """Return an entry of a legend that says what a source's points look like and what they are."""
     look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[kind]}
     return Line2D([], [], label=SOURCES[kind].words, **look)

@@ -236,6 +236,15 @@ def _shown(report: Report, attributes: Sequence[str]) -> list[Any]:
     return [getattr(report.subject, each) for each in attributes] or [report.subject]
 
 
+def figure_of_impact(report: Report, path: Path) -> None:
+    """Draw an impact and the families that it belongs to, whose points are simulated for the picture."""
+    from bristle_sim.dissertation.impact_families import impact_families
+    from bristle_sim.render.impact_figure import impact_figure
+    from bristle_sim.render.style import save_figure
+
+    save_figure(impact_figure(report.subject, impact_families(report.subject)), path)
+
+
 def film_of_impact(report: Report, path: Path) -> None:
     """Film an impact in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
     from bristle_sim.render.impact_video import ImpactFilm
