@@ -23,6 +23,7 @@ pytest.importorskip("zarr", reason="needs the extra sweep")
 xarray = pytest.importorskip("xarray", reason="needs the extra sweep")
 joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
+from bristle_sim.studies import sweep_store  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
 from bristle_sim.studies.sweep_point import identity_of  # noqa: E402
 from sweep_points import counted, power  # noqa: E402
@@ -108,6 +109,23 @@ def test_what_is_no_space_is_refused(function: Any, space: dict[str, Any], words
 def test_workers_are_a_number_or_an_executor(workers: Any):
     with pytest.raises(ValueError, match=r"workers = .*must be a whole number other than 0"):
         sweep(power, SPACE, workers=workers)
+
+
+def test_blocks_cover_the_grid_once_in_the_order_of_its_points(monkeypatch: pytest.MonkeyPatch):
+    for most in (1, 3, 4, 7, 100):
+        monkeypatch.setattr(sweep_store, "BLOCK", most)
+        for shape in ((), (5,), (2, 3), (3, 1, 4), (2, 2, 2, 2)):
+            numbers = np.arange(math.prod(shape)).reshape(shape)
+            chunk = sweep_store.chunk_shape(shape)
+            assert math.prod(chunk) <= most
+            seen = [n for region in sweep_store.regions(shape, chunk) for n in numbers[region].ravel()]
+            assert seen == list(range(numbers.size))
+
+
+def test_results_do_not_depend_on_the_size_of_a_block(monkeypatch: pytest.MonkeyPatch):
+    expected = sweep(power, SPACE)
+    monkeypatch.setattr(sweep_store, "BLOCK", 3)
+    assert sweep(power, SPACE).identical(expected)
 
 
 def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture[str]):

@@ -22,16 +22,14 @@ from typing import Any
 import joblib
 import numpy as np
 import xarray as xr
+import zarr
 from joblib.parallel import AutoBatchingMixin, ParallelBackendBase, get_active_backend
 
-from bristle_sim.arrays import Array
 from bristle_sim.quantity import shown
 from bristle_sim.studies.sweep_point import Outcome, check_arguments, described, identity_of, outcome_of
+from bristle_sim.studies.sweep_store import FAILURE, opened, write
 
 Outcomes = Generator[Outcome, None, None]
-
-FAILURE = "failure"
-"""Variable that says why a point has no results."""
 
 ATTEMPTS = 3
 """Losses of a worker in a row, with no result between them, after which it is the point's doing and not chance."""
@@ -60,7 +58,7 @@ def sweep(
         workers: number of processes (-1: one a core), or a ``concurrent.futures.Executor``. By default the active joblib
             backend or, if none is, the calling process.
         store: folder, seen by all workers, that keeps finished points: the next call computes only what is missing. The
-            results are written there at the end, and the Dataset returned reads them when they are used.
+            results are written there block by block, and the Dataset returned reads them when they are used.
         version: tells results apart that differ by what is not seen in the function, its arguments, the functions and
             constants of its own module that it uses, and this package, e.g. the date of a file that it reads.
         progress: whether standard error shows a bar with the time left; by default where it is a terminal.
@@ -83,59 +81,26 @@ def sweep(
     grid.attrs = {**described(function), "version": version}
     identity = identity_of(function, version)
     if store is None:
+        in_memory = zarr.storage.MemoryStore()
         outcomes = _outcomes(functools.partial(outcome_of, function, identity), grid, workers)
-        return _gathered(grid, units, _counted(outcomes, grid, progress))
+        write(in_memory, grid, units, _counted(outcomes, grid, progress))
+        return opened(in_memory).load()
     results = Path(store) / f"{joblib.hash((identity, grid.to_dict(), units))}.zarr"
     if not results.is_dir():
         cached = joblib.Memory(store, verbose=0).cache(outcome_of, ignore=["function"])
         # The cache notes the source of outcome_of here, before there are workers that would do so at the same time.
         cached.check_call_in_cache(function, identity, **next(_points(grid)))
         try:
-            outcomes = _outcomes(functools.partial(cached, function, identity), grid, workers)
-            found = _gathered(grid, units, _counted(outcomes, grid, progress))
             with TemporaryDirectory(dir=store, prefix="unfinished-") as folder:
                 partial = Path(folder) / results.name
-                found.to_zarr(partial, zarr_format=3, consolidated=False)
+                outcomes = _outcomes(functools.partial(cached, function, identity), grid, workers)
+                write(partial, grid, units, _counted(outcomes, grid, progress))
                 if not results.is_dir():  # as another program that runs the same sweep may have made it
                     partial.rename(results)
         except KeyboardInterrupt:
             told = f"the points that are finished are kept in {store}; the same call computes the others"
             raise KeyboardInterrupt(told) from None
-    stored: xr.Dataset = xr.open_zarr(results, chunks=None, consolidated=False)  # without chunks Dask has no part in it
-    return stored[sorted(map(str, stored.data_vars))]
-
-
-def _gathered(grid: xr.Dataset, units: Mapping[str, str], outcomes: Outcomes) -> xr.Dataset:
-    """Return the outcomes of all points on the grid; one whose array has another shape than at the first point has failed."""
-    shape, total = tuple(grid.sizes.values()), math.prod(grid.sizes.values())
-    columns, failures = dict[str, Array](), np.full(total, "", dtype=object)
-    with closing(outcomes):
-        for number, (values, reason) in enumerate(outcomes):
-            failures[number] = reason
-            for name, value in values.items():
-                if name in {*grid.coords, *grid.sizes, FAILURE}:
-                    raise ValueError(
-                        f"function: its result {name} must not be named as a parameter, dimension or {FAILURE}"
-                    )
-                if name not in columns:
-                    columns[name] = np.full((total, *value.shape), math.nan)
-                if value.shape == columns[name].shape[1:]:
-                    columns[name][number] = value
-                else:
-                    shapes = f"{value.shape}, at other points {columns[name].shape[1:]}"
-                    failures[number] = f"ValueError: {name} has the shape {shapes}"
-    columns[FAILURE] = failures
-    labelled = {
-        name: (
-            [*grid.sizes, *(f"{name}_{axis}" for axis in range(each.ndim - 1))],
-            each.reshape(shape + each.shape[1:]),
-        )
-        for name, each in sorted(columns.items())
-    }
-    found = grid.assign(labelled)
-    for key, each in found.variables.items():
-        each.attrs = {"units": units[str(key)]} if key in units else {}
-    return found
+    return opened(results)
 
 
 def _grid(space: Mapping[str, Any]) -> xr.Dataset:
