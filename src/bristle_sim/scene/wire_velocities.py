@@ -87,12 +87,13 @@ class WireVelocities:
         self._links = mechanism.links
         count, self._size = len(self._links), mechanism.wire_links
         wire, size = np.arange(count) // self._size, self._size
-        carriers = np.tri(count, k=-1, dtype=bool) & (wire[:, None] == wire)
         self._tips, self._centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in self._links]).T
         self._inertias = np.array([link.inertia for link in self._links])
-        self._arms = np.where(carriers, self._tips, 0.0) + np.diag(self._centres)
-        self._moments = np.conj(self._arms).T * np.array([link.mass for link in self._links])
-        self._products = self._moments @ self._arms + np.diag(self._inertias)
+        # All wires are alike.
+        arms = np.where(np.tri(size, k=-1, dtype=bool), self._tips[:size], 0.0) + np.diag(self._centres[:size])
+        moments = np.conj(arms).T * np.array([link.mass for link in self._links[:size]])
+        self._arms, self._moments = arms.T, moments.T
+        self._products = np.kron(np.eye(mechanism.wires), moments @ arms + np.diag(self._inertias[:size]))
         twists = np.eye(size) - np.eye(size, k=-1)
         one = twists.T @ np.diag(damping) @ twists
         self._damping = np.kron(np.eye(mechanism.wires), one) if any(damping) else None
@@ -143,14 +144,18 @@ class WireVelocities:
         places = self._roots * cmath.exp(1j * self._hub[2])
         carried = 1j * self._hub[5] * places
         if self.correct:
-            carried = carried - (self._places - places - self._arms @ turn) / time
+            carried = carried - (self._places - places - self._each(turn, self._arms)) / time
         self._matrix = matrix = (back[:, None] * self._products * turn).real
-        momenta = (back * (self._moments @ (self._velocities - carried))).imag + self._inertias * self._rates
+        momenta = (back * self._each(self._velocities - carried, self._moments)).imag + self._inertias * self._rates
         if self._damping is not None:
             matrix += time * self._damping
             momenta += time * self._hub[5] * self._belt_damping
         self._rates[:] = rates = dposv(matrix, momenta)[1]
-        self._velocities[:] = carried + self._arms @ (1j * turn * rates)
+        self._velocities[:] = carried + self._each(1j * turn * rates, self._arms)
+
+    def _each(self, values: Array, matrix: Array) -> Array:
+        """Return each wire's values times the matrix of a wire."""
+        return (values.reshape(-1, self._size) @ matrix).ravel()
 
     def _push(self) -> None:
         """Add the impulses of the contacts."""
@@ -171,7 +176,7 @@ class WireVelocities:
         impulses = _solved(rigid, speeds)
         change = response @ impulses
         self._rates += change
-        self._velocities += self._arms @ (1j * self._turn * change)
+        self._velocities += self._each(1j * self._turn * change, self._arms)
         # A mean of old and new velocities takes half of an impulse.
         impulses = impulses * (2.0 if self._symmetric else 1.0)
         rubs = dict(zip(stuck, impulses[len(rows) :], strict=True))

@@ -9,9 +9,11 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import functools
+import itertools
 import logging
 import math
 import time as clock
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +23,7 @@ from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
+    Measures,
     Place,
     Strike,
     fastest_place,
@@ -55,6 +58,9 @@ PRINTED = {
     "relative_speed_at_contact": 845.6,
 }
 """Zhang 2020, eqs. 2.2 and 2.3."""
+
+USUAL_PASSES = 12
+"""Passes that a search usually takes."""
 
 MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
 """Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
@@ -102,15 +108,16 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     started = clock.perf_counter()
     if tool.bristle.links > 1:
         settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
-    strike = simulation(settings)
+    moving = tool.bristle.links == 1
+    passes = USUAL_PASSES * (2 + moving * sum(map(len, MOVES.values())) + 2 * with_reference)
+    strike = _told(simulation(settings), started, itertools.count(1), passes)
     radial = radial_place(tool, strike)
     fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
-    moves = _moves(tool, strike, radial.direction) if tool.bristle.links == 1 else ()
+    moves = _moves(tool, strike, radial.direction) if moving else ()
     referred: Values = {}
     if with_reference:
-        logging.getLogger(__name__).info("simulated; the independent solution is searched next")
-        independent = reference_solution(settings)
+        independent = _told(reference_solution(settings), clock.perf_counter(), itertools.count(1), 2 * USUAL_PASSES)
         found = radial_place(tool, independent, radial.direction)
         referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
@@ -135,6 +142,19 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         extra={"moves": list(moves)},
         subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
     )
+
+
+def _told(strike: Strike, started: float, counter: Iterator[int], usual: int) -> Strike:
+    """Return the strike with each pass logged, and the time left if all the passes that are usual take the mean so far."""
+
+    def told(tool: Tool) -> Measures:
+        number = next(counter)
+        each = (clock.perf_counter() - started) / number
+        words = "pass %d of some %d, about %.0f s left"
+        logging.getLogger(__name__).info(words, number, max(usual, number), each * max(usual - number, 1))
+        return strike(tool)
+
+    return told
 
 
 def _formula(tool: Tool) -> float | None:
