@@ -188,7 +188,8 @@ def _likely_unit(declared: Range, text: str, default: float | None) -> str:
     except ValueError:  # it has a unit already
         return ""
     for unit in TYPICAL_UNITS:
-        if default and 0.1 <= abs(number * (conversion(unit, declared.unit) or 0.0) / default) <= 10.0:
+        size = conversion(unit, declared.unit) or 1.0
+        if default and size != 1.0 and 0.1 <= abs(number * size / default) <= 10.0:
             return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
     return ""
 
