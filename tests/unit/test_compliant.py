@@ -107,6 +107,17 @@ class TestCompliantContact:
         assert found.impulse == pytest.approx(limit.impulse, rel=1e-4, abs=1e-10)
         assert ("compression stick" in found.phases) == (friction == 0.9)
 
+    @pytest.mark.parametrize("ratio", [3.0, 10.0, 30.0])
+    @pytest.mark.parametrize("friction", [0.9, 0.92, 1.0, 1.2])
+    def test_stick_lasts_until_the_spring_lets_go(self, ratio: float, friction: float) -> None:
+        """Rounding breaks stick where the force ends: nothing but the end follows. Ten times the accuracy off the limit."""
+        chain, surface = dataclasses.replace(PAIR, masses=(5.0 * ratio, 5.0)), Surface(friction, None, 0.5)
+        limit = strike(chain, surface, Contact(), Settings()).contact
+        found = strike(chain, surface, Contact("compliant"), Settings())
+        assert found.contact.rates_after == pytest.approx(limit.rates_after, rel=1e-5)
+        assert found.contact.phases == limit.phases
+        assert found.steps < 5000  # 1300 to 3500; up to twice of it with slip that starts and stops, or all there are
+
     @pytest.mark.parametrize("steps", [200, 400])
     def test_plain_steps_are_as_many_as_requested(self, steps: int) -> None:
         """That number in the duration, which they miss by about one of themselves, and one or two where a turn is located."""

@@ -162,7 +162,7 @@ def test_contact_of_plain_steps_converges_with_the_first_power(make, duration: f
     # From 64 to 1024 steps the error's own curvature leaves a few hundredths; a longer contact turns the rods by 1e-3.
     order = math.log(error[0] / error[-1]) / math.log(step[0] / step[-1])
     assert order == pytest.approx(1.0, abs=0.05)
-    assert f"observed: {order:.1f}"[:12] in curve.name
+    assert float(curve.name.removeprefix("first order; observed: ")) == pytest.approx(order, abs=0.02)  # a fit to all
     if duration is None:
         (mark,) = shown.marks
         assert 0.0 < mark.y < 1e-5 < COMPLIANT_TOLERANCE  # ten times the requested accuracy
@@ -189,10 +189,10 @@ def test_a_page_holds_every_panel_and_simulates_nothing(make, count: int, monkey
     for letter, (title, shown) in zip("bcdefg", families.items(), strict=False):
         axes = panel(figure, letter)
         assert axes.get_title(loc="left").endswith(title)
+        scale = {"(mN·s)": 1e3, "(N·s)": 1.0}.get(axes.get_ylabel().split()[-1], shown.y.factor)
         for curve in shown.curves:
             x, y = data(axes, f"curve {curve.name}")
             np.testing.assert_allclose(x, shown.x.factor * curve.x)
-            scale = shown.y.factor if not shown.y.unit.endswith("N·s") else y[0] / curve.theory[0]
             np.testing.assert_allclose(y, scale * curve.theory, rtol=1e-12)
     figure.draw_without_rendering()
     page = figure.bbox
@@ -203,11 +203,3 @@ def test_a_page_holds_every_panel_and_simulates_nothing(make, count: int, monkey
         assert box.x1 <= page.x1
         assert page.y0 <= box.y0
         assert box.y1 <= page.y1
-
-
-def test_impulses_are_drawn_in_a_unit_that_suits_them(struck: dict[str, Panel], swung: dict[str, Panel]) -> None:
-    """A bristle's 2.5 mN s are far from the 100 N s of a rod of 2 kg."""
-    for families, unit in ((struck, "(mN·s)"), (swung, "(N·s)")):
-        name = "final impulse, by restitution"
-        figure = impact_figure(case(bristle)[0], {name: families[name]})
-        assert panel(figure, "b").get_ylabel().endswith(unit)

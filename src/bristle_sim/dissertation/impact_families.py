@@ -40,6 +40,7 @@ RATIOS = (2e-9, 5e11)
 """Least and largest mass ratio in the middle of curves: half the one and twice the other are the last that there are."""
 
 ITERATIONS = np.array([1, 2, 3, 5, 10, 20, 50, 100, 200, 500, 1000])
+"""Iterations of the engine's solver, whose default is 10."""
 
 STEPS = 2 ** np.arange(6, 11)
 """Plain engine steps in a contact."""
@@ -113,7 +114,8 @@ def energy_panel(impacts: Impacts) -> Panel:
     engine = np.array([_struck(impacts, EngineLaw(int(count)))[1] for count in ITERATIONS])
     curve = Curve("energetic law", ITERATIONS, np.full(len(ITERATIONS), energetic), {"engine": (ITERATIONS, engine)})
     axes = Axis("iterations of the engine's solver", log=True), Axis("kinetic energy, after / before")
-    return Panel(*axes, (curve,), levels=(Level(1.0, "above: energy created"),), top=1.2 * max(1.2, engine.max()))
+    levels = (Level(1.0, "above 1: energy created"), Level(10.0, "10: engine's default", upright=True))
+    return Panel(*axes, (curve,), levels=levels, top=1.2 * max(1.2, engine.max()))
 
 
 def convergence_panel(impacts: Impacts) -> Panel:

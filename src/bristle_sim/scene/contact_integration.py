@@ -12,6 +12,10 @@ from bristle_sim.scene.mechanism import State
 SAME = 1e-5
 """Slip and compression of one degree of freedom stop together: with less than this fraction of the approach left."""
 
+OPENED = 1e-5
+"""A contact is over with less than this fraction of its spring's way out left where slip starts or stops: 1e-10 of its
+impulse is left, and the force is so small that rounding of the tip's place would start and stop slip without end."""
+
 PATIENCE = 10.0
 """A contact that lasts this many times longer than an impact of its speed would is no impact: something presses the
 point on. It ends as ``no rebound``, in sustained contact; or where the rigid-body law ends, in a jam or in stiction. On a
@@ -114,11 +118,19 @@ class ContactIntegration:
         if act is not None:
             self._sample()
             act()
+            if self.outcome is None and not self.expected.vibrates and self._opened():
+                self.outcome = "rebound"
             self._note_phase()
         self._sample()
         lasts = self.motion.state.time - self.course.begin > PATIENCE * self.expected.duration
         if self.outcome is None and lasts and not self.expected.vibrates:
             self.outcome = "no rebound"
+
+    def _opened(self) -> bool:
+        """Return that the spring is as good as at the end of its way out."""
+        spring = self.motion.spring
+        left = self.motion.penetration(self.motion.state) - spring.residual
+        return not spring.loading and left < OPENED * (spring.peak - spring.residual)
 
     def _turns(self) -> list[Turn]:
         """Return what can end the smooth motion that the contact is in."""
