@@ -8,26 +8,27 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pymunk
 import pytest
 
 from bristle_sim.benchmarks import machine
 from bristle_sim.benchmarks.accuracy_cost.cases import release_flight
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, tables
-from bristle_sim.parameters import Belt, Bristle, Neighbours, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Neighbours, Tool, Workpart
 from bristle_sim.reference.strike import strike_reference
 from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.inertia_video import InertiaScene
 from bristle_sim.render.row_video import RowScene
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
-from bristle_sim.scene.joints import joint_rows
+from bristle_sim.scene.joints import MassCentres, joint_rows
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.neighbours import neighbours
-from bristle_sim.studies.strike_point import start_angle
+from bristle_sim.studies.strike_point import start_angle, strike_measures
 from bristle_sim.studies.sweep_point import check_arguments, identity_of
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory.force_fit import fit_force_history
@@ -92,6 +93,55 @@ def test_pictures_of_a_tool_without_bar_and_workpart_show_hub_and_wire():
     svg = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
     assert svg.count("<circle") == 1
     assert "<line" not in svg
+
+
+@pytest.mark.parametrize(
+    "tool",
+    [
+        OUT_OF_REACH,
+        Tool(bar=None),
+        Tool(bar=Bar(horizontal=0.058)),
+        Tool(workpart=Workpart(friction=0.0, restitution=0.0)),
+        Tool(hub=Hub(speed=0.0), belt=Belt(stiffness=0.0)),
+    ],
+    ids=["no strike", "no bar", "bar not touched", "no friction", "at rest"],
+)
+def test_a_pass_is_told_by_what_happened_in_it(tool: Tool):
+    """No number is made up for what did not happen, and none differs from theory for it."""
+    report = whole_pass(tool, Settings(hub_turn=math.pi) if tool.hub.speed else Settings(hub_turn=1.0))
+    values = {row.name: row.simulated for row in report.quantities}
+    struck = report.outcome != "no contact"
+    assert (values["contact_time"] is not None) is struck
+    assert (values["release_time"] is not None) is (tool.bar == Bar() and tool.hub.speed > 0.0)
+    assert not [row.name for row in report.quantities if row.ok is False]
+
+
+def test_a_crater_needs_friction():
+    tool = Tool(workpart=Workpart(friction=0.0))
+    assert strike_measures(tool, simulate(tool, stop_after="strike"))["crater_depth"] is None
+
+
+def test_a_belt_without_stiffness_throws_nothing_back():
+    found = inertia_driven(Tool(belt=Belt(stiffness=0.0), hub=Hub(radius=0.0)), Settings(), with_reference=False)
+    assert {row.simulated for row in found.quantities} == {None}
+
+
+def joined(kind: type[pymunk.Constraint], *arguments: object, turned: float = 0.0) -> int:
+    """How many rows a joint of two bodies has, one of them turned then."""
+    bodies = pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 1.0)
+    joint = kind(*bodies, *arguments)
+    bodies[1].angle = turned
+    return len(joint_rows(joint, MassCentres()))
+
+
+def test_joints_whose_anchors_coincide_or_whose_limits_meet():
+    """Without a distance there is no direction to push in; limits that meet are a rigid joint."""
+    assert joined(pymunk.PinJoint, (0.0, 0.0), (0.0, 0.0)) == 0
+    assert joined(pymunk.SlideJoint, (0.0, 0.0), (0.0, 0.0), 0.0, 1.0) == 0
+    assert joined(pymunk.SlideJoint, (0.0, 0.0), (1.0, 0.0), 1.0, 1.0) == 1
+    assert joined(pymunk.RotaryLimitJoint, 0.0, 0.0) == 1
+    assert joined(pymunk.RotaryLimitJoint, -1.0, 1.0) == 0
+    assert joined(pymunk.RatchetJoint, 0.0, 1.0, turned=0.5) == 0
 
 
 def test_slides_that_do_not_go_forward_are_not_those_of_the_film():

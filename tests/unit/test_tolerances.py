@@ -131,13 +131,14 @@ def test_a_report_has_a_row_for_every_output():
     few = Spreads(
         **dict.fromkeys(Spreads.__dataclass_fields__, 0.0) | {"penetration": 1e-4, "belt_damping_ratio": 0.01}
     )
-    report = tolerances(Tool(), few, Sampling(samples=4.0, rounding="no"), Settings(accuracy=1e-5))
+    report = tolerances(Tool(), few, Sampling(samples=4.0, rounding="yes"), Settings(accuracy=1e-5))
     assert [row["output"] for row in report.extra["rows"]] == list(OUTPUTS)
     assert set(report.extra["rows"][0]["indices"]) == {"penetration", "belt_damping_ratio"}
     # A damping ratio cannot be negative: its interval is cut off at its value, 0.
     assert all(row["low"] <= row["mean"] <= row["high"] for row in report.extra["rows"])
-    assert report.extra["rounding"] == []
+    assert len(report.extra["rounding"]) == 12  # four figures by two formulas and the simulated pass
     told = "\n".join(report.remarks)
+    assert "computed less printed, and how far the rounding of the printed inputs moves the computed:" in told
     assert re.search(r"penetration +0\.0001 m +as given", told)
     assert re.search(r"belt_damping_ratio +0\.01 1 +assumed: 0\.018 explains", told)
 
