@@ -5,6 +5,8 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import runpy
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -19,19 +21,24 @@ from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Neighbours, Tool, Wo
 from bristle_sim.reference.strike import strike_reference
 from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.inertia_figure import inertia_figure
-from bristle_sim.render.inertia_video import InertiaScene
+from bristle_sim.render.inertia_video import InertiaScene, inertia_video
 from bristle_sim.render.row_video import RowScene
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
 from bristle_sim.scene.joints import MassCentres, joint_rows
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of
+from bristle_sim.studies.cue_map import MapGrid, position_map
+from bristle_sim.studies.cue_places import formula_release, simulated_cue
+from bristle_sim.studies.force_fits import fit_trials
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.neighbours import neighbours
+from bristle_sim.studies.sobol import sobol_study
 from bristle_sim.studies.strike_point import start_angle, strike_measures
 from bristle_sim.studies.sweep_point import check_arguments, identity_of
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory.force_fit import fit_force_history
+from bristle_sim.theory.force_history import BRISTLE
 
 OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
 
@@ -83,7 +90,8 @@ def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_dra
 def test_costs_without_effects_have_no_panel_of_growth():
     case = release_flight()
     point = Point(case.name, "bristle_sim simulate", "accuracy=1e-06", 1e-7, 1e-3, 1e-3, 100)
-    measured = AccuracyCost((case,), (point,), missing={"mujoco": "not installed"})
+    peer = dataclasses.replace(point, method="scipy dop853", cpu_s=2e-3)
+    measured = AccuracyCost((case,), (point, peer), missing={"mujoco": "not installed"})
     assert len(cost_figure(measured).axes) == 1
     circumstances = machine.surroundings() | {"clock": "process CPU time", "command": "none"}
     assert any("pip install 'bristle-sim[peers]'" in line for line in tables(measured, circumstances))
@@ -142,6 +150,54 @@ def test_joints_whose_anchors_coincide_or_whose_limits_meet():
     assert joined(pymunk.RotaryLimitJoint, 0.0, 0.0) == 1
     assert joined(pymunk.RotaryLimitJoint, -1.0, 1.0) == 0
     assert joined(pymunk.RatchetJoint, 0.0, 1.0, turned=0.5) == 0
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: position_map(Tool(), Settings(), MapGrid(points=2.0)),
+        lambda: sobol_study(lambda x: {"y": x}, {"x": (0.0, 1.0)}, ("y",), 2),
+    ],
+)
+def test_without_the_extra_a_sweep_says_what_to_install(call, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "bristle_sim.studies.sweep", None)
+    with pytest.raises(ValueError, match=r"need the extra sweep: pip install bristle-sim\[sweep\]"):
+        call()
+
+
+def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="needs the extra video")
+
+    def absent() -> str:
+        raise RuntimeError("no ffmpeg exe")
+
+    monkeypatch.setattr(ffmpeg, "get_ffmpeg_exe", absent)
+    monkeypatch.setattr(ffmpeg, "write_frames", lambda *_, **__: absent())
+    with pytest.raises(ValueError, match=r"carries no ffmpeg for this machine; a \.gif needs none"):
+        inertia_video(
+            inertia_driven(Tool(), Settings(), with_reference=False).subject, tmp_path / "film.mp4", duration=0.5
+        )
+    assert not list(tmp_path.iterdir())
+
+
+def test_points_too_few_to_fit_have_no_fit():
+    trials = fit_trials(BRISTLE, 3, 0.1)
+    assert [(each.fit, each.peak_force) for each in trials] == [(None, None)] * 2
+
+
+def test_no_belt_no_release_and_no_highest_speed():
+    tool = Tool(belt=Belt(stiffness=0.0))
+    run = simulate(dataclasses.replace(tool, bar=None, workpart=None), start_relative_angle=-0.5)
+    assert formula_release(tool, 0.5) is None
+    assert simulated_cue(dataclasses.replace(tool, workpart=None), 0.5, run) is None
+
+
+def test_a_drawing_needs_a_file_s_name(monkeypatch: pytest.MonkeyPatch):
+    module = "bristle_sim.render.strike_drawing"
+    monkeypatch.setattr(sys, "argv", [module])
+    monkeypatch.delitem(sys.modules, module, raising=False)
+    with pytest.raises(SystemExit, match="usage: python -m"):
+        runpy.run_module(module, run_name="__main__")
 
 
 def test_slides_that_do_not_go_forward_are_not_those_of_the_film():
