@@ -22,6 +22,11 @@ UNTRACED = (
 TRACED = (
     "test_impacts_in_any_scene.py",
     "test_rows.py",
+    "::test_a_video_is_rendered_when_asked_for[double_pendulum",
+    "::test_a_video_is_rendered_when_asked_for[inertia_driven",
+    "::test_a_video_is_rendered_when_asked_for[neighbours",
+    "::test_bad_input_in_one_line",
+    "::test_energy_of_double_pendulums",
     "::test_a_run_of_several_links_is_not_resumed",
     "::test_friction_locks_a_thick_wire_on_the_bar",
     "::test_refuses_in_one_line",

@@ -52,6 +52,12 @@ class TestCases:
         # Requested 1e-12; phases are told apart by velocities of SMALL = 1e-9 of the approach.
         assert errors(case, scipy_methods.strike_attempts(case)[-22:], f"scipy ode {method}")[-1] < 1e-9
 
+    def test_a_strike_and_a_pass_by_events_of_scipy(self):
+        """Phases end at events that DOP853 locates to its tolerance, here 1e-12 and coarser; a pass at 1e-2 is a coarse one."""
+        assert errors(cases.strike(), scipy_methods.strike_attempts(cases.strike()), "scipy dop853")[-1] < 1e-8
+        whole = cases.whole_pass()
+        assert whole.error(scipy_methods.pass_attempts(whole)[0].run().values) < 1.0
+
     def test_error_is_the_largest_difference_over_its_scale(self):
         angle, rate = FLIGHT.exact
         assert FLIGHT.error((angle, rate)) == 0.0

@@ -13,14 +13,22 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.render.map_figure import map_figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies import cue_map as module
-from bristle_sim.studies.bar_search import Measures, Place, Strike, fastest_place, placed, radial_place, simulation
+from bristle_sim.studies.bar_search import (
+    Measures,
+    Place,
+    Strike,
+    fastest_place,
+    placed,
+    radial_place,
+    reference_solution,
+    simulation,
+)
 from bristle_sim.studies.cue_map import CueMap, MapGrid, cue_map, position_map
 from bristle_sim.studies.strike_point import (
     STRIKE_UNITS,
     GivenUpError,
     NotCuedError,
     keys_of,
-    strike_measures,
     strike_of_keys,
     tool_of_keys,
 )
@@ -45,9 +53,10 @@ def test_the_operating_point(radial: Place):
 
 
 def test_the_independent_solution_encloses_the_root_within_a_millionth_of_a_degree(radial: Place):
+    strike = reference_solution(FINE)
+
     def lag(direction: float) -> float:
-        tool = placed(Tool(), direction)
-        return strike_measures(tool, simulate_reference(tool, stop_after="strike"))["lag_deg_at_contact"] or 0.0
+        return strike(placed(Tool(), direction))["lag_deg_at_contact"] or 0.0
 
     step = math.radians(1e-6)
     assert lag(radial.direction - step) > 0.0 > lag(radial.direction + step)
@@ -164,6 +173,16 @@ def test_passes_that_are_given_up_end_a_search_that_has_no_answer_yet():
         return {"lag_deg_at_contact": 80.0 - math.degrees(direction)}
 
     assert math.degrees(radial_place(Tool(), some, math.radians(66.0)).direction) == pytest.approx(80.0, abs=1e-8)
+
+
+def test_a_maximum_beside_directions_without_a_strike():
+    def strike(tool: Tool) -> Measures:
+        direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
+        if direction > 1.2:
+            raise NotCuedError("no strike")
+        return {"tip_speed_at_contact": direction}
+
+    assert fastest_place(Tool(), strike, 1.1).direction == pytest.approx(1.2, abs=1e-4)
 
 
 @pytest.mark.parametrize("peak", [0.3, 1.15, 2.9])

@@ -5,30 +5,33 @@ from __future__ import annotations
 import dataclasses
 import functools
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
+import pymunk
 import pytest
-from bristle_sim.render.inertia_video import InertiaScene
-from bristle_sim.render.row_video import RowScene
 
 from bristle_sim.benchmarks import machine
 from bristle_sim.benchmarks.accuracy_cost.cases import release_flight
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, tables
-from bristle_sim.parameters import Belt, Bristle, Neighbours, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Hub, Neighbours, Tool, Workpart
 from bristle_sim.reference.strike import strike_reference
 from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.inertia_figure import inertia_figure
+from bristle_sim.render.tool_films import InertiaFilm, RowFilm
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
-from bristle_sim.scene.joints import joint_rows
+from bristle_sim.scene.joints import MassCentres, joint_rows
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of
+from bristle_sim.studies.cue_map import MapGrid, position_map
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.neighbours import neighbours
-from bristle_sim.studies.strike_point import start_angle
+from bristle_sim.studies.strike_point import start_angle, strike_measures
 from bristle_sim.studies.sweep_point import check_arguments, identity_of
+from bristle_sim.studies.tolerances import sobol_study
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory.force_fit import fit_force_history
 
@@ -38,10 +41,6 @@ OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (
-            functools.partial(whole_pass, Tool(bristle=Bristle(links=17)), Settings()),
-            "wire_links = 17: must be at most 16",
-        ),
         (functools.partial(start_angle, Tool(bar=None)), "bar = None: must be a Bar"),
         (functools.partial(joint_rows, object(), {}), "object: must be a joint"),
         (functools.partial(whole_tool_figure, None), "whole_tool: the bristle completes no turn"),
@@ -54,7 +53,7 @@ OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
             "contact = energetic: must be compliant",
         ),
         (
-            lambda: InertiaScene(inertia_driven(OUT_OF_REACH, Settings(), with_reference=False).subject),
+            lambda: InertiaFilm(inertia_driven(OUT_OF_REACH, Settings(), with_reference=False).subject),
             "the bristle must strike with the bar",
         ),
         (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "must be above 0"),
@@ -68,9 +67,8 @@ def test_what_cannot_be_done_is_refused_in_one_line(call, words: str):
 
 def test_a_row_out_of_reach_is_filmed_to_the_end():
     tool = dataclasses.replace(OUT_OF_REACH, bar=None)
-    scene = RowScene(neighbours(tool, Neighbours(search="no", pitch_deg=60.0), Settings()).subject, 160, 120, 1.0)
-    scene.show(0.5)
-    assert scene.caption.get_text() == "turning with the hub"
+    film = RowFilm(neighbours(tool, Neighbours(search="no", pitch_deg=60.0), Settings()).subject, 160, 120, 1.0)
+    assert film.move(1e-4)[0] == "turning with the hub"
 
 
 def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_draw():
@@ -82,7 +80,8 @@ def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_dra
 def test_costs_without_effects_have_no_panel_of_growth():
     case = release_flight()
     point = Point(case.name, "bristle_sim simulate", "accuracy=1e-06", 1e-7, 1e-3, 1e-3, 100)
-    measured = AccuracyCost((case,), (point,), missing={"mujoco": "not installed"})
+    peer = dataclasses.replace(point, method="scipy dop853", cpu_s=2e-3)
+    measured = AccuracyCost((case,), (point, peer), missing={"mujoco": "not installed"})
     assert len(cost_figure(measured).axes) == 1
     circumstances = machine.surroundings() | {"clock": "process CPU time", "command": "none"}
     assert any("pip install 'bristle-sim[peers]'" in line for line in tables(measured, circumstances))
@@ -92,6 +91,83 @@ def test_pictures_of_a_tool_without_bar_and_workpart_show_hub_and_wire():
     svg = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
     assert svg.count("<circle") == 1
     assert "<line" not in svg
+
+
+@pytest.mark.parametrize(
+    "tool",
+    [
+        OUT_OF_REACH,
+        Tool(bar=None),
+        Tool(bar=Bar(horizontal=0.058)),
+        Tool(workpart=Workpart(friction=0.0, restitution=0.0)),
+        Tool(hub=Hub(speed=0.0), belt=Belt(stiffness=0.0)),
+    ],
+    ids=["no strike", "no bar", "bar not touched", "no friction", "at rest"],
+)
+def test_a_pass_is_told_by_what_happened_in_it(tool: Tool):
+    """No number is made up for what did not happen, and none differs from theory for it."""
+    report = whole_pass(tool, Settings(hub_turn=math.pi) if tool.hub.speed else Settings(hub_turn=1.0))
+    values = {row.name: row.simulated for row in report.quantities}
+    struck = report.outcome != "no contact"
+    assert (values["contact_time"] is not None) is struck
+    assert (values["release_time"] is not None) is (tool.bar == Bar() and tool.hub.speed > 0.0)
+    assert not [row.name for row in report.quantities if row.ok is False]
+
+
+def test_a_crater_needs_friction():
+    tool = Tool(workpart=Workpart(friction=0.0))
+    assert strike_measures(tool, simulate(tool, stop_after="strike"))["crater_depth"] is None
+
+
+def test_a_belt_without_stiffness_throws_nothing_back():
+    found = inertia_driven(Tool(belt=Belt(stiffness=0.0), hub=Hub(radius=0.0)), Settings(), with_reference=False)
+    assert {row.simulated for row in found.quantities} == {None}
+
+
+def joined(kind: type[pymunk.Constraint], *arguments: object, turned: float = 0.0) -> int:
+    """How many rows a joint of two bodies has, one of them turned then."""
+    bodies = pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 1.0)
+    joint = kind(*bodies, *arguments)
+    bodies[1].angle = turned
+    return len(joint_rows(joint, MassCentres()))
+
+
+def test_joints_whose_anchors_coincide_or_whose_limits_meet():
+    """Without a distance there is no direction to push in; limits that meet are a rigid joint."""
+    assert joined(pymunk.PinJoint, (0.0, 0.0), (0.0, 0.0)) == 0
+    assert joined(pymunk.SlideJoint, (0.0, 0.0), (0.0, 0.0), 0.0, 1.0) == 0
+    assert joined(pymunk.SlideJoint, (0.0, 0.0), (1.0, 0.0), 1.0, 1.0) == 1
+    assert joined(pymunk.RotaryLimitJoint, 0.0, 0.0) == 1
+    assert joined(pymunk.RotaryLimitJoint, -1.0, 1.0) == 0
+    assert joined(pymunk.RatchetJoint, 0.0, 1.0, turned=0.5) == 0
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: position_map(Tool(), Settings(), MapGrid(points=2.0)),
+        lambda: sobol_study(lambda x: {"y": x}, {"x": (0.0, 1.0)}, ("y",), 2),
+    ],
+)
+def test_without_the_extra_a_sweep_says_what_to_install(call, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setitem(sys.modules, "bristle_sim.studies.sweep", None)
+    with pytest.raises(ValueError, match=r"need the extra sweep: pip install bristle-sim\[sweep\]"):
+        call()
+
+
+def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    ffmpeg = pytest.importorskip("imageio_ffmpeg", reason="needs the extra video")
+
+    def absent() -> str:
+        raise RuntimeError("no ffmpeg exe")
+
+    monkeypatch.setattr(ffmpeg, "get_ffmpeg_exe", absent)
+    monkeypatch.setattr(ffmpeg, "write_frames", lambda *_, **__: absent())
+    with pytest.raises(ValueError, match=r"ffmpeg for this machine: pip install .*, or a \.gif"):
+        InertiaFilm(inertia_driven(Tool(), Settings(), with_reference=False).subject, duration=0.5).write(
+            tmp_path / "film.mp4"
+        )
+    assert not list(tmp_path.iterdir())
 
 
 def test_slides_that_do_not_go_forward_are_not_those_of_the_film():

@@ -13,6 +13,7 @@ from bristle_sim.render.drawing import touch_places
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
 from bristle_sim.render.tool_films import RowFilm
 from bristle_sim.settings import Settings
+from bristle_sim.studies import neighbours as module
 from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
 
 ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "normal_final_impulse": 2.751e-3}
@@ -80,6 +81,12 @@ def test_a_pass_without_a_strike():
     assert [words for words, _ in instants(found.subject)] == ["first touch", "last touch"]
     figure = neighbours_figure(found.subject, [5.0, 10.0], dict.fromkeys(ALONE, np.full(2, math.nan)))
     assert sum("no strike at any pitch" in text.get_text() for axes in figure.axes for text in axes.texts) == 3
+
+
+def test_a_pass_of_too_many_oscillations_is_not_searched(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(module, "MOST_SAMPLES", 10)
+    found = neighbours(Tool(bar=None, workpart=None), Neighbours(search="no", pitch_deg=60.0), Settings())
+    assert any("not searched, as the pass has too many oscillations" in each for each in found.remarks)
 
 
 def test_wires_that_touch_at_every_pitch_are_not_searched():
