@@ -228,7 +228,8 @@ def test_depths(figures):
 def test_friction_at_constant_depth_gives_that_depth(figures):
     """The depth over its ply sum is [1 - sin(arccot mu - gamma)] cos(gamma)/2, and the sum is the same for all."""
     for depth, curve in zip((1.2e-4, 1.4e-4, 1.6e-4, 2.0e-4), figures["4.16"].panels[0].curves, strict=True):
-        share = 0.5 * (1.0 - np.sin(np.arctan2(1.0, curve.theory) - curve.x)) * np.cos(curve.x)
+        gamma = np.radians(curve.x)
+        share = 0.5 * (1.0 - np.sin(np.arctan2(1.0, curve.theory) - gamma)) * np.cos(gamma)
         at_operating_point = 0.5 * (1.0 - math.sin(math.atan2(1.0, 0.5) - GAMMA)) * math.cos(GAMMA)
         # The operating point's depth to five digits.
         np.testing.assert_allclose(share / at_operating_point * 1.3940e-4, depth, rtol=5e-5)

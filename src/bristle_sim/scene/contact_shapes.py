@@ -8,8 +8,12 @@ from collections.abc import Callable, Sequence
 import pymunk
 
 from bristle_sim.scene.arbiters import ImpulseRecord, impulse_record
-from bristle_sim.scene.mechanism import Mechanism
+from bristle_sim.scene.mechanism import Mechanism, Vector
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
+
+FAST_SLIP = 10.0
+"""A slip beyond what slip turns back by within an interval, in the scene's units. The slip's rounding disturbs the normal
+velocity."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 
@@ -54,6 +58,14 @@ class ContactShapes:
         touching[0].friction, touching[0].elasticity = friction, elasticity
         self._set_iterations(iterations)
 
+    def direct_friction(self, slip: int, tangent: Vector) -> None:
+        """Let friction of the engaged pair act against slip of that sense.
+
+        Where slip stops, the motion would have a kink within a step. The engine is led to see a slip of one sense, until the
+        run changes it.
+        """
+        self._engaged[0].surface_velocity = (-FAST_SLIP * slip * tangent[0], -FAST_SLIP * slip * tangent[1])
+
     def release(self) -> None:
         """Let the engine ignore all obstacles again."""
         self._ignore()
@@ -81,7 +93,7 @@ class ContactShapes:
 
     def _ignore(self) -> None:
         for shape in self._engaged:
-            shape.filter = _NOWHERE
+            shape.filter, shape.surface_velocity = _NOWHERE, (0.0, 0.0)
         self._engaged = ()
 
     def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:

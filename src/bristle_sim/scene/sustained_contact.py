@@ -113,8 +113,8 @@ class SustainedContacts:
         scene: of the contacts.
         obstacles: the pairs in contact.
         pieces: which straight piece of its link touches, for each of them.
-        slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks. A single
-            link's follows from its geometry, and is left to the engine.
+        slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks; None where
+            there is no friction, or a single link that does not slip.
         solvable: whether the engine's iterations tend to a solution.
         forces: of the contacts, as a load.
     """
@@ -171,6 +171,8 @@ class SustainedContacts:
         self.scene.contacts.engage(
             obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=self.pieces[0] or 0
         )
+        if (slip := self.slips[0]) is not None:
+            self.scene.contacts.direct_friction(slip, gaps.touch(obstacle, state).tangent)
         return grips[0]
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:

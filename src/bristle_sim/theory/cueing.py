@@ -129,6 +129,10 @@ def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio
     return retraction * natural_rate * np.exp(-_phase(damping_ratio) * damping_ratio)
 
 
+LEAST_TURN = 1e-100
+"""Below it, rad, sin(x)/x is 1, and the quotient would overflow."""
+
+
 @checked_arguments
 def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
     """Return retraction and speed relative to the hub of the released bristle without g, rad and rad/s, at times in s.
@@ -138,6 +142,7 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
     rate = natural_rate(tool.belt.stiffness, tool.bristle.inertia_about_root)
     decay = tool.belt.damping_ratio * rate
     turns = 1j * np.sqrt(complex(decay**2 - rate**2)) * time
+    turns = np.where(abs(turns) < LEAST_TURN, 0.0, turns)
     # sinh(w t)/w = t sin(i w t)/(i w t), which has its limit t at critical damping.
     swing, drift = np.cos(turns), time * np.sinc(turns / np.pi)
     fading = np.exp(-decay * time)
