@@ -99,6 +99,18 @@ def test_contacts_are_kept_closed(slip: int) -> None:
     assert scene.wires.impulses[1][0] == pytest.approx(impulses[1], rel=1e-12)
 
 
+def test_a_contact_without_lever_bears_nothing() -> None:
+    """The tip of a wire that stands upright on the workpart can be pushed no way by turning: K_nn is 0."""
+    upright = Mechanism((Link.rod(1.0, 0.4), Link.rod(0.3, 0.5)))
+    part = WorkpartObstacle(0.9, 0.0, 0.0, 0.0, link=1)
+    scene = Scene(upright, Effects(hinges=((5.0, 0.0),), obstacles=(part,)))
+    scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
+    scene.wires.contacts = (Held(part, None, None),)
+    scene.wires.solve(1.0)
+    assert scene.wires.impulses == [(0.0, 0.0, 0.0)]
+    assert scene.rates() == pytest.approx([0.3, -0.2], rel=1e-12)
+
+
 def test_open_joints_are_closed_by_the_end_of_a_corrected_step() -> None:
     """Bodies off their joints come back within one step, as by the engine's own complete correction."""
     scene, _ = wires()

@@ -28,6 +28,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
+from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
 from bristle_sim.arrays import Array
@@ -47,8 +48,101 @@ class Held(NamedTuple):
     slip: int | None
 
 
+class _Chains:
+    """The links of all wires, one after the other: their bodies' numbers, and the velocities that obey the joints.
+
+    Attributes:
+        rates, velocities: of the bodies; they may be written.
+        matrix, turn: mass matrix with damping, and e^{i angle} of each link, of the last solution.
+    """
+
+    def __init__(self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array) -> None:
+        """Take down what does not change; ``numbers`` are x, y, angle, u, v and rate of each link, ``hub`` those of the hub."""
+        self._hub = hub
+        self._places = numbers[:, :2].view(np.complex128)[:, 0]
+        self.velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
+        self._angles, self.rates = numbers[:, 2], numbers[:, 5]
+        self.links = links = mechanism.links
+        self._size = size = mechanism.wire_links
+        self._tips, self._centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in links]).T
+        self._inertias = np.array([link.inertia for link in links])
+        # All wires are alike.
+        arms = np.where(np.tri(size, k=-1, dtype=bool), self._tips[:size], 0.0) + np.diag(self._centres[:size])
+        moments = np.conj(arms).T * np.array([link.mass for link in links[:size]])
+        self._arms, self._moments = arms.T, moments.T
+        self._products = np.kron(np.eye(mechanism.wires), moments @ arms + np.diag(self._inertias[:size]))
+        twists = np.eye(size) - np.eye(size, k=-1)
+        one = twists.T @ np.diag(damping) @ twists
+        self._damping = np.kron(np.eye(mechanism.wires), one) if any(damping) else None
+        self._belt_damping = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
+        self._roots = -1j * mechanism.hub_radius * np.exp(-1j * mechanism.pitch * (np.arange(len(links)) // size))
+        self.turn, self.matrix = np.ones(len(links), complex), np.eye(len(links))
+
+    def close(self, time: float, *, correct: bool) -> None:
+        """Set the velocities to those that obey the joints, with the damping over a time."""
+        self.turn = turn = np.exp(1j * self._angles)
+        back = turn.conj()
+        places = self._roots * cmath.exp(1j * self._hub[2])
+        carried = 1j * self._hub[5] * places
+        if correct:
+            carried = carried - (self._places - places - self._each(turn, self._arms)) / time
+        self.matrix = matrix = (back[:, None] * self._products * turn).real
+        momenta = (back * self._each(self.velocities - carried, self._moments)).imag + self._inertias * self.rates
+        if self._damping is not None:
+            matrix += time * self._damping
+            momenta += time * self._hub[5] * self._belt_damping
+        self.rates[:] = rates = dposv(matrix, momenta)[1]
+        self.velocities[:] = carried + self._each(1j * turn * rates, self._arms)
+
+    def add(self, change: Array) -> None:
+        """Change the rates, and the velocities with them."""
+        self.rates += change
+        self.velocities += self._each(1j * self.turn * change, self._arms)
+
+    def _each(self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        """Return each wire's values times the matrix of a wire."""
+        return np.asarray((values.reshape(-1, self._size) @ matrix).ravel())
+
+    def touch(self, obstacle: Obstacle, piece: int | None) -> Touch:
+        """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
+        links = [obstacle.link] if obstacle.partner is None else [obstacle.link, obstacle.partner]
+        # Of the links only these are looked at.
+        poses: Any = {link: self._pose(link) for link in links}
+        rates: Any = {link: float(self.rates[link]) for link in links}
+        return obstacle.touch_between(poses, rates, piece)
+
+    def row(self, obstacle: Obstacle, touch: Touch, direction: Vector) -> Array:
+        """Return d(relative velocity of a contact along a direction)/d(rates)."""
+        row = np.zeros(len(self.links))
+        for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):
+            if link is not None and arm is not None:
+                carriers = slice(link - link % self._size, link)
+                reaches = self._tips[carriers] * self.turn[carriers]
+                row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * reaches).real
+                row[link] += sign * cross(arm, direction)
+        return row
+
+    def _pose(self, link: int) -> Pose:
+        """Return the pose of a link as its body is."""
+        turn, rate = complex(self.turn[link]), float(self.rates[link])
+        centre, velocity = complex(self._places[link]), complex(self.velocities[link])
+        to_centre = complex(self._centres[link]) * turn
+        joint, carried = centre - to_centre, velocity - 1j * rate * to_centre
+        corners = [complex(*each) * turn for each in (*self.links[link].knees, self.links[link].tip)]
+        *knees, tip = [joint + each for each in corners]
+        return Pose(
+            _vector(joint),
+            _vector(centre),
+            _vector(tip),
+            _vector(carried),
+            _vector(velocity),
+            _vector(carried + 1j * rate * corners[-1]),
+            tuple(map(_vector, knees)),
+        )
+
+
 class WireVelocities:
-    """The velocities of all links of a mechanism, those of one wire after the other.
+    """The velocities of all links of a mechanism after an engine step.
 
     Attributes:
         correct: whether a step closes what is open of the joints by its end, as the engine's own correction does.
@@ -72,35 +166,9 @@ class WireVelocities:
         has_hub = hub is not None
         self._bodies = placer([hub, *links] if hub is not None else links)
         rows = np.frombuffer(self._bodies.values)[: 6 * (len(links) + has_hub)].reshape(-1, 6)
-        self._hub, numbers = rows[0] if has_hub else np.zeros(6), rows[has_hub:]
-        self._all_velocities = numbers[:, 3:]
-        self._places, self._velocities = (
-            numbers[:, :2].view(np.complex128)[:, 0],
-            numbers[:, 3:5].view(np.complex128)[:, 0],
-        )
-        self._angles, self._rates = numbers[:, 2], numbers[:, 5]
-        self._old = self._all_velocities.copy()
-        self._take_down(mechanism, damping)
-
-    def _take_down(self, mechanism: Mechanism, damping: Sequence[float]) -> None:
-        """Take down what does not change: arms, masses, damping, and where the roots are at the hub's angle 0."""
-        self._links = mechanism.links
-        count, self._size = len(self._links), mechanism.wire_links
-        wire, size = np.arange(count) // self._size, self._size
-        self._tips, self._centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in self._links]).T
-        self._inertias = np.array([link.inertia for link in self._links])
-        # All wires are alike.
-        arms = np.where(np.tri(size, k=-1, dtype=bool), self._tips[:size], 0.0) + np.diag(self._centres[:size])
-        moments = np.conj(arms).T * np.array([link.mass for link in self._links[:size]])
-        self._arms, self._moments = arms.T, moments.T
-        self._products = np.kron(np.eye(mechanism.wires), moments @ arms + np.diag(self._inertias[:size]))
-        twists = np.eye(size) - np.eye(size, k=-1)
-        one = twists.T @ np.diag(damping) @ twists
-        self._damping = np.kron(np.eye(mechanism.wires), one) if any(damping) else None
-        self._belt_damping = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
-        self._roots = -1j * mechanism.hub_radius * np.exp(-1j * mechanism.pitch * wire)
-        self._turn, self._reaches = np.ones(count, complex), self._tips
-        self._matrix = np.eye(count)
+        self._velocities = rows[has_hub:, 3:]
+        self._old = self._velocities.copy()
+        self._chains = _Chains(mechanism, damping, rows[0] if has_hub else np.zeros(6), rows[has_hub:])
 
     def take_over(self, *, active: bool) -> None:
         """Leave the damping to the solver here, or to the engine."""
@@ -111,7 +179,7 @@ class WireVelocities:
     def symmetric_steps(self) -> Iterator[None]:
         """Make the steps symmetric in time, from the bodies' velocities as they are."""
         self._bodies.keep()
-        self._old[:] = self._all_velocities
+        self._old[:] = self._velocities
         self._symmetric = True
         try:
             yield
@@ -121,13 +189,11 @@ class WireVelocities:
     def solve(self, step: float) -> None:
         """Have the bodies' velocities after an engine step obey joints and contacts."""
         self._bodies.keep()
-        velocities, old = self._all_velocities, self._old
+        velocities, old = self._velocities, self._old
         if self._symmetric:
             velocities += old
             velocities *= 0.5
-            self._close_joints(0.5 * step)
-        else:
-            self._close_joints(step)
+        self._chains.close(0.5 * step if self._symmetric else step, correct=self.correct)
         if self.contacts:
             self._push()
         if self._symmetric:
@@ -136,47 +202,24 @@ class WireVelocities:
             old[:] = velocities
         self._bodies(None)
 
-    def _close_joints(self, time: float) -> None:
-        """Set the velocities to those that obey the joints, with the damping over a time."""
-        self._turn = turn = np.exp(1j * self._angles)
-        self._reaches = self._tips * turn
-        back = turn.conj()
-        places = self._roots * cmath.exp(1j * self._hub[2])
-        carried = 1j * self._hub[5] * places
-        if self.correct:
-            carried = carried - (self._places - places - self._each(turn, self._arms)) / time
-        self._matrix = matrix = (back[:, None] * self._products * turn).real
-        momenta = (back * self._each(self._velocities - carried, self._moments)).imag + self._inertias * self._rates
-        if self._damping is not None:
-            matrix += time * self._damping
-            momenta += time * self._hub[5] * self._belt_damping
-        self._rates[:] = rates = dposv(matrix, momenta)[1]
-        self._velocities[:] = carried + self._each(1j * turn * rates, self._arms)
-
-    def _each(self, values: Array, matrix: Array) -> Array:
-        """Return each wire's values times the matrix of a wire."""
-        return (values.reshape(-1, self._size) @ matrix).ravel()
-
     def _push(self) -> None:
         """Add the impulses of the contacts."""
-        touches = [self._touch(each.obstacle, each.piece) for each in self.contacts]
-        rows = [
-            self._row(each.obstacle, touch, touch.normal) for each, touch in zip(self.contacts, touches, strict=True)
-        ]
+        chains = self._chains
+        touches = [chains.touch(each.obstacle, each.piece) for each in self.contacts]
+        pairs = list(zip(self.contacts, touches, strict=True))
+        rows = [chains.row(each.obstacle, touch, touch.normal) for each, touch in pairs]
         pushes, speeds, along = list(rows), [touch.velocity[0] for touch in touches], {}
-        for index, (held, touch) in enumerate(zip(self.contacts, touches, strict=True)):
+        for index, (held, touch) in enumerate(pairs):
             if held.obstacle.friction:
-                along[index] = self._row(held.obstacle, touch, touch.tangent)
+                along[index] = chains.row(held.obstacle, touch, touch.tangent)
                 if held.slip:
                     pushes[index] = rows[index] - held.obstacle.friction * held.slip * along[index]
         stuck = [index for index in along if self.contacts[index].slip == 0]
-        response = dposv(self._matrix, np.array([*pushes, *(along[index] for index in stuck)]).T)[1]
+        response = dposv(chains.matrix, np.array([*pushes, *(along[index] for index in stuck)]).T)[1]
         rigid = np.array([*rows, *(along[index] for index in stuck)]) @ response
-        speeds += [touches[index].velocity[1] for index in stuck]
-        impulses = _solved(rigid, speeds)
+        impulses = _solved(rigid, speeds + [touches[index].velocity[1] for index in stuck])
         change = response @ impulses
-        self._rates += change
-        self._velocities += self._each(1j * self._turn * change, self._arms)
+        chains.add(change)
         # A mean of old and new velocities takes half of an impulse.
         impulses = impulses * (2.0 if self._symmetric else 1.0)
         rubs = dict(zip(stuck, impulses[len(rows) :], strict=True))
@@ -186,50 +229,14 @@ class WireVelocities:
                 float(rubs.get(index, -held.obstacle.friction * (held.slip or 0) * impulses[index])),
                 float(touch.velocity[1] + along[index] @ change) if index in along else 0.0,
             )
-            for index, (held, touch) in enumerate(zip(self.contacts, touches, strict=True))
+            for index, (held, touch) in enumerate(pairs)
         ]
-
-    def _touch(self, obstacle: Obstacle, piece: int | None) -> Touch:
-        """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
-        links = [obstacle.link] if obstacle.partner is None else [obstacle.link, obstacle.partner]
-        # Of the links only these are looked at.
-        poses: Any = {link: self._pose(link) for link in links}
-        rates: Any = {link: float(self._rates[link]) for link in links}
-        return obstacle.touch_between(poses, rates, piece)
-
-    def _row(self, obstacle: Obstacle, touch: Touch, direction: Vector) -> Array:
-        """Return d(relative velocity of a contact along a direction)/d(rates)."""
-        row = np.zeros(len(self._links))
-        for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):
-            if link is not None and arm is not None:
-                carriers = slice(link - link % self._size, link)
-                row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * self._reaches[carriers]).real
-                row[link] += sign * cross(arm, direction)
-        return row
-
-    def _pose(self, link: int) -> Pose:
-        """Return the pose of a link as its body is."""
-        turn, rate = complex(self._turn[link]), float(self._rates[link])
-        centre, velocity = complex(self._places[link]), complex(self._velocities[link])
-        to_centre = complex(self._centres[link]) * turn
-        joint, carried = centre - to_centre, velocity - 1j * rate * to_centre
-        corners = [complex(*each) * turn for each in (*self._links[link].knees, self._links[link].tip)]
-        *knees, tip = [joint + each for each in corners]
-        return Pose(
-            _vector(joint),
-            _vector(centre),
-            _vector(tip),
-            _vector(carried),
-            _vector(velocity),
-            _vector(carried + 1j * rate * corners[-1]),
-            tuple(map(_vector, knees)),
-        )
 
 
 def _solved(rigid: Array, speeds: Sequence[float]) -> Array:
-    """Return the impulses that stop the speeds."""
+    """Return the impulses that stop the speeds; 0 of a contact that has no lever."""
     if len(speeds) == 1:
-        return np.array([-speeds[0] / rigid[0, 0]])
+        return np.array([-speeds[0] / rigid[0, 0] if rigid[0, 0] else 0.0])
     return np.asarray(np.linalg.lstsq(rigid, -np.array(speeds), rcond=DEPENDENT)[0])
 
 

@@ -202,7 +202,10 @@ def _in_words(readings: Mapping[str, CueTiming]) -> list[str]:
     """Say where each belt stiffness needs the bar, what whole passes give, and which needs it nearest to where it stands."""
     lines, away = [], dict[str, float]()
     for reading, timing in readings.items():
-        name, stands = f"belt stiffness {reading.replace('_', ' ')}", timing.passes[-1]["bar_direction_deg"]
+        name, stands = (
+            f"belt stiffness {reading.replace('_', ' ').replace('hz', 'Hz')}",
+            timing.passes[-1]["bar_direction_deg"],
+        )
         needed = "no speed is the highest, no bar cues it"
         if timing.simulated is not None:
             away[name] = math.degrees(timing.simulated.bar_direction) - stands
