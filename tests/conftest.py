@@ -3,6 +3,7 @@
 import pytest
 
 UNTRACED = (
+    "tests/scenarios/test_random_command_lines.py",
     "tests/scenarios/test_scripts.py::test_a_video_is_rendered_when_asked_for",
     "tests/scenarios/test_scripts.py::test_every_key_has_an_effect_or_is_refused",
     "tests/scenarios/test_scripts.py::test_the_independent_solution_agrees[cue_map]",
