@@ -29,8 +29,8 @@ def tests(session: nox.Session) -> None:
 @nox.session(default=False)
 def coverage(session: nox.Session) -> None:
     """Run the tests with every peer, and print the branches that no test takes."""
-    session.install("-e", ".[test,peers]", "playwright")
-    session.run("pytest", "-n", "auto", "--cov", "--cov-report=term", *session.posargs)
+    session.install("-e", ".[test,peers]", "playwright", "slipcover")
+    session.run("python", "-W", "ignore", "-m", "slipcover", "-m", "pytest", "-n", "auto", *session.posargs)
 
 
 @nox.session(python="3.11", default=False)

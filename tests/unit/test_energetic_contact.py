@@ -1,7 +1,6 @@
 """The energetic law in a user's own pymunk space."""
 
 import math
-import sys
 import time
 from typing import Any
 
@@ -446,7 +445,6 @@ class TestRest:
         # Equal masses, e = 1, no friction between them: speeds are swapped, less the floor's friction of 5 steps.
         assert resting.velocity.x == pytest.approx(-1.0, abs=0.3 * GRAVITY * 5e-3)
 
-    @pytest.mark.skipif(sys.gettrace() is not None, reason="tracing costs Python's lines more than the engine's")
     def test_rest_and_flight_cost_what_the_engine_costs(self) -> None:
         """At most 20 times the engine's step at rest and twice in flight; the best of several, for a busy machine.
 
