@@ -295,3 +295,17 @@ class TestContact:
         s, c = math.sin(0.6), math.cos(0.6)
         assert normal == pytest.approx(s / (3.0 * s * (s + friction * c)), rel=1e-6)
         assert tangential == pytest.approx(-friction * normal, rel=1e-12)
+
+    @pytest.mark.parametrize("sense", [-1, 1])
+    def test_friction_against_a_given_slip(self, sense: int) -> None:
+        """Where slip is about to stop, its sense is given: friction acts against that, whichever way the tip moves."""
+        floor = WorkpartObstacle(math.cos(0.6), 0.3, 0.3, 0.0)
+        scene = self.resting(Effects(obstacles=(floor,)), -0.6)
+        scene.place(State(0.0, (-0.6,), (1.0,)))
+        scene.contacts.engage(floor, friction=0.3, elasticity=0.0, iterations=200)
+        scene.contacts.direct_friction(sense, (1.0, 0.0))
+        scene.step(1e-9, 1)
+        normal, tangential, _ = scene.contacts.totals(floor)
+        s, c = math.sin(0.6), math.cos(0.6)
+        assert normal == pytest.approx(s / (3.0 * s * (s + sense * 0.3 * c)), rel=1e-6)
+        assert tangential == pytest.approx(-sense * 0.3 * normal, rel=1e-12)

@@ -13,26 +13,6 @@ from bristle_sim.studies.impacts import Impacts
 from impact_cases import TRAPEZOIDAL, bristle, rods
 
 
-@pytest.fixture(scope="module")
-def strike() -> Impacts:
-    return bristle()
-
-
-@pytest.fixture(scope="module")
-def pendulum() -> Impacts:
-    return rods()
-
-
-@pytest.fixture(scope="module")
-def strike_motion(strike: Impacts) -> ContactMotion:
-    return contact_motion(strike.strikes["compliant"].contact)
-
-
-@pytest.fixture(scope="module")
-def pendulum_motion(pendulum: Impacts) -> ContactMotion:
-    return contact_motion(pendulum.strikes["compliant"].contact)
-
-
 def test_motion_passes_the_record(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
     history = pendulum.strikes["compliant"].contact.history
     assert history is not None

@@ -58,7 +58,7 @@ def cued() -> Report:
 def test_bars_that_the_readings_need(cued: Report) -> None:
     readings = cued.subject.readings
     # From an integration of I alpha'' + k alpha + g sin alpha = 0, to hundredths of a degree.
-    for reading, degrees in (("per_degree", 66.56), ("from_254_hz", 59.97)):
+    for reading, degrees in (("per degree", 66.56), ("from 254 Hz", 59.97)):
         simulated = readings[reading].simulated
         assert math.degrees(simulated.bar_direction) == pytest.approx(degrees, abs=0.005)
         # The printed bar touches at the same retraction, so S is the same.
@@ -66,13 +66,13 @@ def test_bars_that_the_readings_need(cued: Report) -> None:
     # A quarter period on the belt alone: A + omega t_c + gamma, A and gamma from eq. 2.2.
     inertia = 8.387e-5 * 0.027**2 / 3.0
     turn = 261.8 * 0.5 * math.pi / math.sqrt(0.00041 / inertia)
-    soft = math.degrees(readings["per_radian"].formula.bar_direction)
+    soft = math.degrees(readings["per radian"].formula.bar_direction)
     assert soft == pytest.approx(22.035 + math.degrees(turn) + 23.447, abs=0.01)
 
 
 def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
     """Over the bar that the release needs and over the one that stands, compared with the independent solution."""
-    mine = cued.subject.readings["per_degree"]
+    mine = cued.subject.readings["per degree"]
     places = ((mine.simulated.bar_horizontal, mine.simulated.bar_vertical), (Bar().horizontal, Bar().vertical))
     for (horizontal, vertical), passed in zip(places, mine.passes, strict=True):
         tool = Tool(bar=Bar(horizontal=horizontal, vertical=vertical))

@@ -16,16 +16,6 @@ from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words
 
 
 @pytest.fixture(scope="module")
-def strike() -> Impacts:
-    return bristle()
-
-
-@pytest.fixture(scope="module")
-def pendulum() -> Impacts:
-    return rods()
-
-
-@pytest.fixture(scope="module")
 def strike_figure(strike: Impacts) -> Figure:
     return impact_figure(strike, {})
 

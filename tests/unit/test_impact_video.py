@@ -21,26 +21,6 @@ from bristle_sim.studies.timed_contact import with_visible_contact
 from impact_cases import bristle, line, rods
 
 
-@pytest.fixture(scope="module")
-def strike() -> Impacts:
-    return bristle()
-
-
-@pytest.fixture(scope="module")
-def pendulum() -> Impacts:
-    return rods()
-
-
-@pytest.fixture(scope="module")
-def strike_motion(strike: Impacts) -> ContactMotion:
-    return contact_motion(strike.strikes["compliant"].contact)
-
-
-@pytest.fixture(scope="module")
-def pendulum_motion(pendulum: Impacts) -> ContactMotion:
-    return contact_motion(pendulum.strikes["compliant"].contact)
-
-
 def test_chain_is_drawn_to_scale_where_it_strikes() -> None:
     chain = Chain((1.0, 1.0), (2.0, 1.0), (0.0, -0.5 * math.pi), (1.0, 0.0))
     struck = strike_chain(chain, Surface(), Contact(), Settings())

@@ -61,6 +61,7 @@ def figures_report(selection: Selection) -> Report:
     figures: list[Redrawn] = []
 
     def report() -> Report:
+        """Return how far the points of the figures are from their curves."""
         apart = ((each, law, value) for each in figures for law, value in largest_differences(each).items())
         words = "largest distance of points from their curve, as a fraction of its largest value beside one, in"
         return Report(

@@ -253,6 +253,7 @@ def note_extremes(log: Log, own: Record, step: Step) -> float | None:
         return float(at.balance.accelerations[link])
 
     def changes(value: Callable[[Instant], float], resolution: float) -> list[tuple[float, int]]:
+        """Return instants and senses at which a function passes zero, if it does."""
         if step.end <= step.start or step.sign(value, resolution):
             return []
         return crossings(step.along(value), step.start, step.end, resolution)

@@ -141,6 +141,7 @@ def _crossed(roots: Complexes, arms: Complexes, first: int, second: int) -> bool
     """Whether two centre lines cross."""
 
     def sides(own: int, other: int) -> float:
+        """Return a number that is negative if one wire's ends lie on different sides of the other's line."""
         apart = roots[own] - roots[other]
         return float((np.conj(arms[other]) * apart).imag * (np.conj(arms[other]) * (apart + arms[own])).imag)
 

@@ -109,7 +109,7 @@ def _draw_table(axes: Axes, timing: CueTiming) -> None:
         cues = (cue and f"{math.degrees(cue.bar_direction):.2f}°" for cue in (each.simulated, each.formula))
         lags = [None, *(row["lag_deg_at_contact"] for row in each.passes)][-2:]
         strikes = ("no strike" if lag is None else f"{signed(lag, 2)}°" for lag in lags)
-        stiffness = f"{name.replace('_', ' ').replace('hz', 'Hz')}: {1e3 * each.tool.belt.stiffness:.3g}"
+        stiffness = f"{name}: {1e3 * each.tool.belt.stiffness:.3g}"
         lines.append((stiffness, *(cue or "none" for cue in cues), *strikes))
     given = f"{timing.passes[-1]['bar_direction_deg']:.2f}°"
     bars = ("bar,\nsimulated", "bar,\nformula", "lag with\nbar there", f"lag with\nbar at {given}")

@@ -198,6 +198,7 @@ def study(name: str) -> Callable[[Values], Report]:
     """Return a run: ``module.function`` of this package, each argument built from key values by the type of its parameter."""
 
     def run(values: Values) -> Report:
+        """Build each argument, and answer."""
         answer, given = _named(name), dict[str, Any]()
         for parameter, kind in get_type_hints(answer).items():
             part = next(iter(get_args(kind)), kind)
@@ -215,6 +216,7 @@ def figure(name: str, *attributes: str) -> Callable[[Report, Path], None]:
     """Return a plot of a report's subject, or of attributes of it, by the function of ``bristle_sim.render.NAME`` of that name."""
 
     def plot(report: Report, path: Path) -> None:
+        """Draw the subject, and write the picture."""
         from bristle_sim.render.style import save_figure
 
         save_figure(_named(f"render.{name}.{name}")(*_shown(report, attributes)), path)

@@ -47,14 +47,17 @@ class _Record:
         self._numbers: list[float] = []
 
     def begin(self) -> int:
+        """Forget what was noted, note the last step's contacts, and return how many numbers that are."""
         self._numbers.clear()
         self.note()
         return len(self._numbers)
 
     def note(self) -> None:
+        """Note the last step's contacts."""
         self._body.each_arbiter(lambda each: self._numbers.extend((*each.total_impulse, *each.normal)))
 
     def read(self) -> Sequence[float]:
+        """Return what was noted."""
         return self._numbers
 
 
@@ -68,12 +71,14 @@ class _BareRecord:
         self.note = partial(lib.cpSpaceEachCachedArbiter, space, write, self._data)
 
     def begin(self) -> int:
+        """Forget what was noted, note the last step's contacts, and return how many numbers that are."""
         self._numbers.num = 0
         self.note()
         count: int = self._numbers.num
         return count
 
     def read(self) -> Sequence[float]:
+        """Return what was noted."""
         numbers: list[float] = ffi.unpack(self._numbers.arr, self._numbers.num)
         return numbers
 

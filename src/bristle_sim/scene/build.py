@@ -23,12 +23,12 @@ from bristle_sim.scene.contact_shapes import ContactShapes
 from bristle_sim.scene.engine import MOST_ITERATIONS, SOLVED, EngineSteps
 from bristle_sim.scene.joints import Connected
 from bristle_sim.scene.mechanism import Link, Mechanism
-from bristle_sim.scene.obstacles import MARGIN, Obstacle
+from bristle_sim.scene.obstacles import MARGIN, Held, Obstacle
 from bristle_sim.scene.placement import Placement
 
 if TYPE_CHECKING:
     from bristle_sim.scene.wire_steps import WireSteps
-    from bristle_sim.scene.wire_velocities import Held, WireVelocities
+    from bristle_sim.scene.wire_velocities import WireVelocities
 
 HOLD_ITERATIONS = 30
 """Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
@@ -175,6 +175,7 @@ def _engine_steps(
     from bristle_sim.scene.wire_steps import WireSteps
 
     def solver() -> WireVelocities:
+        """Return what solves for the joints, with SciPy, which is imported where it is needed only."""
         from bristle_sim.scene.wire_velocities import WireVelocities
 
         belt = effects.damping if effects.stiffness is not None else 0.0

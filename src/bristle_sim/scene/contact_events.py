@@ -192,6 +192,7 @@ def inner_states(progress: Progress, contacts: SustainedContacts, start: State) 
         return []
 
     def state_at(fraction: float) -> State:
+        """Return the state that touches, nearest to the cubic's."""
         return contacts.set_back(progress.gaps, interpolate(start, end, fraction))
 
     guess, middle = interpolate(start, end, 0.5).angles[-1], state_at(0.5)

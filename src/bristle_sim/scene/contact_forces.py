@@ -131,11 +131,16 @@ class SolvedForces(ContactForces):
     In steps symmetric in time the forces of odd and even ones differ by an error that the mean of two does not have.
     """
 
-    def begin(self, step: float) -> Callable[[], None]:
-        """Forget what was added up; return what adds up, before each step, what was done in the step before."""
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle]) -> None:
+        """Nothing has been added up yet."""
+        super().__init__(scene, obstacles)
         self._pulls: dict[int, float] = {}
         self._last = self._mean = np.zeros((0, 2))
         self._odd = False
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Forget what was added up; return what adds up, before each step, what was done in the step before."""
+        self._pulls, self._odd = {}, False
         return super().begin(step)
 
     def totals(self) -> list[float]:

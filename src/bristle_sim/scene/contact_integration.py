@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 
 from bristle_sim.scene.contact_course import ContactCourse, CourseMark
-from bristle_sim.scene.contact_motion import ContactMotion, Turn
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.contact_motion import ContactMotion, Saved, Turn
 
 SAME = 1e-5
 """Slip and compression of one degree of freedom stop together: with less than this fraction of the approach left."""
-
-OPENED = 1e-5
-"""A contact is over with less than this fraction of its spring's way out left where slip starts or stops: 1e-10 of its
-impulse is left, and the force is so small that rounding of the tip's place would start and stop slip without end."""
 
 PATIENCE = 10.0
 """A contact that lasts this many times longer than an impact of its speed would is no impact: something presses the
@@ -38,21 +32,6 @@ TOO_ACCURATE = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class _Stop:
-    """Where the rigid-body law ends without rebound: state, forces, and how much of the course there is by then.
-
-    Attributes:
-        state: of the scene.
-        forces: whether the spring loads, direction of slip, and the force of stick.
-        mark: of the course.
-    """
-
-    state: State
-    forces: tuple[bool, float, float]
-    mark: CourseMark
-
-
 class ContactIntegration:
     """Integration of one contact.
 
@@ -69,7 +48,7 @@ class ContactIntegration:
         self.expected = motion.expected
         self.outcome: str | None = None
         self.course = ContactCourse()
-        self._stop: _Stop | None = None
+        self._stop: tuple[Saved, CourseMark] | None = None
         if not motion.spring.slip:
             self._settle()
         self._note_phase()
@@ -87,7 +66,7 @@ class ContactIntegration:
             if self._stop is None:
                 raise
         if self._stop is not None and self.outcome != "rebound":
-            self._end_at(self._stop)
+            self._end_at(*self._stop)
         return self.outcome or self.expected.outcome
 
     def _run(self, last: int) -> None:
@@ -118,19 +97,13 @@ class ContactIntegration:
         if act is not None:
             self._sample()
             act()
-            if self.outcome is None and not self.expected.vibrates and self._opened():
+            if self.outcome is None and not self.expected.vibrates and self.motion.opened():
                 self.outcome = "rebound"
             self._note_phase()
         self._sample()
         lasts = self.motion.state.time - self.course.begin > PATIENCE * self.expected.duration
         if self.outcome is None and lasts and not self.expected.vibrates:
             self.outcome = "no rebound"
-
-    def _opened(self) -> bool:
-        """Return that the spring is as good as at the end of its way out."""
-        spring = self.motion.spring
-        left = self.motion.penetration(self.motion.state) - spring.residual
-        return not spring.loading and left < OPENED * (spring.peak - spring.residual)
 
     def _turns(self) -> list[Turn]:
         """Return what can end the smooth motion that the contact is in."""
@@ -139,16 +112,11 @@ class ContactIntegration:
         if spring.loading:
             turns.append(Turn(lambda at: motion.velocity(at.state)[0], True, self._end_compression))
         else:
-            depth = self.expected.duration
-            turns.append(
-                Turn(
-                    lambda at: motion.penetration(at.state) - spring.residual,
-                    False,
-                    partial(setattr, self, "outcome", "rebound"),
-                    depth,
-                )
+            rebound, duration = partial(setattr, self, "outcome", "rebound"), self.expected.duration
+            turns += (
+                Turn(lambda at: motion.penetration(at.state) - spring.residual, False, rebound, duration),
+                Turn(lambda at: motion.penetration(at.state) - spring.peak, True, self._reload, duration),
             )
-            turns.append(Turn(lambda at: motion.penetration(at.state) - spring.peak, True, self._reload, depth))
         if spring.slip:
             turns.append(Turn(lambda at: spring.slip * motion.velocity(at.state)[1], False, self._settle))
         elif spring.tangential:
@@ -156,6 +124,7 @@ class ContactIntegration:
         return turns
 
     def _end_compression(self) -> None:
+        """Begin the way out, and settle slip that has stopped; without restitution the contact is over."""
         self.course.end_compression()
         spring = self.motion.spring
         spring.unload(self.motion.tip)
@@ -168,6 +137,7 @@ class ContactIntegration:
             self._settle()
 
     def _reload(self) -> None:
+        """Compress further than before: the spring has been pressed back past its peak."""
         self.motion.spring.loading = True
         if not self.motion.spring.slip:
             self._settle()
@@ -200,18 +170,16 @@ class ContactIntegration:
         if not self.expected.resumes:
             self.outcome = self.expected.outcome
         elif self._stop is None:
-            motion = self.motion
-            forces = motion.spring.loading, motion.spring.slip, motion.stick_force
-            self._stop = _Stop(motion.state, forces, self.course.mark())
+            self._stop = self.motion.saved(), self.course.mark()
 
-    def _end_at(self, stop: _Stop) -> None:
+    def _end_at(self, saved: Saved, mark: CourseMark) -> None:
         """End where the rigid-body law does: the contact comes to no end of its own either."""
         self.outcome = self.expected.outcome
-        self.motion.state = stop.state
-        self.motion.spring.loading, self.motion.spring.slip, self.motion.stick_force = stop.forces
-        self.course.return_to(stop.mark)
+        self.motion.restore(saved)
+        self.course.return_to(mark)
         self._sample()
 
     def _sample(self) -> None:
+        """Record the state that was reached."""
         self.course.rows.append(self.motion.sample(touches=self.outcome != "rebound"))
         self.course.states.append(self.motion.state)

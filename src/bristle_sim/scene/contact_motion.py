@@ -14,6 +14,10 @@ from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad
 from bristle_sim.scene.stepping import Advance, Stepper
 
+OPENED = 1e-5
+"""A contact is over with less than this fraction of its spring's way out left where slip starts or stops: 1e-10 of its
+impulse is left, and the force is so small that rounding of the tip's place would start and stop slip without end."""
+
 SAMPLES = 24
 """Least number of intervals that a contact of a given duration is cut into, for its course in time."""
 
@@ -41,6 +45,10 @@ UNKNOWN = (math.nan,) * 6
 
 TINY = math.ulp(1.0)
 """Velocities and penetrations of scene units to which a turn is located."""
+
+
+Saved = tuple[State, tuple[bool, float, float]]
+"""A state, and whether the spring loads there, the direction of slip, and the force of stick."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,6 +187,19 @@ class ContactMotion:
     def advance(self, length: float) -> Advance:
         """Return the result of an interval from the state that was reached."""
         return self.stepper.advance(self.scene, self.state, length, self.load)
+
+    def saved(self) -> Saved:
+        """Return the state that was reached, and what the spring does there, to return to."""
+        return self.state, (self.spring.loading, self.spring.slip, self.stick_force)
+
+    def restore(self, saved: Saved) -> None:
+        """Return to a state."""
+        self.state, (self.spring.loading, self.spring.slip, self.stick_force) = saved
+
+    def opened(self) -> bool:
+        """Whether the spring is as good as at the end of its way out."""
+        left = self.penetration(self.state) - self.spring.residual
+        return not self.spring.loading and left < OPENED * (self.spring.peak - self.spring.residual)
 
     def follow_bodies(self) -> None:
         """Let stick use the K of the bodies as they stand; in a contact short enough for the rigid limit it is constant."""

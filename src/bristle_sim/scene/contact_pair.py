@@ -156,6 +156,7 @@ def touching_points(
     found: list[TouchingPoint] = []
 
     def read(arbiter: pymunk.Arbiter) -> None:
+        """Add the points at which a pair of this list touches."""
         shapes = arbiter.shapes
         pair = pairs.get(frozenset(each.collision_type for each in shapes))
         if pair is not None:

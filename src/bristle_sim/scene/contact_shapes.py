@@ -80,6 +80,7 @@ class ContactShapes:
         body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
 
         def look(arbiter: pymunk.Arbiter) -> None:
+            """Take down what a contact of the body has done."""
             nonlocal found
             # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
             # the engine; a contact only pushes, which settles both.

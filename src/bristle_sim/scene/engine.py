@@ -236,6 +236,7 @@ class _Placer:
             body.angle, body.position, body.velocity, body.angular_velocity = angle, (x, y), (u, v), rate
 
     def keep(self) -> None:
+        """Take down where the bodies are and how they move."""
         moving = [(*each.position, each.angle, *each.velocity, each.angular_velocity) for each in self._bodies]
         self.values[:] = array("d", itertools.chain.from_iterable(moving))
 
@@ -260,6 +261,7 @@ class _BarePlacer:
             put(body, data)
 
     def keep(self) -> None:
+        """Take down where the bodies are and how they move."""
         self._numbers.num = 0
         for body in self._bodies:
             lib.pmSpaceBodyGetIteratorFuncBatched(body, self._data)

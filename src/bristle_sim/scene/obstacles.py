@@ -97,6 +97,14 @@ class Obstacle(Protocol):
         """Return the obstacle's foot on the centre line past the link's joint and past its tip, in the pieces' lengths."""
 
 
+class Held(NamedTuple):
+    """A sustained contact: the pair, the straight piece of its link that touches, and the sense of slip, 0 in stick."""
+
+    obstacle: Obstacle
+    piece: int | None
+    slip: int | None
+
+
 _Closest = tuple[float, Vector, tuple[float, float]]
 
 

@@ -144,6 +144,7 @@ class SpringLoad:
         note = steps.append
 
         def act() -> None:
+            """Push on the tip by the law, and note forces and velocities."""
             x, y, u, v = tip()
             slip = u * t_x + v * t_y
             normal = stiffness * (height - x * n_x - y * n_y)

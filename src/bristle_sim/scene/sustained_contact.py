@@ -14,7 +14,7 @@ from bristle_sim.scene.engine import MOST_ITERATIONS, SOLVED
 from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps, contact_row, set_back
 from bristle_sim.scene.mechanism import Link, Pose, State, Vector, cross
-from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.obstacles import Held, Obstacle
 from bristle_sim.trajectory import ContactRecord
 
 STILL = 1e-9
@@ -160,8 +160,6 @@ class SustainedContacts:
         grips = [self.grip(gaps, state, index) for index in range(len(self.obstacles))]
         self.pieces = [self._next_piece(each, state) for each in self.obstacles]
         if isinstance(self.forces, SolvedForces):
-            from bristle_sim.scene.wire_velocities import Held
-
             self.scene.hold([Held(*each) for each in zip(self.obstacles, self.pieces, self.slips, strict=True)])
             return min(grips)
         left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)

@@ -105,6 +105,7 @@ def _crossed(first: Line, second: Line) -> bool:
     """Whether two straight pieces cross."""
 
     def sides(line: Line, points: Line) -> float:
+        """Return a number that is negative if the points lie on different sides of the line."""
         along = (line[1][0] - line[0][0], line[1][1] - line[0][1])
         one, other = (cross(along, (each[0] - line[0][0], each[1] - line[0][1])) for each in points)
         return one * other

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Callable, Sequence
 from operator import sub
@@ -11,9 +10,10 @@ from typing import TYPE_CHECKING
 import pymunk
 
 from bristle_sim.scene.engine import EngineSteps
+from bristle_sim.scene.obstacles import Held
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.wire_velocities import Held, WireVelocities
+    from bristle_sim.scene.wire_velocities import WireVelocities
 
 
 LINKS_OF_A_STEP = 32
@@ -39,13 +39,16 @@ class WireSteps(EngineSteps):
     ) -> None:
         """Leave the joints to the engine until the iterations are set; the solver is made when it is first needed."""
         super().__init__(space, hub, links, joints)
-        self._solver, self._bending = solver, bending
+        self._make, self._bending = solver, bending
+        self._wires: WireVelocities | None = None
         self._engine_step = self._step
 
-    @functools.cached_property
+    @property
     def wires(self) -> WireVelocities:
         """The solver."""
-        return self._solver()
+        if self._wires is None:
+            self._wires = self._make()
+        return self._wires
 
     def set_iterations(self, count: int) -> None:
         """Have the engine's solver take this many iterations in every step; one leaves the joints of bending wires to theirs."""
@@ -61,7 +64,7 @@ class WireSteps(EngineSteps):
         active = bool(contacts) or self._always
         self._step = self._step_and_solve if active else self._engine_step
         self.take_symmetric = self._take_symmetric if active else None
-        if active or "wires" in self.__dict__:
+        if active or self._wires is not None:
             self.wires.contacts = contacts
             self.wires.take_over(active=active)
 

@@ -34,22 +34,61 @@ from scipy.linalg.lapack import dposv
 from bristle_sim.arrays import Array
 from bristle_sim.scene.engine import placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
-from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.scene.obstacles import Held, Obstacle, Touch
 
 DEPENDENT = 1e-12
 """Singular values below this fraction of the largest belong to contacts that repeat what joints or others say."""
 
 
-class Held(NamedTuple):
-    """A sustained contact: the pair, the straight piece of its link that touches, and the sense of slip, 0 in stick."""
+class _Wires(NamedTuple):
+    """What does not change of wires that are all alike: complex numbers stand for points of the plane.
 
-    obstacle: Obstacle
-    piece: int | None
-    slip: int | None
+    Attributes:
+        size: links of a wire.
+        tips, centres, inertias: of every link, from its joint and about its centre of gravity.
+        arms, moments: g_kj of one wire, transposed, and their conjugates times the masses.
+        products: mass matrix of all links at the angles 0, before its turning.
+        damping, belt: C, None without damping, and what the hub's turning adds to it.
+        roots: of each link's wire, at the hub's angle 0.
+    """
+
+    size: int
+    tips: NDArray[np.complex128]
+    centres: NDArray[np.complex128]
+    inertias: Array
+    arms: NDArray[np.complex128]
+    moments: NDArray[np.complex128]
+    products: NDArray[np.complex128]
+    damping: Array | None
+    belt: Array
+    roots: NDArray[np.complex128]
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, damping: Sequence[float]) -> _Wires:
+        """Take down the wires of a mechanism, whose joints have these damping coefficients, the root first."""
+        links, size, wires = mechanism.links, mechanism.wire_links, np.eye(mechanism.wires)
+        tips, centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in links]).T
+        inertias = np.array([link.inertia for link in links])
+        arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
+        moments = np.conj(arms).T * np.array([link.mass for link in links[:size]])
+        twists = np.eye(size) - np.eye(size, k=-1)
+        lag = mechanism.pitch * (np.arange(len(links)) // size)
+        return cls(
+            size,
+            tips,
+            centres,
+            inertias,
+            arms.T,
+            moments.T,
+            np.kron(wires, moments @ arms + np.diag(inertias[:size])),
+            np.kron(wires, np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)) if any(damping) else None,
+            np.tile(np.eye(size)[0] * damping[0], mechanism.wires),
+            -1j * mechanism.hub_radius * np.exp(-1j * lag),
+        )
 
 
 class _Chains:
-    """The links of all wires, one after the other: their bodies' numbers, and the velocities that obey the joints.
+    """The links of all wires, one wire after the other: their bodies' numbers, and the velocities that obey the joints.
 
     Attributes:
         rates, velocities: of the bodies; they may be written.
@@ -57,51 +96,38 @@ class _Chains:
     """
 
     def __init__(self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array) -> None:
-        """Take down what does not change; ``numbers`` are x, y, angle, u, v and rate of each link, ``hub`` those of the hub."""
-        self._hub = hub
+        """Look at x, y, angle, u, v and rate of each link in ``numbers``, and of the hub."""
+        self._wires, self._links, self._hub = _Wires.of(mechanism, damping), mechanism.links, hub
         self._places = numbers[:, :2].view(np.complex128)[:, 0]
         self.velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
         self._angles, self.rates = numbers[:, 2], numbers[:, 5]
-        self.links = links = mechanism.links
-        self._size = size = mechanism.wire_links
-        self._tips, self._centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in links]).T
-        self._inertias = np.array([link.inertia for link in links])
-        # All wires are alike.
-        arms = np.where(np.tri(size, k=-1, dtype=bool), self._tips[:size], 0.0) + np.diag(self._centres[:size])
-        moments = np.conj(arms).T * np.array([link.mass for link in links[:size]])
-        self._arms, self._moments = arms.T, moments.T
-        self._products = np.kron(np.eye(mechanism.wires), moments @ arms + np.diag(self._inertias[:size]))
-        twists = np.eye(size) - np.eye(size, k=-1)
-        one = twists.T @ np.diag(damping) @ twists
-        self._damping = np.kron(np.eye(mechanism.wires), one) if any(damping) else None
-        self._belt_damping = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
-        self._roots = -1j * mechanism.hub_radius * np.exp(-1j * mechanism.pitch * (np.arange(len(links)) // size))
-        self.turn, self.matrix = np.ones(len(links), complex), np.eye(len(links))
+        self.turn, self.matrix = np.ones(len(self._links), complex), np.eye(len(self._links))
 
     def close(self, time: float, *, correct: bool) -> None:
         """Set the velocities to those that obey the joints, with the damping over a time."""
+        wires = self._wires
         self.turn = turn = np.exp(1j * self._angles)
         back = turn.conj()
-        places = self._roots * cmath.exp(1j * self._hub[2])
+        places = wires.roots * cmath.exp(1j * self._hub[2])
         carried = 1j * self._hub[5] * places
         if correct:
-            carried = carried - (self._places - places - self._each(turn, self._arms)) / time
-        self.matrix = matrix = (back[:, None] * self._products * turn).real
-        momenta = (back * self._each(self.velocities - carried, self._moments)).imag + self._inertias * self.rates
-        if self._damping is not None:
-            matrix += time * self._damping
-            momenta += time * self._hub[5] * self._belt_damping
+            carried = carried - (self._places - places - self._each(turn, wires.arms)) / time
+        self.matrix = matrix = (back[:, None] * wires.products * turn).real
+        momenta = (back * self._each(self.velocities - carried, wires.moments)).imag + wires.inertias * self.rates
+        if wires.damping is not None:
+            matrix += time * wires.damping
+            momenta += time * self._hub[5] * wires.belt
         self.rates[:] = rates = dposv(matrix, momenta)[1]
-        self.velocities[:] = carried + self._each(1j * turn * rates, self._arms)
+        self.velocities[:] = carried + self._each(1j * turn * rates, wires.arms)
 
     def add(self, change: Array) -> None:
         """Change the rates, and the velocities with them."""
         self.rates += change
-        self.velocities += self._each(1j * self.turn * change, self._arms)
+        self.velocities += self._each(1j * self.turn * change, self._wires.arms)
 
     def _each(self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Return each wire's values times the matrix of a wire."""
-        return np.asarray((values.reshape(-1, self._size) @ matrix).ravel())
+        return np.asarray((values.reshape(-1, self._wires.size) @ matrix).ravel())
 
     def touch(self, obstacle: Obstacle, piece: int | None) -> Touch:
         """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
@@ -113,11 +139,11 @@ class _Chains:
 
     def row(self, obstacle: Obstacle, touch: Touch, direction: Vector) -> Array:
         """Return d(relative velocity of a contact along a direction)/d(rates)."""
-        row = np.zeros(len(self.links))
+        row = np.zeros(len(self._links))
         for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):
             if link is not None and arm is not None:
-                carriers = slice(link - link % self._size, link)
-                reaches = self._tips[carriers] * self.turn[carriers]
+                carriers = slice(link - link % self._wires.size, link)
+                reaches = self._wires.tips[carriers] * self.turn[carriers]
                 row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * reaches).real
                 row[link] += sign * cross(arm, direction)
         return row
@@ -126,9 +152,9 @@ class _Chains:
         """Return the pose of a link as its body is."""
         turn, rate = complex(self.turn[link]), float(self.rates[link])
         centre, velocity = complex(self._places[link]), complex(self.velocities[link])
-        to_centre = complex(self._centres[link]) * turn
+        to_centre = complex(self._wires.centres[link]) * turn
         joint, carried = centre - to_centre, velocity - 1j * rate * to_centre
-        corners = [complex(*each) * turn for each in (*self.links[link].knees, self.links[link].tip)]
+        corners = [complex(*each) * turn for each in (*self._links[link].knees, self._links[link].tip)]
         *knees, tip = [joint + each for each in corners]
         return Pose(
             _vector(joint),

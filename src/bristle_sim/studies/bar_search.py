@@ -133,6 +133,7 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
     """
 
     def slowness(direction: float) -> float:
+        """Return the tip's speed at the strike, negative, for a minimizer; 0 without a strike."""
         try:
             return -(strike(placed(tool, direction))["tip_speed_at_contact"] or 0.0)
         except ValueError:  # no strike there
@@ -161,6 +162,7 @@ def reference_solution(settings: Settings) -> Strike:
     from bristle_sim.reference import simulate_reference
 
     def strike(tool: Tool) -> Measures:
+        """Return the measures of the strike, ten times as accurate as the settings ask of the scene."""
         accuracy = max(1e-10, 0.1 * settings.accuracy)
         run = simulate_reference(tool, start_hub_angle=start_angle(tool), accuracy=accuracy, stop_after="strike")
         return strike_measures(tool, run)

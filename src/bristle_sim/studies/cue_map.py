@@ -13,7 +13,6 @@ import itertools
 import logging
 import math
 import time as clock
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -110,14 +109,14 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
     moving = tool.bristle.links == 1
     passes = USUAL_PASSES * (2 + moving * sum(map(len, MOVES.values())) + 2 * with_reference)
-    strike = _told(simulation(settings), started, itertools.count(1), passes)
+    strike = _told(simulation(settings), passes)
     radial = radial_place(tool, strike)
     fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
     moves = _moves(tool, strike, radial.direction) if moving else ()
     referred: Values = {}
     if with_reference:
-        independent = _told(reference_solution(settings), clock.perf_counter(), itertools.count(1), 2 * USUAL_PASSES)
+        independent = _told(reference_solution(settings), 2 * USUAL_PASSES)
         found = radial_place(tool, independent, radial.direction)
         referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
     # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
@@ -144,10 +143,12 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     )
 
 
-def _told(strike: Strike, started: float, counter: Iterator[int], usual: int) -> Strike:
+def _told(strike: Strike, usual: int) -> Strike:
     """Return the strike with each pass logged, and the time left if all the passes that are usual take the mean so far."""
+    started, counter = clock.perf_counter(), itertools.count(1)
 
     def told(tool: Tool) -> Measures:
+        """Log that a pass begins, and return its strike."""
         number = next(counter)
         each = (clock.perf_counter() - started) / number
         words = "pass %d of some %d, about %.0f s left"

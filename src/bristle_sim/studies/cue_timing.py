@@ -119,8 +119,8 @@ def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
 def stiffness_readings(tool: Tool) -> dict[str, float]:
     """Return the readings of the printed "0.00041 N m/rad", and the stiffness of the bristle filmed at 254 Hz, N m/rad."""
     filmed = tool.bristle.inertia_about_root * (2.0 * math.pi * 254.0) ** 2
-    degrees = math.degrees(PRINTED_BELT_STIFFNESS)
-    return {"per_radian": PRINTED_BELT_STIFFNESS, "per_degree": degrees, "from_254_hz": filmed}
+    printed = PRINTED_BELT_STIFFNESS
+    return {"per radian": printed, "per degree": math.degrees(printed), "from 254 Hz": filmed}
 
 
 def cue_timing(
@@ -145,17 +145,19 @@ def cue_timing(
     own, readings = timed(tool.belt.stiffness), stiffness_readings(tool)
     found = _rows(own, settings, UNITS, PRINTED if tool.belt == Belt() else {})
     for reading, stiffness in readings.items():
-        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), PRINTED, f"_{reading}")
+        suffix = f"_{reading.replace(' ', '_').lower()}"
+        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), PRINTED, suffix)
     if tool.belt.stiffness not in readings.values():
         readings = {"own": tool.belt.stiffness, **readings}
     timings = {reading: timed(stiffness) for reading, stiffness in readings.items()}
     passes = [row for each in timings.values() for row in each.passes]
+    stands = passes[-1]["bar_direction_deg"]
     return Report(
         outcome=None,
         quantities=tuple(found),
         **ran(own.trajectory),
-        extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
-        remarks=(*_in_words(timings), LEFT_OUT, *([OF_WIRE] if tool.bristle.links > 1 else [])),
+        extra={"bar_stands_at_deg": stands, "full_passes": passes},
+        remarks=(*_in_words(timings, stands), LEFT_OUT, *([OF_WIRE] if tool.bristle.links > 1 else [])),
         subject=dataclasses.replace(own, readings=timings),
     )
 
@@ -182,7 +184,7 @@ def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_
 
 
 def _rows(
-    timing: CueTiming, settings: Settings, names: Iterable[str], printed: Values, reading: str = ""
+    timing: CueTiming, settings: Settings, names: Iterable[str], printed: Values, suffix: str = ""
 ) -> list[Quantity]:
     """Compare the bars that a release needs with those of formula and reference, which judges them."""
     tool, own = timing.tool, Tool()
@@ -195,18 +197,14 @@ def _rows(
         return None if timing.reference is None else _tolerance(settings) * _conditioning(name, reference, tool)
 
     found = rows({name: UNITS[name] for name in names}, simulated, theory, reference, printed, tolerance)
-    return [dataclasses.replace(each, name=each.name + reading) for each in found]
+    return [dataclasses.replace(each, name=each.name + suffix) for each in found]
 
 
-def _in_words(readings: Mapping[str, CueTiming]) -> list[str]:
-    """Say where each belt stiffness needs the bar, what whole passes give, and which needs it nearest to where it stands."""
+def _in_words(readings: Mapping[str, CueTiming], stands: float) -> list[str]:
+    """Say where each belt stiffness needs the bar, what whole passes give, and which needs it nearest to where it stands, deg."""
     lines, away = [], dict[str, float]()
     for reading, timing in readings.items():
-        name, stands = (
-            f"belt stiffness {reading.replace('_', ' ').replace('hz', 'Hz')}",
-            timing.passes[-1]["bar_direction_deg"],
-        )
-        needed = "no speed is the highest, no bar cues it"
+        name, needed = f"belt stiffness {reading}", "no speed is the highest, no bar cues it"
         if timing.simulated is not None:
             away[name] = math.degrees(timing.simulated.bar_direction) - stands
             needed = f"bar needed at {stands + away[name]:.2f} deg, {away[name]:+.2f} deg from where it stands"

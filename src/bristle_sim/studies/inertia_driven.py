@@ -215,6 +215,7 @@ def _equal_hub_speed(tool: Tool, run: Run, radial: Radial, strike_speed: float |
     known = {0.0: 0.0, tool.hub.speed: radial.tip_speed}
 
     def missing(speed: float) -> float:
+        """Return by how much the tip is faster than the bar-cued one, m/s; each hub speed is tried once."""
         if speed not in known:
             tried = until_radial(dataclasses.replace(tool, hub=dataclasses.replace(tool.hub, speed=speed)), run)
             if tried is None:
