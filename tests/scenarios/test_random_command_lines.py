@@ -48,7 +48,7 @@ SMALL = {
 }
 """Settings that keep scenarios short that take many passes, with progress and time left, by default."""
 
-FEW = 3
+FEW = 2
 """Command lines of each scenario in the suite."""
 
 

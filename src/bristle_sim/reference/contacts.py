@@ -10,13 +10,14 @@ slides around the bar. With the velocities of the wire's surface in contact,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface, Tool
-from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
+from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics, Piece
 
 if TYPE_CHECKING:
     from bristle_sim.reference.row import Row
@@ -119,12 +120,11 @@ class Bar:
 
     def feet(self, chain: Chain | Row, motion: Kinematics) -> tuple[Array, Array]:
         """Return along each piece the foot of the bar's centre (m from its start), and the clamped gap; (..., pieces)."""
-        links = [each.link for each in chain.pieces]
+        links, starts, directions, lengths = _columns(chain.pieces)
         turn, joint = motion.turn[..., links], motion.joint[..., links]
-        origin = joint + np.array([each.start for each in chain.pieces]) * turn
-        along = np.array([each.direction for each in chain.pieces]) * turn
+        origin, along = joint + starts * turn, directions * turn
         foot = (np.conj(along) * (self.centre - origin)).real
-        nearest = origin + np.clip(foot, 0.0, [each.length for each in chain.pieces]) * along
+        nearest = origin + np.minimum(np.maximum(foot, 0.0), lengths) * along
         return foot, np.abs(nearest - self.centre) - self.reach
 
     def gaps(self, chain: Chain | Row, motion: Kinematics) -> Array:
@@ -175,6 +175,13 @@ class Workpart:
     def _tips(chain: Chain | Row, motion: Kinematics) -> Complexes:
         links = [chain.pieces[each].link for each in chain.tips]
         return np.asarray(motion.joint[..., links] + chain.ends[links] * motion.turn[..., links])
+
+
+@lru_cache(maxsize=64)
+def _columns(pieces: tuple[Piece, ...]) -> tuple[Array, Complexes, Complexes, Array]:
+    """Return links, starts, directions and lengths of pieces as arrays."""
+    links, starts, directions, lengths = map(np.array, zip(*pieces, strict=True))
+    return links, starts, directions, lengths
 
 
 def obstacles_of(tool: Tool) -> dict[str, Bar | Workpart]:

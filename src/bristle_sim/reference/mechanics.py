@@ -65,7 +65,10 @@ class Kinematics(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """The links, springs and hub of a tool as plain numbers, SI units; arrays over the links."""
+    """The links, springs and hub of a tool as plain numbers, SI units; arrays over the links.
+
+    ``before`` has a 1 in row k and column i where link k is before link i.
+    """
 
     speed: float
     hub_radius: float
@@ -81,6 +84,8 @@ class Chain:
     damping: Array
     products: Complexes
     moments: Complexes
+    inertia_matrix: Array
+    before: Complexes
 
     @classmethod
     def of(cls, tool: Tool, start_hub_angle: float) -> Chain:
@@ -114,6 +119,8 @@ class Chain:
             damping=np.array([tool.belt_damping] + [damper] * (links - 1)),
             products=np.conj(arms).T @ (masses[:, None] * arms),
             moments=masses @ arms,
+            inertia_matrix=np.diag(inertias),
+            before=np.tri(links, k=-1, dtype=complex).T,
         )
 
     @property
@@ -137,7 +144,7 @@ class Chain:
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix at the links' directions e^{i theta}, shape (..., n, n), kg m^2."""
         matrix = (np.conj(turn)[..., :, None] * self.products * turn[..., None, :]).real
-        return np.asarray(matrix + self.inertias * np.eye(self.links))
+        return np.asarray(matrix + self.inertia_matrix)
 
     def forces(self, time: Any, angles: Array, rates: Array, turn: Complexes) -> Array:
         """Return the generalized forces of inertia, belt, hinges and gravity, shape (..., n), N m; turn is e^{i theta}."""
@@ -154,19 +161,14 @@ class Chain:
 
     def kinematics(self, time: Any, angles: Array, rates: Array) -> Kinematics:
         """Return positions and velocities of the joints, and their accelerations at theta'' = 0."""
-        turn = np.exp(1j * angles)
-        root = np.asarray(self.root(time))[..., None]
-
-        def carried(steps: Complexes, first: Any) -> Complexes:
-            return np.concatenate([first, first + np.cumsum(steps[..., :-1], axis=-1)], axis=-1)
-
+        turn, root = np.exp(1j * angles), np.asarray(self.root(time))[..., None]
         arms = self.ends * turn
         return Kinematics(
             turn,
             rates,
-            carried(arms, root),
-            carried(1j * rates * arms, 1j * self.speed * root),
-            carried(-(rates**2) * arms, -(self.speed**2) * root),
+            root + arms @ self.before,
+            1j * self.speed * root + (1j * rates * arms) @ self.before,
+            -(self.speed**2) * root - (rates**2 * arms) @ self.before,
         )
 
     def jacobian(self, motion: Kinematics, link: int, arm: complex, direction: complex) -> Array:

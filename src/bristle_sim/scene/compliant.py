@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_integration import ContactIntegration
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
@@ -117,14 +118,7 @@ class CompliantLaw:
             stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
         load = SpringLoad(scene, touch, space.inverse_mass, stiffness, coefficients)
         longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_interval(scene))
-        # Rounding of the normal velocity turns the lightest link, of inertia 1/3, by as much over the root of K_nn/3.
-        turning = max(1.0, math.sqrt(3.0 / space.inverse_mass[0, 0]))
-        least = turning * ROUNDING / (duration * way_out)
-        tolerance = max(0.1 * self.accuracy, least)
-        repetitions = CLOSE if tolerance > CLEAR * least else WIDE
-        stepper: Stepper = Extrapolation(tolerance, fastest, repetitions, longest)
-        if self.plain_steps is not None:
-            stepper = PlainSteps(duration / self.plain_steps)
+        stepper = self._stepper(duration, longest, fastest, least=_rounding(space.inverse_mass, duration * way_out))
         expected = Expectation.of(duration, longest, rigid.outcome_name, len(scene.links))
         contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected))
         outcome = contact.run(scene.work + self.maximum_steps)
@@ -133,6 +127,13 @@ class CompliantLaw:
         names, constant = (obstacle.name, self.name, outcome), None if expected.moves else space.inverse_mass
         after = contact.motion.state
         return after, contact.course.record(names, state, after, constant)
+
+    def _stepper(self, duration: float, longest: float, fastest: float, least: float) -> Stepper:
+        """Return what integrates a contact of a duration, no more accurately than rounding, ``least``, allows."""
+        if self.plain_steps is not None:
+            return PlainSteps(duration / self.plain_steps)
+        tolerance = max(0.1 * self.accuracy, least)
+        return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR * least else WIDE, longest)
 
     def _shortest(self, scene: Scene, fastest: float, way_out: float) -> float:
         """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""
@@ -157,3 +158,11 @@ class CompliantLaw:
                 "contact = compliant: links must be at least 1e-3 times as heavy as the next one, or the engine's"
                 " iterations do not solve their joints"
             )
+
+
+def _rounding(inverse_mass: Array, way_out: float) -> float:
+    """Return what rounding makes of the lightest link's rate in an interval; ``way_out``: the duration times e*.
+
+    It turns the link, of inertia 1/3, by the normal velocity over the root of K_nn/3.
+    """
+    return max(1.0, math.sqrt(3.0 / inverse_mass[0, 0])) * ROUNDING / way_out

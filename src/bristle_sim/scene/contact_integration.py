@@ -108,15 +108,14 @@ class ContactIntegration:
     def _turns(self) -> list[Turn]:
         """Return what can end the smooth motion that the contact is in."""
         spring, motion = self.motion.spring, self.motion
-        turns: list[Turn] = []
         if spring.loading:
-            turns.append(Turn(lambda at: motion.velocity(at.state)[0], True, self._end_compression))
+            turns = [Turn(lambda at: motion.velocity(at.state)[0], True, self._end_compression)]
         else:
             rebound, duration = partial(setattr, self, "outcome", "rebound"), self.expected.duration
-            turns += (
+            turns = [
                 Turn(lambda at: motion.penetration(at.state) - spring.residual, False, rebound, duration),
                 Turn(lambda at: motion.penetration(at.state) - spring.peak, True, self._reload, duration),
-            )
+            ]
         if spring.slip:
             turns.append(Turn(lambda at: spring.slip * motion.velocity(at.state)[1], False, self._settle))
         elif spring.tangential:
