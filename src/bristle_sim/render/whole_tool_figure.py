@@ -37,7 +37,6 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
     impulses = axes.twinx()
     impulses.grid(visible=False)
     impulses.spines["right"].set_visible(True)
-    axes.axhline(0.0, color=GREY, linewidth=0.6)
     for each in (each for each in whole.forces if each.obstacle == "workpart"):
         if isinstance(each, SampledForce):
             time = np.linspace(each.begin, each.end, 200)
@@ -50,6 +49,8 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
     for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN s)", VERMILION)):
         scale.set_ylabel(label, color=color)
         scale.set_ylim(0.0, 1.15 * max(scale.get_ylim()[1], 1e-9))
+        scale.yaxis.set_visible(bool(scale.lines))
+    axes.axhline(0.0, color=GREY, linewidth=0.6)
     axes.set(xlabel="turn of the hub (°)", xlim=(0.0, turn), xticks=np.linspace(0.0, turn, 13))
 
 
