@@ -25,7 +25,6 @@ from bristle_sim.scene.spring import SpringLoad, time_at_unit_stiffness
 from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.time_scales import damped_interval
 from bristle_sim.scene.wire_links import rigid_stiffness
-from bristle_sim.theory.impact import energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
 LEAST_DURATION = 3e-7
@@ -95,14 +94,7 @@ class CompliantLaw:
         """
         self._check(scene, coefficients.restitution)
         touch, space = contact_at(scene, state, obstacle)
-        rigid = energetic_impact(
-            space.inverse_mass,
-            space.velocity,
-            coefficients.friction,
-            coefficients.restitution,
-            coefficients.restitution_friction,
-            space.stick_compliance,
-        )
+        rigid = coefficients.energetic_impact(space)
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
         way_out = coefficients.restitution or 1.0
         duration = self.duration or self._shortest(scene, fastest, way_out)

@@ -12,7 +12,7 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_space import ContactSpace, contact_space
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.obstacles import Obstacle, Touch
-from bristle_sim.theory.impact import energetic_impact
+from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
 
@@ -28,6 +28,17 @@ class Coefficients:
     def of(cls, obstacle: Obstacle) -> Coefficients:
         """Return the coefficients of an obstacle."""
         return cls(obstacle.friction, obstacle.restitution_friction, obstacle.restitution)
+
+    def energetic_impact(self, space: ContactSpace) -> Impact:
+        """Return the impact of rigid bodies with energetic restitution."""
+        return energetic_impact(
+            space.inverse_mass,
+            space.velocity,
+            self.friction,
+            self.restitution,
+            self.restitution_friction,
+            space.stick_compliance,
+        )
 
 
 class ContactLaw(Protocol):
@@ -68,14 +79,7 @@ class EnergeticLaw:
     ) -> tuple[State, ContactRecord]:
         """Change all bodies' velocities at once; positions stay."""
         _, space = contact_at(scene, state, obstacle)
-        impact = energetic_impact(
-            space.inverse_mass,
-            space.velocity,
-            coefficients.friction,
-            coefficients.restitution,
-            coefficients.restitution_friction,
-            space.stick_compliance,
-        )
+        impact = coefficients.energetic_impact(space)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         space.apply(impulse, (impact.velocity_normal, impact.velocity_tangential))
         after = State(state.time, state.angles, tuple(scene.rates()))
@@ -99,6 +103,10 @@ class EnergeticLaw:
         return after, record
 
 
+INSTANT = 1e-12
+"""Step of an engine impact in scene time units: forces and motion within it are below rounding."""
+
+
 class EngineLaw:
     """The engine's own contact: Newton's coefficient, friction clamped by the accumulated impulse, iterated.
 
@@ -116,7 +124,7 @@ class EngineLaw:
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that nothing but the impact happens in it."""
-        touch, space = contact_at(scene, state, obstacle)
+        touch, _ = contact_at(scene, state, obstacle)
         scene.contacts.engage(
             obstacle,
             friction=coefficients.friction,
@@ -145,9 +153,4 @@ class EngineLaw:
             rates_before=state.rates,
             rates_after=after.rates,
         )
-        del space
         return after, record
-
-
-INSTANT = 1e-12
-"""Step of an engine impact in scene time units: forces and motion within it are below rounding."""
