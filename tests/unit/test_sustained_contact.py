@@ -6,7 +6,7 @@ import pytest
 
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_events import elbow, locking
-from bristle_sim.scene.contact_forces import EngineForces
+from bristle_sim.scene.contact_forces import EngineForces, SolvedForces
 from bristle_sim.scene.gaps import Gaps, set_back
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
@@ -146,6 +146,17 @@ def test_friction_on_a_single_link_acts_against_a_given_slip(rate: float, sense:
     contact = Sustained(WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5))
     contact.look_up_slip(Gaps(ROD), State(0.0, (0.7,), (rate,)))
     assert contact.slip == sense
+
+
+def test_friction_of_the_second_of_two_contacts() -> None:
+    """By how much mu N exceeds the force that holds it, and which way that force would let it slip."""
+    obstacle = WorkpartObstacle(1.0, 0.4, 0.4, 0.5)
+    forces = SolvedForces(Scene(Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0))), Effects()), [obstacle, obstacle])
+    # Normal forces 5 and 10, six sums, tangential forces 2 and -3.
+    totals = [5.0, 10.0, *[0.0] * 6, 2.0, -3.0]
+    assert [forces.spare_friction(totals, index) for index in (0, 1)] == [0.0, 1.0]
+    assert [forces.driven(totals, index) for index in (0, 1)] == [-1, 1]
+    assert forces.driven([5.0, 10.0, *[0.0] * 6, 0.5, -0.5], 0) == -1
 
 
 def test_record_of_a_sustained_contact() -> None:

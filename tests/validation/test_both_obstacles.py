@@ -51,12 +51,12 @@ class TestOpeningRate:
         """Drifts -1 on the lever 0.5 and +1 on the lever -1: -2 + 1 = -1; with +3: 1; on one side there is no end of it."""
         pushes = self.touch(0.5, -1.0 + 0.5 * rate)
         # Rounding.
-        assert opening_rate(pushes, self.touch(-1.0, 1.0 - rate), rate) == pytest.approx(-1.0, rel=1e-14)
-        assert opening_rate(self.touch(-1.0, 3.0 - rate), pushes, rate) == pytest.approx(1.0, rel=1e-14)
-        assert opening_rate(pushes, self.touch(1.0, -1.0 + rate), rate) == math.inf
+        assert opening_rate(pushes, self.touch(-1.0, 1.0 - rate)) == pytest.approx(-1.0, rel=1e-14)
+        assert opening_rate(self.touch(-1.0, 3.0 - rate), pushes) == pytest.approx(1.0, rel=1e-14)
+        assert opening_rate(pushes, self.touch(1.0, -1.0 + rate)) == math.inf
 
     def test_at_rest(self) -> None:
-        assert opening_rate(self.touch(0.5, 0.0), self.touch(-1.0, 0.0), 0.0) == 0.0
+        assert opening_rate(self.touch(0.5, 0.0), self.touch(-1.0, 0.0)) == 0.0
 
 
 @pytest.mark.parametrize("step", [None, 1e-5])

@@ -124,14 +124,14 @@ def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None
     return State(state.time, (angle,), (rate,))
 
 
-def opening_rate(first: Touch, second: Touch, rate: float) -> float:
+def opening_rate(first: Touch, second: Touch) -> float:
     """Return how fast two contacts of a link that turns about its joint leave it free between them, whatever its rate.
 
-    Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if
-    this sum of drift / abs(lever) is; below 0 they close on the link as a wedge does. Infinite for levers of one sign.
+    Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if the
+    sum of drift / abs(lever) is, in which the rate cancels; below 0 they close on the link as a wedge does. Infinite for
+    levers of one sign.
     """
     levers = [cross(touch.arm, touch.normal) for touch in (first, second)]
     if levers[0] * levers[1] >= 0.0:
         return math.inf
-    drifts = (touch.velocity[0] - lever * rate for touch, lever in zip((first, second), levers, strict=True))
-    return sum(drift / abs(lever) for drift, lever in zip(drifts, levers, strict=True))
+    return first.velocity[0] / abs(levers[0]) + second.velocity[0] / abs(levers[1])

@@ -183,9 +183,9 @@ def least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
     if len(progress.mechanism.links) > 1:
         return math.inf
     gaps, state = progress.gaps, progress.state
-    touch, rate = gaps.touch(obstacle, state), state.rates[-1]
+    touch = gaps.touch(obstacle, state)
     closed = [each for each in progress.obstacles if each is not obstacle and progress.touches(each)]
-    return min((opening_rate(touch, gaps.touch(each, state), rate) for each in closed), default=math.inf)
+    return min((opening_rate(touch, gaps.touch(each, state)) for each in closed), default=math.inf)
 
 
 def _stays(progress: Progress, obstacle: Obstacle, record: ContactRecord) -> bool:
