@@ -1,7 +1,8 @@
 """Bent bristles: which of a reverse bent, a straight and a forward bent wire slides, and which retracts at once?
 
 All three pass the same bar and workpart at 2600 rpm; the strike is resolved in time over the 0.1 ms that the dissertation
-takes for a contact. The film shows the forward knee retract at once, the other two slide first. A wire of links strikes at the
+takes for a contact. The dissertation's high-speed film
+shows the forward bent tip retract at once, while the other two slide first. A wire of links strikes at the
 contact stiffness that would keep the rigid bristle in touch for contact_duration.
 """
 

@@ -1,7 +1,7 @@
 """The wire that bends: what does the rigid bristle overstate?
 
-A straight radial wire of links turns as one when its end strikes. The contact has a finite stiffness, that which would keep
-the rigid bristle in touch for contact_duration; a strike of 50 us is over before the root knows of it.
+A straight radial wire of links turns without bending until its tip strikes. The contact has a finite stiffness, that which would keep
+the rigid bristle in touch for contact_duration; a strike of 50 us is over before the bending wave reaches the root.
 """
 
 import sys
@@ -38,7 +38,7 @@ SCENARIO = Scenario(
     video=film("wire_video.WireFilm"),
     series=series,
     without=("knee_position", "knee_angle_deg", "step", "hub_turn"),
-    most={"wire_links": (32, "at most 32, whose strike takes 2 s; that of 64 comes to no end")},
+    most={"wire_links": (32, "at most 32, whose strike takes 2 s; a strike of 64 does not finish")},
     defaults={
         "wire_links": (8, "chosen: impulse and peak force are within 0.3 % of those of more links"),
         "friction": (0.0, "chosen: the stiffness is that of a frictionless contact of the given duration"),

@@ -1,7 +1,7 @@
-"""The inertia-driven tool: how fast does a bristle strike that no bar holds back?
+"""The inertia-driven tool: how fast is the tip of a bristle that no bar holds back?
 
 The wire arrives translating on a straight belt and enters the pulley with the rate 0; it lags, the belt whips it back, and it
-passes the radial direction. How fast is its tip then, and how fast must the pulley turn to strike as the bar-cued tool does?
+passes the radial direction. How fast is its tip then, and how fast must the pulley turn for the tip speed of the bar-cued tool?
 """
 
 import sys
@@ -13,7 +13,7 @@ from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(
     name="inertia_driven",
-    question="How fast does the tip strike that inertia drives, without a bar?",
+    question="How fast is the tip of a bristle that inertia drives, without a bar?",
     parts=(Hub, Belt, Bristle, Bar, Workpart, Settings, Comparison),
     run=study("studies.inertia_driven.inertia_driven"),
     plot=figure("inertia_figure"),

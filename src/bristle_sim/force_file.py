@@ -37,7 +37,7 @@ SAMPLED_LINES = 200  # lines at the beginning, and as many spread over the file,
 LAYOUTS = (("\t", "."), ("\t", ","), (";", "."), (";", ","), (",", "."), (",", ","), (None, "."), (None, ","))
 """Separators (None: blanks) and decimal signs; of two that explain a file equally well the first counts."""
 
-FEWEST_POINTS = 4  # a file with fewer points than this determines no curve: one term has three unknowns
+FEWEST_POINTS = 4  # fewer determine no curve: even where the start is known three unknowns are left
 FEWEST_TICKS = 8  # distinct times that show by which step a clock was rounded
 
 NAMES = {

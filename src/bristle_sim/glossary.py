@@ -1,4 +1,4 @@
-"""Unit, meaning and range of the scripts' keys; a key means the same wherever it is declared."""
+"""Unit, meaning and range of the scenarios' keys, where a declaration does not give its own."""
 
 from __future__ import annotations
 
@@ -81,5 +81,5 @@ KEYS: dict[str, Key] = {
     "step": Key("s", "fixed engine step; none: chosen for the accuracy", 1.0, 1e-12),
     "hub_turn": Key("rad", "turn of the hub after which the pass ends", 1e6, 1e-12),
     "theme": Key("word", "kind of hard case that is tried"),
-    "effort": Key("word", "whether the cases that take long are tried too"),
+    "effort": Key("word", "how much is tried: quick leaves out what takes long"),
 }

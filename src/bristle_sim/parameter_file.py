@@ -65,6 +65,9 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
             typed |= {key: _text(path, key, each, known[name], f"[{name}] ") for key, each in value.items()}
         elif value is False and name in MAY_BE_ABSENT:
             typed[name] = ABSENT
+        elif name in PARTS:
+            absent = ", or false where there is none" if name in MAY_BE_ABSENT else ""
+            raise ValueError(f"{path}: {name} = {shown(value)}: must be a table [{name}]{absent}")
         else:
             typed[name] = _text(path, name, value, every)
     return typed
@@ -75,7 +78,7 @@ def _text(path: str | Path, key: str, value: Any, known: Iterable[str], where: s
         raise ValueError(f"{path}: {where}unknown key {shown(key)}; {likely_key(key, known)}")
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError(f"{path}: {where}{key} = {shown(value)}: must be a number or a text with a unit")
-    return value if isinstance(value, str) else repr(float(value))
+    return value if isinstance(value, str) else repr(value)
 
 
 def read_tool(path: str | Path) -> Tool:

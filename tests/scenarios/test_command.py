@@ -70,6 +70,15 @@ def test_misplaced_settings_are_told_where_they_belong(capsys: pytest.CaptureFix
     assert capsys.readouterr().err.endswith("--csv a.csv; bristle-sim tolerances --help lists the options\n")
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_a_full_disk_is_an_error_in_one_line(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    with Path("/dev/full").open("w") as out:
+        monkeypatch.setattr(sys, "stdout", out)
+        assert command.main([]) == 2
+        out.flush()
+    assert capsys.readouterr().err.startswith("bristle-sim: error: standard output: ")
+
+
 def quantities(*words: str, **options: Any) -> Any:
     found = subprocess.run(
         [sys.executable, *words, "--json", "-"], capture_output=True, text=True, check=True, **options
@@ -143,8 +152,8 @@ def test_a_value_without_effect_on_the_scenario_is_told(tmp_path: Path, capsys: 
     ("text", "advice"),
     [
         ("hub_sped = 3", "unknown key 'hub_sped'; did you mean hub_speed?"),
-        ("bar = false", "bar = false: must be a bar in cue_and_impact"),
-        ("hub_speed = -1", "hub_speed = '-1.0': must be"),
+        ("bar = false", "bar = false: must be present for cue_and_impact"),
+        ("hub_speed = -1", "hub_speed = '-1': must be"),
     ],
 )
 def test_a_faulty_tool_file_is_refused_in_one_line(

@@ -112,6 +112,15 @@ def test_a_page_shows_every_picture_of_a_folder_and_a_film(tmp_path: Path):
         assert "<canvas" not in text
 
 
+def test_a_figure_that_cannot_be_drawn_spoils_no_page(tmp_path: Path):
+    def plot(*_: object) -> None:
+        raise ValueError("maps need the extra sweep")
+
+    told: dict[str, Any] = {"name": "s", "question": "?", "command": "run", "parameters": []}
+    write_report(tmp_path / "page.html", Report(None, ()), plot=plot, **told)
+    assert "no figure: maps need the extra sweep" in (tmp_path / "page.html").read_text(encoding="utf-8")
+
+
 def test_the_motion_leaves_out_what_the_tool_has_not():
     tool = Tool(bar=None, workpart=None)
     data = motion_data(simulate(tool, start_relative_angle=-0.5, stop_after="highest relative speed"), tool)

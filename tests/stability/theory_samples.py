@@ -30,7 +30,7 @@ RAMP = np.linspace(0.0, 1.0, 6)
 TIMES = np.linspace(0.0, 1e-4, 12)[1:-1]
 
 TOOL: dict[str, Any] = (
-    {"hub_radius": 0.0275, "length": 0.027, "penetration": 0.0045, "bar_reach": 0.0047, "tip_radius": 0.05}
+    {"hub_radius": 0.0275, "length": 0.027, "penetration": 0.0045, "bar_reach": 0.0047}
     | {"bar_horizontal": 0.05037, "bar_vertical": 0.0225, "distance": 0.055, "direction": 1.15, "retraction": 0.7}
     | {"hub_speed": 261.8, "speed_ratio": 3.23, "natural_rate": 1000.0, "stiffness": 0.0235, "centrifugal": 2e-3}
     | {
@@ -39,7 +39,6 @@ TOOL: dict[str, Any] = (
         "damping_ratio": 0.1,
         "speed_share": 0.9,
         "relative_speed": 870.0,
-        "initial_rate": 845.6,
     }
 )
 IMPACTS: dict[str, Any] = (

@@ -144,6 +144,11 @@ def test_progress_is_for_terminals_alone(tmp_path, monkeypatch, capsys):
     assert film.sys.stderr.getvalue() == ""
 
 
+def test_a_film_needs_no_standard_error(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.stderr", None)
+    assert Dot().write(tmp_path / "a.gif", fps=5.0).exists()
+
+
 def test_progress_counts_frames_on_standard_error(tmp_path, monkeypatch, capsys):
     pytest.importorskip("tqdm")
     terminal = Terminal()

@@ -29,9 +29,9 @@ from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of
 from bristle_sim.studies.cue_map import MapGrid, position_map
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.neighbours import neighbours
-from bristle_sim.studies.strike_point import start_angle, strike_measures
+from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures
 from bristle_sim.studies.sweep_point import check_arguments, identity_of
-from bristle_sim.studies.tolerances import sobol_study
+from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, tolerances
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory.force_fit import fit_force_history
 
@@ -112,6 +112,24 @@ def test_a_pass_is_told_by_what_happened_in_it(tool: Tool):
     assert (values["contact_time"] is not None) is struck
     assert (values["release_time"] is not None) is (tool.bar == Bar() and tool.hub.speed > 0.0)
     assert not [row.name for row in report.quantities if row.ok is False]
+
+
+def test_a_strike_while_the_bar_is_touched_is_not_cued():
+    run = simulate(Tool(), stop_after="strike")
+    strike = run.first_contact("workpart")
+    assert strike is not None
+    contacts = [
+        dataclasses.replace(each, duration=strike.time - each.time) if each.obstacle == "bar" else each
+        for each in run.contacts
+    ]
+    with pytest.raises(NotCuedError, match="must have left the bar when it strikes"):
+        strike_measures(Tool(), dataclasses.replace(run, contacts=tuple(contacts)))
+
+
+@pytest.mark.parametrize("absent", ["bar", "workpart"])
+def test_tolerances_need_bar_and_workpart(absent: str):
+    with pytest.raises(ValueError, match="bar, workpart: must both be parts of the tool"):
+        tolerances(dataclasses.replace(Tool(), **{absent: None}), Spreads(), Sampling(), Settings())
 
 
 def test_a_crater_needs_friction():

@@ -157,6 +157,13 @@ class TestPictures:
         assert touch_places([upright, flat], 7e-4) == pytest.approx(np.array([[10.0, 0.35]]))
         assert touch_places([flat, upright + np.array([0.0, 1e-4])], 7e-4).shape == (0, 2)
 
+    def test_where_bent_wires_touch(self):
+        """The outer link of one, and the end of the other above it."""
+        bent = np.array([[0.0, 0.0], [0.0, -0.01], [0.02, -0.01]])
+        assert touch_places([bent, np.array([[0.01, 0.03], [0.01, 7e-4 - 0.01]])], 7e-4) == pytest.approx(
+            np.array([[10.0, -9.65]])
+        )
+
     def test_the_film_marks_touches_and_says_how_fast_the_spoilt_strike_is(self):
         subject = report().subject
         scene = RowFilm(subject, 160, 120, 4.0)

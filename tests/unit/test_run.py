@@ -149,6 +149,13 @@ class TestFastAndThin:
             simulate(TOOL, Settings(step=0.01))
 
 
+def test_a_wire_that_is_stopped_at_its_strike_is_not_jammed() -> None:
+    """Of several links the impact of one point is followed by those that it makes at others."""
+    run = simulate(replace(TOOL, bristle=Bristle(links=2)), stop_after="strike")
+    assert run.stop_reason is StopReason.EVENT
+    assert run.events[-1].name == "strike"
+
+
 class TestStarts:
     GAMMA = math.acos(50.0 / 54.5)
 
@@ -177,6 +184,19 @@ class TestStarts:
     def test_overlapping(self, start: float, obstacle: str) -> None:
         with pytest.raises(ValueError, match=f"the {obstacle} must be clear of the bristle"):
             simulate(TOOL, start_hub_angle=start)
+
+    def test_on_the_very_centre_of_the_bar(self) -> None:
+        """Where no direction is the normal's the gap is still minus the reach."""
+        tool = replace(TOOL, bar=Bar(radius=0.005, horizontal=0.0, vertical=0.04), workpart=None)
+        with pytest.raises(ValueError, match=r"the bar must be clear of the bristle .* overlaps it by 0\.00536"):
+            simulate(tool, start_hub_angle=0.0)
+
+    def test_end_on_without_friction(self) -> None:
+        """A hub without radius turns the wire's end onto a bar: nothing jams, and no force turns the bristle away."""
+        bar = Bar(radius=0.005, horizontal=0.0, vertical=0.027 + 0.005 + 0.5 * TOOL.bristle.wire_diameter, friction=0.0)
+        tool = replace(TOOL, hub=Hub(speed=0.0, radius=0.0), bar=bar, workpart=None)
+        run = simulate(tool, Settings(hub_turn=1.0), start_hub_angle=0.0)
+        assert "jam" not in [each.name for each in run.events]
 
     @pytest.mark.parametrize(
         "start",

@@ -427,7 +427,7 @@ def test_a_missing_file_is_said_to_be_missing(tmp_path: Path):
 def test_other_files_are_refused(content: bytes, tmp_path: Path):
     path = tmp_path / "other.npz"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"other\.npz: not a trajectory file"):
+    with pytest.raises(ValueError, match=r"other\.npz: cannot be read as a trajectory"):
         Trajectory.load(path)
 
 
@@ -436,7 +436,7 @@ def test_other_arrays_are_refused(tmp_path: Path):
     np.save(single, np.zeros(3))
     np.savez(several, time=np.zeros(3))
     for path in (single, several):
-        with pytest.raises(ValueError, match="not a trajectory file"):
+        with pytest.raises(ValueError, match="cannot be read as a trajectory"):
             Trajectory.load(path)
 
 
@@ -467,7 +467,7 @@ def test_files_with_other_metadata_are_refused(trajectory: Trajectory, tmp_path:
     rewrite(path, lambda meta: meta)
     assert_same(Trajectory.load(path), trajectory)
     rewrite(path, change)
-    with pytest.raises(ValueError, match="not a trajectory file"):
+    with pytest.raises(ValueError, match="cannot be read as a trajectory"):
         Trajectory.load(path)
 
 
@@ -502,5 +502,5 @@ def test_no_code_is_run_from_a_file(trajectory: Trajectory, tmp_path: Path):
     path = tmp_path / "run.npz"
     trajectory.save(path)
     rewrite(path, lambda meta: meta, dtype=object)
-    with pytest.raises(ValueError, match="not a trajectory file"):
+    with pytest.raises(ValueError, match="cannot be read as a trajectory"):
         Trajectory.load(path)

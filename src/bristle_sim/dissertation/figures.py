@@ -63,7 +63,7 @@ def figures_report(selection: Selection) -> Report:
     def report() -> Report:
         """Return how far the points of the figures are from their curves."""
         apart = ((each, law, value) for each in figures for law, value in largest_differences(each).items())
-        words = "largest distance of points from their curve, as a fraction of its largest value beside one, in"
+        words = "largest distance of the points from their curve, divided by the curve's largest value at a point, in"
         return Report(
             outcome=None,
             quantities=tuple(

@@ -75,7 +75,7 @@ def _rod_panels(impacts: Impacts) -> dict[str, Panel]:
 
 
 def _through(sweep: Sweep, own: Case) -> Sweep:
-    """Return a sweep with a case of one's own, in place of the nearest of its curves."""
+    """Return the sweep about the impact at hand, whose own value replaces the nearest one of the family."""
     high = _largest_friction(own.friction) if sweep.along == "friction" else sweep.high
     values = with_own(sweep.values, getattr(own, sweep.family))
     until_stiction = sweep.until_stiction and own.restitution_friction is None
@@ -83,12 +83,12 @@ def _through(sweep: Sweep, own: Case) -> Sweep:
 
 
 def _largest_friction(own: float) -> float:
-    """Return where curves over friction end: at 1, beyond one's own, or where no surface is rougher."""
+    """Return the friction at which curves end: 1, or 1.25 times that of the impact at hand, at most 1e9."""
     return min(max(1.0, 1.25 * own), 1e9)
 
 
 def with_own(values: tuple[float, ...], own: float) -> tuple[float, ...]:
-    """Return a family's values, ascending, one's own in place of the nearest."""
+    """Return a family's values in ascending order, the nearest one replaced by that of the impact at hand."""
     nearest = min(values, key=lambda value: abs(value - own))
     return tuple(sorted({*values, own} - ({nearest} - {own})))
 
@@ -121,7 +121,7 @@ def energy_panel(impacts: Impacts) -> Panel:
 def convergence_panel(impacts: Impacts) -> Panel:
     """Return how far rates after a contact of plain steps are off the rigid-body limit, over the step.
 
-    With a duration of one's own they are compared with the contact of that duration as it was resolved.
+    Where a duration was requested, they are compared with the resolved contact of that duration.
     """
     resolved, duration = impacts.strikes["compliant"], impacts.contact_duration
     limit = (impacts.strikes["energetic"] if duration is None else resolved).contact

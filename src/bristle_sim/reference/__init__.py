@@ -1,7 +1,8 @@
 """The pass of a wire of rigid links, integrated with scipy: an independent solution that the scene is compared with.
 
 The links' absolute angles are all that moves; the hub's angle is psi = psi_0 + omega t. One link is the rigid bristle.
-With the scene it shares the parameters, the result's type and the impact law, and nothing else.
+With the scene it shares the parameters, the types of the result, the impact law, and the stiffness and damping of a wire's
+hinges, and nothing else.
 
 Files: ``mechanics`` equations of motion, ``contacts`` kinematics of a touch, ``forces`` forces of sustained contacts and
 impacts, ``system`` a state with its contacts, ``crossing`` where a function of time changes sign, ``events`` what ends an

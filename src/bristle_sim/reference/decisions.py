@@ -15,7 +15,8 @@ from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
 LOWEST_REBOUND = 1e-10  # a lower rebound, as a fraction of hub radius and length, is none: the contact is sustained
-MOST_IMPACTS, MOST_AT_ONCE = 20_000, 64  # impacts after which a run gives up, and at one instant a lone wire is wedged
+MOST_IMPACTS = 20_000  # impacts of a run after which it gives up
+MOST_AT_ONCE = 64  # impacts of a lone wire at one instant after which it counts as jammed
 AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
 
 

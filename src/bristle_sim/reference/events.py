@@ -69,7 +69,7 @@ def _retraction_limit(own: Record, state: State) -> State:
 
 
 def _touch_events(system: System, log: Log, state: State) -> list[Event]:
-    """An obstacle is touched where it is not touched yet; one that a compliant contact left indented is left."""
+    """Return the events at which an obstacle is touched, or left where a compliant contact has indented it."""
     inside, found = INSIDE * system.size, []
 
     def gap(name: str, piece: int, level: float, instant: Instant) -> float:

@@ -120,7 +120,7 @@ def _consistent(
 def _pushes(
     mass: Array, forces: Array, accelerations: Array, each: Acting, normal: float, tangential: float, still: float
 ) -> bool:
-    """Whether a contact that stays pushes, and sticks or slips consistently; a spring's force at its end is 0 but for rounding."""
+    """Whether a contact that is kept pushes, and its stick or slip is consistent; a spring's force may end below 0 by rounding."""
     if (normal < 0.0 and each.push is None) or (
         each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal
     ):

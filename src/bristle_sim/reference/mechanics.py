@@ -195,7 +195,7 @@ class Chain:
 
     @property
     def swing_and_decay(self) -> tuple[float, float]:
-        """Return the rates of small oscillations on the belt and of their decay as if the hinges were rigid, rad/s."""
+        """Return the natural rate of the wire on its belt, and c/I, twice the rate at which it decays, with rigid hinges, rad/s."""
         inertia = float(self.mass_matrix(np.ones(self.links, dtype=complex)).sum())
         moment = abs(complex(self.moments.sum())) * (self.hub_radius * self.speed**2 + self.gravity)
         return math.sqrt((float(self.stiffness[0]) + moment) / inertia), float(self.damping[0]) / inertia
@@ -204,7 +204,8 @@ class Chain:
     def fastest_rate(self) -> float:
         """Return an upper bound of the rates at which free motion changes, rad/s.
 
-        The fastest hinge mode of the straight chain (by the trace of stiffness against mass), damping and the hub.
+        The sum of the highest natural frequency of the straight chain in the centrifugal field (the largest eigenvalue of
+        stiffness against mass), the highest rate of its damping, and the hub's speed.
         """
         chain = self.mass_matrix(np.ones(self.links, dtype=complex))
         spring, damper = (_coupling(each) for each in (self.stiffness, self.damping))

@@ -26,7 +26,10 @@ from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
 AHEAD = 1e-3
-"""Radians of the fastest motion within which a contact loses its lever, but for this fraction, where no step is short enough."""
+"""How far ahead a step that failed looks, radians of the fastest motion."""
+
+VANISHED = 1e-3
+"""Fraction of its present value below which a contact's response to a normal force counts as gone: the step failed by a jam."""
 
 
 @dataclass(slots=True)
@@ -115,7 +118,7 @@ class Run:
         )
         now = self.system.at(self.state)
         return any(
-            freedom(ahead.mass, ahead.touch(each.point), 0.0) < AHEAD * freedom(now.mass, now.touch(each.point), 0.0)
+            freedom(ahead.mass, ahead.touch(each.point), 0.0) < VANISHED * freedom(now.mass, now.touch(each.point), 0.0)
             for each in self.system.sustained
         )
 

@@ -86,7 +86,7 @@ def simulate_reference(
         start_relative_angle, start_relative_rate: alpha (rad, within a quarter turn) and its rate (rad/s) at t = 0.
         hub_turn: how far the hub turns, rad. A hub at rest runs for three of the bristle's natural periods.
         duration: length of the run instead, s.
-        accuracy: relative accuracy of the motion requested; the integrator's tolerance is a hundredth of it.
+        accuracy: relative accuracy of the motion requested; the integrator's tolerance is a hundredth of it, but at least 1e-13.
         stop_after: name of the event that ends the run, as for the scene's ``simulate``; a touch ends it just after the
             impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
@@ -143,9 +143,9 @@ def simulate_row_reference(
         ValueError: for settings out of range, a bristle that is not straight and rigid, wires that touch each other at the
             start, or one inside an obstacle.
     """
+    _check_row(tool, bristles, pitch, stop_after)
     whole_turn = hub_turn + (bristles - 1) * pitch
     request = Request(start_hub_angle, 0.0, 0.0, whole_turn, None, accuracy, sample_interval, None, stop_after)
-    _check_row(tool, bristles, pitch, stop_after)
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
     row = Row(tool, [request.start_hub_angle - number * pitch for number in range(bristles)])
     wires = Wires(row, tool.bristle.wire_diameter, surface)
@@ -201,7 +201,7 @@ def _check_row(tool: Tool, bristles: int, pitch: float, stop_after: str | None) 
     """Refuse bristles that are not rigid and straight, a row that does not fit the hub, and events that do not stop it."""
     if tool.bristle.links != 1 or len(tool.bristle.path) != 1:
         raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, without a knee, in a row (dimensionless)")
-    if bristles < 1 or bristles != int(bristles):
+    if type(bristles) is not int or bristles < 1:
         raise ValueError(f"bristles = {bristles!r}: must be a whole number of at least 1 (dimensionless)")
     apart = 2.0 * tool.hub.radius * math.sin(min(pitch, math.pi) / 2.0)
     if not (apart > tool.bristle.wire_diameter and (bristles - 1) * pitch < 2.0 * math.pi - pitch):

@@ -70,8 +70,11 @@ def strike_reference(
             f" {touch.gap:g} m, its normal velocity {touch.velocity[0]:g} m/s (in rad)"
         )
     run = Run(system, log, meet(system, log, "workpart", 0, start), longest, accuracy / 100.0, most_evaluations)
-    if run.run() is StopReason.STEP_BUDGET:
+    reason = run.run()
+    if reason is StopReason.STEP_BUDGET:
         raise TooStiffError(f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)")
+    if reason not in (StopReason.EVENT, StopReason.END):
+        raise ValueError(f"angles, rates: must be those of a contact that ends; its solution stops: {reason}")
     if not log.seen("workpart release"):
         raise ValueError(f"longest = {longest:g}: must be longer; the contact has not ended (in s)")
     (record,) = log.records

@@ -14,7 +14,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
-from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost
+from bristle_sim.benchmarks.accuracy_cost.results import NOT_IN_TIME, AccuracyCost
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE
 from bristle_sim.render.panels import note
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, styled
@@ -122,7 +122,8 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
     axes.set_title(case.title, loc="left", pad=16.0)
-    note(axes, verdict(points), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", fontsize=6.5)
+    in_time = [each for each in points if each.method not in NOT_IN_TIME]
+    note(axes, verdict(in_time), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", fontsize=6.5)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
     axes.set_ylabel("relative error", labelpad=2.0)
     look = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}

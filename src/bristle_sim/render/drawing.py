@@ -20,7 +20,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.style import MILLIMETRES, scale_for
 
-LONGEST_BAR = 0.28
+LONGEST_SCALE_BAR = 0.28
 """Longest scale bar as a fraction of the axes' width."""
 
 HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
@@ -87,7 +87,7 @@ def draw_film_tool(axes: Axes, tool: Tool, view: View, letter_size: float) -> No
     axes.set_axis_off()
     draw_tool(axes, tool, view)
     name_parts(axes, tool, letter_size)
-    most = LONGEST_BAR * (view.right - view.left)
+    most = LONGEST_SCALE_BAR * (view.right - view.left)
     decade = 10.0 ** math.floor(math.log10(most))
     length = decade * max(step for step in (1.0, 2.0, 5.0) if step * decade <= most * (1.0 + 1e-9))
     shown, halo = scale_for(length / MILLIMETRES, "m"), [withStroke(linewidth=4.0, foreground="white")]
@@ -146,19 +146,25 @@ def toward(angle: ArrayLike) -> Array:
 
 
 def touch_places(lines: Sequence[Array], diameter: float) -> Array:
-    """Return where straight wires touch the next ones, to a twentieth of a diameter, from the hub's centre, shape (touches, 2), mm.
+    """Return where wires touch the next ones, from the hub's centre, shape (touches, 2), mm.
 
-    Centre lines are of shape (2, 2), m.
+    Centre lines have the shape (corners, 2), m. A touch is where a corner or an end is within 1.05 diameters of the other line.
     """
     places = []
     for pair in itertools.pairwise(lines):
-        for line, other in (pair, pair[::-1]):
-            along = other[1] - other[0]
-            foot = other[0] + along * np.clip(along @ (line[1] - other[0]) / (along @ along), 0.0, 1.0)
-            if np.hypot(*(line[1] - foot)) < 1.05 * diameter:
-                places.append(0.5 * (line[1] + foot))
-                break
+        near = [(point, _foot(point, other)) for line, other in (pair, pair[::-1]) for point in line[1:]]
+        point, foot = min(near, key=lambda each: float(np.hypot(*(each[0] - each[1]))))
+        if np.hypot(*(point - foot)) < 1.05 * diameter:
+            places.append(0.5 * (point + foot))
     return MILLIMETRES * np.reshape(places, (-1, 2))
+
+
+def _foot(point: Array, line: Array) -> Array:
+    """Return the point of a polyline that is nearest to a point."""
+    starts, along = line[:-1], np.diff(line, axis=0)
+    part = np.clip(((point - starts) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
+    feet: Array = starts + part[:, None] * along
+    return np.asarray(feet[np.argmin(np.hypot(*(point - feet).T))])
 
 
 class WireDrawing:

@@ -27,10 +27,10 @@ from bristle_sim.files import checked_target, complete_or_absent
 from bristle_sim.render.colours import BLACK
 from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
 
-HIGHEST = {".gif": 50.0, ".mp4": 1000.0}
+HIGHEST_RATE = {".gif": 50.0, ".mp4": 1000.0}
 """Most frames per second by kind of film; a gif counts time in hundredths of a second."""
 
-LONGEST = 3600.0
+LONGEST_FILM = 3600.0
 """Longest film, s."""
 
 NODES = 4001
@@ -71,8 +71,8 @@ def slow_motion(
     """
     if not end > start:
         raise ValueError(f"film of a run from {start:g} to {end:g}: a run that lasts some time is needed (in s)")
-    if not 0.0 < duration <= LONGEST:
-        raise ValueError(f"duration = {duration:g}: must be 0 < duration <= {LONGEST:g} (in s)")
+    if not 0.0 < duration <= LONGEST_FILM:
+        raise ValueError(f"duration = {duration:g}: must be 0 < duration <= {LONGEST_FILM:g} (in s)")
     if not 1.0 <= slower < np.inf:
         raise ValueError(f"slower = {slower:g}: must be a finite factor of at least 1 (dimensionless)")
     physical = np.linspace(start, end, NODES)
@@ -162,12 +162,12 @@ class Film(ABC):
             ValueError: for a file that cannot be written, mp4 where imageio-ffmpeg is missing, or settings out of range.
             OSError: if the encoder fails.
         """
-        target, end = checked_target(path, tuple(HIGHEST)), float(self.warp.film[-1])
+        target, end = checked_target(path, tuple(HIGHEST_RATE)), float(self.warp.film[-1])
         kind = target.suffix.lower()
         if kind == ".mp4":
             _require_encoder(target)
-        if not 0.0 < fps <= HIGHEST[kind]:
-            raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST[kind]:g} for {kind} (in 1/s)")
+        if not 0.0 < fps <= HIGHEST_RATE[kind]:
+            raise ValueError(f"fps = {fps:g}: must be 0 < fps <= {HIGHEST_RATE[kind]:g} for {kind} (in 1/s)")
         if kind == ".mp4" and any(edge % 2 for edge in self.pixels):
             raise ValueError(f"size = {self.pixels[0]} x {self.pixels[1]}: must be even numbers for .mp4 (in px)")
         times = np.linspace(0.0, end, max(2, math.ceil(fps * end - 1e-6))).tolist()
@@ -184,10 +184,12 @@ def _font(name: str, size: float) -> ImageFont.FreeTypeFont:
 
 def _counted(times: Sequence[float]) -> Iterable[float]:
     """Return the instants of the frames, counted on a terminal where tqdm is installed."""
+    if sys.stderr is None or not sys.stderr.isatty():
+        return times
     with contextlib.suppress(ImportError):
         from tqdm import tqdm
 
-        look = {"unit": "frame", "leave": False, "file": sys.stderr, "disable": not sys.stderr.isatty()}
+        look = {"unit": "frame", "leave": False, "file": sys.stderr}
         counted: Iterable[float] = tqdm(times, **look)
         return counted
     return times

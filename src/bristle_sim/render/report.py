@@ -49,13 +49,19 @@ def write_report(
     """Write a report as a page without any reference to other files, which appears only when complete.
 
     Name, question and parameters are the scenario's; the command makes the page again. ``plot`` draws the figure to a path,
-    or all figures to a folder; ``video`` is a film that has been made. An interactive view shows the motion if the report's
+    or all figures to a folder, and a remark says why where it cannot; ``video`` is a film that has been made. An interactive view shows the motion if the report's
     subject has a ``tool`` and a ``trajectory``.
 
     Raises:
         OSError: naming the file, if it cannot be written.
     """
     run, tool = getattr(report.subject, "trajectory", None), getattr(report.subject, "tool", None)
+    figures, missing = list[Markup](), ""
+    if plot is not None:
+        try:
+            figures = _figures(report, plot, plot_is_folder)
+        except ValueError as error:
+            missing = f"no figure: {error}"
     content = {
         "name": name,
         "question": question,
@@ -63,9 +69,9 @@ def write_report(
         "answer": answer(report),
         "table": cells(report.quantities),
         "phases": report.phases,
-        "remarks": [each for each in report.remarks if each],
+        "remarks": [each for each in (*report.remarks, missing) if each],
         "parameters": [(declared, _shown(value), value == default) for declared, value, default in parameters],
-        "figures": [] if plot is None else _figures(report, plot, plot_is_folder),
+        "figures": figures,
         "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
         "motion": motion_data(run, tool) if isinstance(run, Trajectory) and isinstance(tool, Tool) else None,
         "versions": {"bristle_sim": bristle_sim.__version__, "Python": platform.python_version()}
@@ -111,7 +117,7 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     }
     bar, end = tool.bar, float(run.time[shown][-1])
     return {
-        # To nanometres and picoseconds, which keeps a page small.
+        # To nanometres and nanoseconds, which keeps a page small.
         "time": np.round(1e3 * run.time[shown], 6).tolist(),
         **{name: np.round(row[shown].reshape(shown.sum(), -1), 6).tolist() for name, row in rows.items()},
         "hubRadius": tool.hub.radius * MILLIMETRES,

@@ -111,8 +111,10 @@ class RowFilm(Film):
         for wire, line in zip(self.wires, lines, strict=True):
             wire.place(line)
         self.ring.set_data(*touch_places(lines, self._diameter).T)
-        lag = math.degrees(float(self.motions[-1].retraction(time)))
-        return phase_at(self._phases, time).caption, f"bristle {len(self.wires)} lags by {signed(lag, 1, 6)}°"
+        retraction = math.degrees(float(self.motions[-1].retraction(time)))
+        return phase_at(
+            self._phases, time
+        ).caption, f"retraction of bristle {len(self.wires)} {signed(retraction, 1, 6)}°"
 
 
 def _phases(row: Row) -> tuple[Phase, ...]:
@@ -132,7 +134,7 @@ def _phases(row: Row) -> tuple[Phase, ...]:
 
 
 class InertiaFilm(Film):
-    """The drawing that the film shows; time is zero when both strike, at the end."""
+    """A film of both tools; its time is zero at its end, where the bar-cued bristle strikes and the other one is radial."""
 
     size = (960, 480)
 

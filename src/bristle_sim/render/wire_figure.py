@@ -31,7 +31,7 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     _draw_force(figure, struck)
     by_links = add_panel(figure, (9.4, 8.1, 6.3, 4.2), "the strike settles with more links")
     impulse = add_panel(figure, (1.4, 1.2, *size), "a stiff contact feels less of the wire")
-    others = add_panel(figure, (9.4, 1.2, *size), "a soft contact takes the wire for rigid")
+    others = add_panel(figure, (9.4, 1.2, *size), "in a soft contact the wire acts as if rigid")
     durations, most = study.durations * MICROSECONDS, max(study.by_duration)
     for name, (words, color, marker) in LOOKS.items():
         look: dict[str, Any] = {"color": color, "marker": marker, "markersize": 3.4, "label": words}

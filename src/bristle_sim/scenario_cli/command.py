@@ -27,6 +27,15 @@ HELP = f"""for example
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the scenario that the first argument names, or list all; return the exit status."""
     given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _answer(given)
+    except OSError as error:
+        tell(f"{PROGRAM}: error: {error}")
+        return BAD_INPUT
+
+
+def _answer(given: Sequence[str]) -> int:
+    """Run a scenario or print what is asked for."""
     if given and given[0] == "--version":
         say(f"{PROGRAM} {bristle_sim.__version__}")
         return 0

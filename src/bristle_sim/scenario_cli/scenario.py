@@ -113,7 +113,7 @@ class Scenario:
         for key, text in typed.items():
             if key in parameter_file.MAY_BE_ABSENT:
                 if PARTS[key][0] in self.parts:
-                    raise ValueError(f"{path}: {key} = false: must be a {key} in {self.name}")
+                    raise ValueError(f"{path}: {key} = false: must be present for {self.name}")
                 continue
             try:
                 value = (keys if key in keys else known)[key][0].parse(text)

@@ -20,7 +20,7 @@ import pymunk
 from numpy.linalg import eigvalsh
 
 from bristle_sim.scene.contact_shapes import ContactShapes
-from bristle_sim.scene.engine import MOST_ITERATIONS, SOLVED, EngineSteps
+from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
 from bristle_sim.scene.joints import Connected
 from bristle_sim.scene.mechanism import Link, Mechanism
 from bristle_sim.scene.obstacles import MARGIN, Held, Obstacle
@@ -29,10 +29,6 @@ from bristle_sim.scene.placement import Placement
 if TYPE_CHECKING:
     from bristle_sim.scene.wire_steps import WireSteps
     from bristle_sim.scene.wire_velocities import WireVelocities
-
-HOLD_ITERATIONS = 30
-"""Solver iterations in sustained contact, in the benchmark of its cost. Root joint and tip contact of a slender rod share a
-quarter of their response, so each iteration leaves at most 1/4 of the error: 30 leave less than rounding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +146,7 @@ class Scene:
 
     @property
     def step_symmetrically(self) -> Callable[..., list[float]] | None:
-        """Takes steps symmetric in time, from half a step behind, of wires that bend where the engine's contacts do not act."""
+        """Takes steps symmetric in time, from bodies placed half a step early; None where the engine solves the joints by itself."""
         return self._engine.take_symmetric
 
     def correct_joints(self, *, completely: bool) -> None:
@@ -279,6 +275,6 @@ def _flight_iterations(links: Sequence[Link]) -> int:
     return _iterations_that_leave(largest**2)
 
 
-def _iterations_that_leave(share: float) -> int:
-    """Return the number of iterations each of which leaves a share of the error."""
-    return math.ceil(min(2.0 + SOLVED / math.log(min(share, 1.0 - 1e-9)), MOST_ITERATIONS))
+def _iterations_that_leave(fraction: float) -> int:
+    """Return the number of iterations that reduce the error to rounding if each of them leaves a fraction of it."""
+    return math.ceil(min(2.0 + LOG_SOLVED / math.log(min(fraction, 1.0 - 1e-9)), MOST_ITERATIONS))

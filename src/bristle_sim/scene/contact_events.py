@@ -83,7 +83,7 @@ def extremes(progress: Progress, sustained: Sequence[Sustained]) -> list[EventFu
 
 
 def limits(progress: Progress) -> list[EventFunction]:
-    """Return the angle at which a bristle lies on the hub, if there is one, and tips that come out of dents."""
+    """Return the event functions of the retraction limit, if there is one, and of tips that come out of dents."""
     limit = progress.plan.retraction_limit
     found = freedom(progress.mechanism, limit, progress.state) if math.isfinite(limit) else []
     return found + [_out_of_dent(progress, number) for number in progress.dents()]
@@ -99,8 +99,8 @@ def _out_of_dent(progress: Progress, number: int) -> EventFunction:
     return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
 
 
-def at_work(progress: Progress, contacts: SustainedContacts) -> list[EventFunction]:
-    """Return what ends or changes sustained contacts besides their forces."""
+def sustained_contact_events(progress: Progress, contacts: SustainedContacts) -> list[EventFunction]:
+    """Return the event functions that end or change sustained contacts: no force, slip that begins, a jam, another link or piece."""
     found = []
     for index, obstacle in enumerate(contacts.obstacles):
         found += [locking(contacts, progress.gaps, index), _parting(contacts.forces, index)]

@@ -123,7 +123,7 @@ class ContactIntegration:
         return turns
 
     def _end_compression(self) -> None:
-        """Begin the way out, and settle slip that has stopped; without restitution the contact is over."""
+        """Begin unloading, and settle slip that has stopped; without restitution the contact is over."""
         self.course.end_compression()
         spring = self.motion.spring
         spring.unload(self.motion.tip)

@@ -12,8 +12,8 @@ from bristle_sim.scene.mechanism import Mechanism, Vector
 from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 
 FAST_SLIP = 10.0
-"""A slip beyond what slip turns back by within an interval, in the scene's units. The slip's rounding disturbs the normal
-velocity."""
+"""Surface velocity, in the scene's units, that keeps the sense of the slip that the engine sees: more than slip changes by within
+an interval, and no larger, because its rounding disturbs the normal velocity."""
 
 _NOWHERE = pymunk.ShapeFilter(categories=0, mask=0)
 

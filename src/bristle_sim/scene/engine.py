@@ -37,7 +37,7 @@ it remembers, which becomes 1 - s times what it was. Further steps of the same l
 step in turn would make it grow without bound."""
 
 
-SOLVED = math.log(1e-17)
+LOG_SOLVED = math.log(1e-17)
 """Iterations leave this fraction of the error: rounding."""
 
 MOST_ITERATIONS = 40_000

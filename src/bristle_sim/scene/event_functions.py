@@ -86,7 +86,7 @@ def in_flight(scene: Scene) -> list[EventFunction]:
 
 
 def retraction(mechanism: Mechanism) -> list[EventFunction]:
-    """Return the largest retraction of each wire."""
+    """Return the event functions of each wire's largest retraction."""
 
     def relative_rate(link: int, at: Advance) -> float:
         return at.state.rates[link] - mechanism.hub_speed
@@ -99,7 +99,7 @@ def retraction(mechanism: Mechanism) -> list[EventFunction]:
 
 
 def freedom(mechanism: Mechanism, limit: float, start: State) -> list[EventFunction]:
-    """Watch each wire's angle relative to the hub reach what the geometry leaves it, be it only within an interval."""
+    """Return the event functions of the retraction limit, which a wire's relative angle reaches within an interval or at its end."""
 
     def left(link: int, at: Advance) -> float:
         states = (at.state, *turns(mechanism, start, at.state, link))

@@ -21,6 +21,9 @@ from bristle_sim.scene.stepping import Advance, Load, unpack
 CUT_SHORT = 0.25
 """Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
 
+ROUNDING = 1e-9
+"""Fraction by which an interval may exceed the longest one, so that a multiple of it is not cut once more."""
+
 
 class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each interval.
@@ -40,7 +43,7 @@ class Extrapolation:
         self.longest = longest
         self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
         self._use(repetitions)
-        self.length = 1.5
+        self.length = min(1.5, longest)
 
     def _use(self, repetitions: Repetitions) -> None:
         """Repeat intervals with these numbers of steps from now on."""
@@ -56,7 +59,8 @@ class Extrapolation:
 
     def propose(self, remaining: float) -> float:
         """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
-        return remaining / max(1, math.ceil(remaining / self.length - 0.1))
+        fewest = math.ceil(remaining / self.longest - ROUNDING)
+        return remaining / max(1, fewest, math.ceil(remaining / self.length - 0.1))
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""

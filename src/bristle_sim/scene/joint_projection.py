@@ -25,7 +25,7 @@ DEPENDENT = 1e-12
 
 
 def close_joints(*ends: pymunk.Body) -> None:
-    """Change the velocities of all bodies joined to these so that no joint opens, with the least kinetic energy.
+    """Change the velocities of all bodies joined to these so that no joint opens, as little as their kinetic energy can measure.
 
     Raises:
         RuntimeError: if limits take turns at pushing without end.

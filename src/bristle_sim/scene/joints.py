@@ -4,7 +4,7 @@ V holds (v_x, v_y, angular velocity) of each body's mass centre. A joint passes 
 bound: springs, and joints with a finite ``max_force``, pass none in an impact that takes no time; neither does a joint
 that is not in a space. Limits (of slide, groove, rotary limit and ratchet joints) push one way only, while they are reached.
 
-    pin, slide        velocity of anchor b relative to anchor a, along the line between them
+    pin, slide        velocity of anchor a relative to anchor b, along the line between them
     pivot             that velocity, both components
     groove            that velocity across the groove; along it at the groove's ends
     rotary limit, ratchet   w_b - w_a
@@ -134,7 +134,7 @@ def scaled_jacobian(rows: Sequence[Sequence[Entry]], bodies: Sequence[pymunk.Bod
 def _across(
     joint: pymunk.Constraint, centres: MassCentres, ends: tuple[Vector, Vector], direction: Vector, limit: bool = False
 ) -> JointRow:
-    """Return the velocity of body a's end relative to body b's along a direction."""
+    """Return the row of the velocity of body a's end relative to body b's along a direction."""
     a, b = joint.a, joint.b
     entries = (
         point_entry(a, centres[a], ends[0], direction, 1.0),

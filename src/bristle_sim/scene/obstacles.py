@@ -175,9 +175,10 @@ class BarObstacle:
 
     def _touch(self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]) -> Touch:
         square, arm, _ = found
-        distance = math.sqrt(square) or 1.0
+        distance = math.sqrt(square)
+        scale = distance or 1.0  # at the very centre no direction is the normal's
         x, y = pose.joint[0] + arm[0] - self.centre[0], pose.joint[1] + arm[1] - self.centre[1]
-        normal = (x / distance, y / distance)
+        normal = (x / scale, y / scale)
         arm = (arm[0] - self.wire_radius * normal[0], arm[1] - self.wire_radius * normal[1])
         gap = distance - self.radius - self.wire_radius
         return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)

@@ -23,6 +23,13 @@ from bristle_sim.trajectory import ContactRecord, Event
 GROWTH = 16.0
 """Largest ratio of an interval after a contact to the one before it: a polynomial through the samples of both is accurate."""
 
+CAPTURE = 1e-8
+"""Fraction of the fastest point's speed below which an impact gets no restitution: ever smaller bounces would otherwise
+follow each other without end within a finite time."""
+
+FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
+"""Events after which a run cannot be resumed, requested or not."""
+
 
 class Rebound(NamedTuple):
     """The last rebound: from which obstacle, when, and how fast the contact point left."""
@@ -71,8 +78,9 @@ class Progress:
         if isinstance(law, CompliantLaw):
             law.observe = progress.recording.inner.extend
         for obstacle in scene.effects.obstacles:
-            gap = gaps.gap(progress.in_dent(obstacle) if plan.contact else obstacle, start)
-            if gap < -GAP_ROUNDING and plan.contact is None:
+            if plan.contact is not None:
+                progress.in_dent(obstacle)
+            elif (gap := gaps.gap(obstacle, start)) < -GAP_ROUNDING:
                 raise ValueError(
                     f"{obstacle.name}: must not overlap the bristle at the start, by {-gap:.3g} of its length"
                 )
@@ -181,11 +189,3 @@ class Progress:
         """End the run, for a reason and with what a law says about it; the first reason counts."""
         if not self.stopped:
             self.recording.stop_reason, self.recording.stop_detail = reason, detail
-
-
-CAPTURE = 1e-8
-"""An impact slower than this fraction of the fastest point's speed takes the rest of the approach away: repeated taps of
-a restitution below 1 add up in finite time."""
-
-FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
-"""Events after which a run cannot be resumed, requested or not."""

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from bristle_sim.scene.contact_events import at_work, extremes, inner_states, limits, until_release
+from bristle_sim.scene.contact_events import extremes, inner_states, limits, sustained_contact_events, until_release
 from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch
 from bristle_sim.scene.gaps import GAP_ROUNDING
 from bristle_sim.scene.obstacles import Obstacle
@@ -33,9 +33,9 @@ class SmoothMotion:
 
     Attributes:
         progress: of the run.
-        sustained: contacts that the engine keeps closed, until their forces have fallen to zero.
+        sustained: contacts that are kept closed until their forces have fallen to zero.
         separating: pairs that have left each other but whose gaps are not open yet.
-        contacts: the engine's contacts; None where there is none.
+        contacts: what keeps them closed; None where there is none.
         before: the last interval of this motion, if there is one.
         limit: longest interval that may follow; None before the first contact of a run, when nothing limits it.
     """
@@ -55,10 +55,10 @@ class SmoothMotion:
         self.contacts: SustainedContacts | None = None
         for each in self.sustained:
             each.look_up_slip(progress.gaps, progress.state)
-        self._extremes, self._at_work = extremes(progress, self.sustained), list[EventFunction]()
+        self._extremes, self._contact_events = extremes(progress, self.sustained), list[EventFunction]()
         progress.changes.begin(progress.state, [*self._extremes, *limits(self.progress)])
         if self.sustained:
-            self._at_work = self._begin_contact()
+            self._contact_events = self._begin_contact()
 
     def proceed(self) -> Change | None:
         """Integrate to the next event, and return what that changes about the contacts, if anything."""
@@ -140,7 +140,7 @@ class SmoothMotion:
         for each in self.sustained:
             each.begin(progress.state)
         _engage(progress, self.contacts)
-        return at_work(progress, self.contacts)
+        return sustained_contact_events(progress, self.contacts)
 
     def first_event(self, result: Advance) -> tuple[Advance, Resolve | None]:
         """Return the interval up to its first event, and how that is resolved."""
@@ -150,7 +150,7 @@ class SmoothMotion:
             changes.look_back(self.interval_to(result), functions)
         known = dict(changes.signs)
         # What changes a contact comes first: a link that slides onto its neighbour does not touch before that.
-        result, happens = changes.find_first(self._at_work, self.interval_to(result), self.before)
+        result, happens = changes.find_first(self._contact_events, self.interval_to(result), self.before)
         active, touch = [each.obstacle for each in self.sustained], None
         cut, found = first_touch_of_all(progress, self.interval_to(result), active, self.separating)
         if cut is not result:
@@ -160,7 +160,7 @@ class SmoothMotion:
             result, happens = cut, later
         if result is not whole:
             # What changes its sign later has not done so yet.
-            changes.return_to(known, [*self._at_work, *functions], result, happens)
+            changes.return_to(known, [*self._contact_events, *functions], result, happens)
         if happens is not None:
             return result, partial(self.note, happens)
         return result, None if touch is None else partial(Touch, *touch)
@@ -180,9 +180,11 @@ class SmoothMotion:
 
 
 def _engage(progress: Progress, contacts: SustainedContacts) -> None:
-    """Have the engine's contacts act from the state that was reached; stop where no force keeps them closed."""
+    """Let sustained contacts act from the state that was reached; stop where no force keeps them closed."""
     grip = contacts.engage(progress.gaps, progress.state)
-    if grip <= 0.0:
+    if grip <= 0.0 and not any(each.friction for each in contacts.obstacles):
+        progress.stop(StopReason.NO_GRIP)
+    elif grip <= 0.0:
         wires = {wire for each in contacts.obstacles for wire in progress.wires_of(each)}
         progress.event("jam", progress.state.time, sorted(wires))
         progress.stop(StopReason.JAM)

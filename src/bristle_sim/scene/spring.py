@@ -40,10 +40,11 @@ class Spring:
 
     Attributes:
         plane: of contact.
-        stiffness, coefficients: as for the class.
+        stiffness: of the spring in compression, engine units.
+        coefficients: of friction and restitution.
         inverse_mass: K at the first touch.
         coupling, tangential: K_nt and K_tt where stick is computed.
-        loading: whether the penetration is the largest so far; else the spring is on its steeper way out.
+        loading: whether the penetration is the largest so far; else the spring unloads, more steeply.
         peak, residual: penetration at which unloading began, and the one at which its force ends.
         slip: direction of slip, or 0 in stick.
     """
@@ -79,11 +80,11 @@ class Spring:
 
     @property
     def stop(self) -> float:
-        """Force per velocity and step that takes what is left of slip away within a step of stick; 0 in slip."""
+        """Tangential impulse per unit of slip velocity that stops the point within a step of stick, 1/K_tt; 0 in slip."""
         return 0.0 if self.slip or not self.tangential else 1.0 / self.tangential
 
     def unload(self, tip: Vector) -> None:
-        """Begin the way out: compression has ended with the tip here."""
+        """Begin unloading: compression has ended with the tip here."""
         self.loading = False
         self.peak = self.plane.penetration(tip)
         self.residual = self.peak * (1.0 - self.coefficients.restitution**2)

@@ -10,7 +10,7 @@ import numpy as np
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_forces import EngineForces, SolvedForces
-from bristle_sim.scene.engine import MOST_ITERATIONS, SOLVED
+from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
 from bristle_sim.scene.event_functions import Slip
 from bristle_sim.scene.gaps import Gaps, contact_row, set_back
 from bristle_sim.scene.mechanism import Link, Pose, State, Vector, cross
@@ -163,7 +163,7 @@ class SustainedContacts:
             self.scene.hold([Held(*each) for each in zip(self.obstacles, self.pieces, self.slips, strict=True)])
             return min(grips)
         left = min(max(abs(1.0 - grips[0]), 1e-3), 1.0 - 1e-6)
-        rounds = max(self.scene.contacts.in_flight, min(math.ceil(SOLVED / math.log(left)), MOST_ITERATIONS))
+        rounds = max(self.scene.contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
         self.solvable = grips[0] <= MOST_GRIP
         obstacle = self.obstacles[0]
         self.scene.contacts.engage(

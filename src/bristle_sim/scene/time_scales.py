@@ -60,15 +60,15 @@ def time_scale(scene: Scene) -> float:
 
 
 def longest_interval(scene: Scene, samples_per_period: float) -> float:
-    """Return the longest interval between samples that is short enough for the damping."""
+    """Return the longest interval between samples: of the requested number per period, or shorter where the damping needs it."""
     return min(2.0 * math.pi / samples_per_period, damped_interval(scene))
 
 
 def motion_scale(scene: Scene, start: State) -> float:
     """Size of the motion relative to the hub that errors are relative to: the rate that a free bristle reaches, at most 1.
 
-    A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. With an obstacle, whose bar turns the
-    hub's speed into the bristle's, or at rest, it is 1.
+    A bristle released at the angle a, at rest, on a belt of its own rate w reaches a w. It is 1 at rest, for several links, and
+    with an obstacle, because the bar turns the hub's speed into the bristle's.
     """
     mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
     if effects.obstacles or len(mechanism.links) > 1:

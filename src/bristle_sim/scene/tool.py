@@ -235,7 +235,7 @@ MOST_FIXED_STEPS = 100_000
 
 
 def refuse_endless(tool: Tool, settings: Settings) -> None:
-    """Refuse a fixed step so short that a whole run of the tool would take minutes.
+    """Refuse a fixed step so short that a whole run of the tool would take more than ``MOST_FIXED_STEPS`` steps.
 
     Raises:
         ValueError: if length of run and step, known before anything is computed, give more than ``MOST_FIXED_STEPS``.
@@ -246,18 +246,20 @@ def refuse_endless(tool: Tool, settings: Settings) -> None:
     end = _end(settings, Mechanism((), hub_speed=tool.hub.speed * unit)) * unit
     if end > settings.step * MOST_FIXED_STEPS:
         raise ValueError(
-            f"step = {settings.step:g}: must be at least {end / MOST_FIXED_STEPS:.3g} for a run of {end:.3g} s, which else"
-            f" takes more than {MOST_FIXED_STEPS} steps (in s)"
+            f"step = {settings.step:g}: must be at least {end / MOST_FIXED_STEPS:.3g} for a run of {end:.3g} s, which would"
+            f" otherwise take more than {MOST_FIXED_STEPS} steps (in s)"
         )
 
 
-ONE_CONTACT = 20_000
-"""Engine steps that a contact resolved in time may take, whatever the budget: it counts as one interval."""
+LEAST_CONTACT_BUDGET = 20_000
+"""Least budget of engine steps of a contact resolved in time: a run with a smaller one still finishes a contact it has begun."""
 
 
 def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
     """Return the contact law that the parameters name."""
     if contact.law == "compliant":
         duration = None if contact.duration is None else contact.duration / units.time
-        return CompliantLaw(duration, settings.accuracy, maximum_steps=max(settings.maximum_steps, ONE_CONTACT))
+        return CompliantLaw(
+            duration, settings.accuracy, maximum_steps=max(settings.maximum_steps, LEAST_CONTACT_BUDGET)
+        )
     return EngineLaw() if contact.law == "engine" else EnergeticLaw()

@@ -92,6 +92,13 @@ def _next(progress: Progress, sustained: Sequence[Sustained], separating: Sequen
     return SmoothMotion(progress, progress.first_interval, sustained, separating)
 
 
+def _stopped(motion: SmoothMotion) -> SmoothMotion:
+    """Record the sustained contacts of a run that an impact has stopped; return a motion without any."""
+    if len(motion.progress.mechanism.links) > 1:  # a single link's have been released before the impact
+        end(motion, str(motion.progress.recording.stop_reason))
+    return _next(motion.progress, (), ())
+
+
 def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
     """Resolve an impact and those that follow it at the same instant; return the motion after it."""
     progress, obstacle = motion.progress, at_joint(motion.progress, touch.obstacle)
@@ -114,14 +121,14 @@ def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
         if first:
             raise
         progress.stop(StopReason.UNRESOLVED, str(error))
-        return _next(progress, (), ())
+        return _stopped(motion)
     jams = record.outcome == "jam" or left < -STILL
     if jams:
         progress.stop(StopReason.JAM)
     progress.event(touch_event(obstacle.name, first), record.time, progress.wires_of(obstacle))
     if jams:
         progress.event("jam", progress.state.time, progress.wires_of(obstacle))
-        return _next(progress, (), ())
+        return _stopped(motion)
     if record.duration:
         obstacle = progress.in_dent(obstacle)
     if len(progress.mechanism.links) > 1:
@@ -137,6 +144,7 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactR
     progress = motion.progress
     lasting = {each.obstacle: each for each in motion.sustained}
     closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
+    jams = False
     for _ in range(MOST_AT_ONCE * len(closed) ** 2):
         rates = {each: progress.gaps.touch(each, progress.state).velocity[0] for each in closed}
         fastest = min(rates, key=rates.__getitem__)
@@ -145,15 +153,14 @@ def _after_all_touches(motion: SmoothMotion, touched: Obstacle, record: ContactR
         record = _resolve(progress, fastest, rests=False)
         if record.duration:
             closed = [progress.in_dent(each) if each is fastest else each for each in closed]
-        if record.outcome == "jam":
+        if jams := record.outcome == "jam":
             break
     else:
+        jams = True
+    if jams:
         progress.stop(StopReason.JAM)
-    if record.outcome == "jam":
-        progress.stop(StopReason.JAM)
-    if progress.stopped:
         progress.event("jam", progress.state.time, progress.wires_of(fastest))
-        return _next(progress, (), ())
+        return _stopped(motion)
     leaving = [each for each in closed if rates[each] > progress.slow]
     staying = [each for each in closed if each not in leaving]
     _release(motion, [each for each in lasting if each in leaving], touched.name)

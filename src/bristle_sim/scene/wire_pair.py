@@ -42,8 +42,9 @@ class WirePair:
         ends = min(found, key=lambda each: math.dist(*each))
         piece = found.index(ends) if piece is None else piece
         (x, y), (u, v) = ends
-        distance = math.dist(*ends) or 1.0
-        normal = ((x - u) / distance, (y - v) / distance)
+        distance = math.dist(*ends)
+        scale = distance or 1.0  # where centre lines meet no direction is the normal's
+        normal = ((x - u) / scale, (y - v) / scale)
         point = (x - self.wire_radius * normal[0], y - self.wire_radius * normal[1])
         arms = [
             (point[0] - poses[link].joint[0], point[1] - poses[link].joint[1]) for link in (self.link, self.partner)

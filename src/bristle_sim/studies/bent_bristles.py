@@ -100,7 +100,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     """Simulate a pass with the tool's knee bent backwards, straightened, and bent forwards.
 
     Raises:
-        ValueError: if the tool's contact is not resolved in time, or a pass does not end within the settings' steps.
+        ValueError: if the tool's contact is not resolved in time, or a pass ends before its strike for want of steps.
     """
     if tool.contact.law != "compliant":
         raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")

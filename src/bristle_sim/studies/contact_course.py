@@ -84,7 +84,7 @@ class TimedContact:
 
     @property
     def peak_force(self) -> float:
-        """Largest resultant force, N; it is reached where the penetration is, which is a sample."""
+        """Largest resultant force, N; it is reached at the deepest penetration, which is a sample."""
         return float(self.force.max())
 
     @cached_property

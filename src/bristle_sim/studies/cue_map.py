@@ -34,7 +34,7 @@ from bristle_sim.studies.bar_search import (
     stiffened_direction,
 )
 from bristle_sim.studies.inertia_driven import WIRE_RUNS
-from bristle_sim.studies.strike_point import STRIKE_UNITS, NotCuedError, keys_of, strike_of_keys, tool_of_keys
+from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:
@@ -148,12 +148,12 @@ def _told(strike: Strike, usual: int) -> Strike:
     started, counter = clock.perf_counter(), itertools.count(1)
 
     def told(tool: Tool) -> Measures:
-        """Log that a pass begins, and return its strike."""
-        number = next(counter)
-        each = (clock.perf_counter() - started) / number
-        words = "pass %d of some %d, about %.0f s left"
-        logging.getLogger(__name__).info(words, number, max(usual, number), each * max(usual - number, 1))
-        return strike(tool)
+        """Return a pass's strike, and log that it is finished."""
+        measures, finished = strike(tool), next(counter)
+        each = (clock.perf_counter() - started) / finished
+        words = "pass %d of some %d finished, about %.0f s left"
+        logging.getLogger(__name__).info(words, finished, max(usual, finished), each * max(usual - finished, 1))
+        return measures
 
     return told
 
@@ -205,7 +205,7 @@ def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> t
     stiffened = math.degrees(stiffened_direction(tool))
     try:
         lag = f"{strike(tool)['lag_deg_at_contact']:.4g} deg short of radial"
-    except NotCuedError as error:
+    except ValueError as error:
         lag = str(error)
     words = "with {} = {}: radial strike at {} deg (formula: {} deg), {} rad/s"
     cells = [[f"{each:.5g}" if isinstance(each, float) else each or "none" for each in row.values()] for row in moves]

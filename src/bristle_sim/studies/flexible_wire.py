@@ -86,7 +86,7 @@ class FlexibleStrike:
         )
 
     def run(self, flight: float = 0.0) -> WireStrike:
-        """Strike through the scene, with free motion afterwards, s."""
+        """Simulate the strike in the scene, followed by free motion of the given duration, s."""
         return strike_wire(*self._start(), self.stiffness, self.settings, duration=self.contact.duration, flight=flight)
 
     def reference(self) -> ContactRecord:

@@ -1,8 +1,8 @@
 """Compares a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
 
 The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
--omega. Reported are its tip's speed when it is radial again (of a wire that bends, the tip), and the pulley speed that equals
-the bar-cued tool's speed at its strike.
+-omega. Reported are its tip's speed when it is radial again (of a wire that bends, when the tip is), and the pulley speed at
+which that tip is as fast as the bar-cued tool's at its strike.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ class InertiaDriven:
 
 
 def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = True) -> Report:
-    """Simulate the bristle that its inertia throws, and the pulley speed that equals the bar-cued tool.
+    """Simulate the bristle that its inertia throws, and find the pulley speed at which its tip is as fast as the bar-cued tool's.
 
     Raises:
         ValueError: if the hub stands still, or a run is not computed within the settings' steps.

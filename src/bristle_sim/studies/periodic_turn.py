@@ -1,6 +1,6 @@
 """The turn that a bristle repeats: run turn after turn until its motion comes back to where it was a turn before.
 
-A sustained contact leaves one motion alone, since on the obstacle the bristle's angle follows from the hub's whatever came
+After a sustained contact only one motion is possible, since on the obstacle the bristle's angle follows from the hub's whatever came
 before. Each turn after the first one with a sustained contact is therefore the same, with a damped belt and without. Only
 a bristle that bounces off everything remembers more than a turn; its motion need not repeat.
 """
@@ -62,7 +62,7 @@ class PeriodicTurn:
 
 
 def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
-    """Simulate turns until one repeats the last; ``settings.hub_turn`` is set aside.
+    """Simulate turns until one repeats the one before; ``settings.hub_turn`` is ignored.
 
     Raises:
         TurnNotCompleted: if the bristle jams or lies down on the hub.
@@ -103,7 +103,7 @@ def _completed(run: Trajectory, settings: Settings) -> Trajectory:
 
 
 def _natural_rate(tool: Tool) -> float:
-    """Return the rate of the bristle on belt and centrifugal field, sqrt((k_T + m r_h L/2 omega^2)/I), rad/s."""
+    """Return the larger of the hub's speed and the bristle's natural rate, sqrt((k_T + m r_h L/2 omega^2)/I), rad/s."""
     bristle, hub = tool.bristle, tool.hub
     stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
     return max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)

@@ -191,11 +191,14 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     Raises:
         NotCuedError: if the bristle does not strike, or strikes before it has touched the bar or while it does.
     """
-    strike, touch = run.first_contact("workpart"), run.first_contact("bar")
+    strike = run.first_contact("workpart")
     if strike is None:
         raise NotCuedError(f"the bristle must strike the workpart, it does not: {run.stop_reason}")
-    if touch is None or touch.time > strike.time:
+    touches = [each for each in run.contacts if each.obstacle == "bar" and each.time <= strike.time]
+    if not touches:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
+    if max(each.time + each.duration for each in touches) >= strike.time:
+        raise NotCuedError("the bristle must have left the bar when it strikes the workpart")
     found = {**state_at_strike(tool, run, strike), **contact_quantities(strike)}
     return {name: found[name] for name in STRIKE_UNITS if name in found} | {"crater_depth": _crater_depth(tool, strike)}
 

@@ -60,8 +60,8 @@ def timed_contact(
 ) -> TimedContact:
     """Strike with a contact whose compression takes that long, s.
 
-    The impact angle is in rad. Given is either the rate of the bristle, rad/s, or the compressive impulse, N s, for which the
-    rate is found.
+    The impact angle is in rad. Either the rate of the bristle, rad/s, or the compressive impulse, N s, must be given; for an
+    impulse the rate is found.
 
     Raises:
         ValueError: if there is no such contact.

@@ -127,6 +127,8 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     Raises:
         ValueError: if somewhere in the intervals the bar cues no strike, or the extra ``sweep`` is not installed.
     """
+    if tool.bar is None or tool.workpart is None:
+        raise ValueError("bar, workpart: must both be parts of the tool")
     started = clock.perf_counter()
     values, intervals = keys_of(tool), _intervals(tool, spreads)
     fixed = {key: value for key, value in values.items() if key not in intervals}

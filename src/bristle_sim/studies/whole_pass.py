@@ -32,8 +32,8 @@ from bristle_sim.trajectory import Trajectory
 PRINTED = {"release_retraction_deg": 44.5, "relative_speed_at_contact": 845.6, "tip_speed_at_contact": 30.0}
 """Zhang 2020, eq. 2.2, caption of fig. 2.30, and eq. 4.5."""
 
-LEAST_TOLERANCE = 1e-8
-"""Least relative tolerance: the reference runs at a tenth of the scene's accuracy, 1e-10 at best."""
+LEAST_ERROR = 1e-8
+"""Least relative error of the motion that is expected; the reference runs at a tenth of the scene's accuracy, 1e-10 at best."""
 
 ILL_CONDITIONED = {"release_time": 1e3, "release_retraction_deg": 1e3}
 """Factors by which these magnify an error of the motion: the wire's end grazes the bar, where its force falls to zero at a
@@ -85,7 +85,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         if value is None:
             return None
         size = math.degrees(1.0) if name in ANGLES else tool.hub.speed if name == "relative_speed_at_contact" else 0.0
-        own = max(LEAST_TOLERANCE, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
+        own = max(LEAST_ERROR, settings.accuracy) * ILL_CONDITIONED.get(name, 10.0)
         return own * max(1.0, size / abs(value) if value else size)
 
     printed = PRINTED if tool == Tool() else {}

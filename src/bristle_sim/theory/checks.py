@@ -24,8 +24,7 @@ SINGLE = ("float", "int", "float | None")  # annotations of arguments that must 
 def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
     """Decorate a function to check its arguments before it runs, and to get them as numbers or arrays of floats.
 
-    A range is for the argument of its key; an argument that is None by default may be None, and one that is a function by
-    default, such as a force over time, is no number and is left as it is.
+    A range is for the argument of its key; an argument that is None by default may be None.
     """
     by_key = {each.key: each for each in declared}
 
@@ -34,7 +33,7 @@ def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
         checked_ones = {
             name: (by_key[name], each.default is None, each.annotation in SINGLE)
             for name, each in signature.parameters.items()
-            if name in by_key and (each.default is inspect.Parameter.empty or not callable(each.default))
+            if name in by_key
         }
 
         @functools.wraps(function)
@@ -142,7 +141,6 @@ _ROWS = (
     ("penetration", "m", -2e3, 2e3, "physics: within the reach of hub and bristle"),
     ("bar_reach", "m", 0.0, 1e4, "physics: a radius; rounding: S keeps the bristle's digits"),
     ("bar_horizontal bar_vertical", "m", -1e4, 1e4, "rounding: S keeps the bristle's digits"),
-    ("tip_radius", "m", 0.0, 1e4, "physics: a radius; rounding: S keeps the bristle's digits"),
     ("speed_share", "1", 0.0, 1.0, "physics: damping slows"),
     # Impacts.
     ("impact_angle", "rad", 0.0, RIGHT, "physics: from along the surface to straight down"),
@@ -150,7 +148,7 @@ _ROWS = (
     ("restitution", "1", 0.0, 1.0, "physics: no energy is gained"),
     ("tip_speed", "m/s", -1e12, 1e12, "rounding: m v^2"),
     ("impulse", "N s", -1e30, 1e30, "rounding: p^2/m"),
-    ("initial_rate relative_speed", "rad/s", -1e15, 1e15, "rounding: its square is a float"),
+    ("relative_speed", "rad/s", -1e15, 1e15, "rounding: its square is a float"),
     ("mass_ratio", "1", 1e-30, 1e12, "physics: positive; rounding: n + 3 keeps either's digits"),
     ("angle_1 angle_2", "rad", -RIGHT, RIGHT, "physics: the rods reach the surface from above"),
     ("rate rate_1 rate_2", "rad/s", -1e9, 1e9, "rounding: L^2 rate^2 keeps its digits"),

@@ -182,7 +182,7 @@ def crater_depth_from_contact(
     of shape (n,), n >= 2; gamma in rad, tau_s in Pa. mu while cutting is by default the contact's own at its peak.
     ``surface`` says where the shear plane ends, ``parallel`` or ``inclined``.
 
-    Raises ValueError for arrays of unequal length, times that do not increase, or a contact without a pressing force.
+    Raises ValueError for arrays of unequal length, times that decrease, or a contact without a pressing force.
     """
     _check_angle(impact_angle)
     forces = {"normal_force": normal_force, "tangential_force": tangential_force}
@@ -206,7 +206,7 @@ def crater_depth_from_contact(
 
 
 def _compression(**values: ArrayLike) -> list[Array]:
-    """Return the columns up to the deepest penetration, once they are rows of one length and times that increase."""
+    """Return the columns up to the deepest penetration, after checking that they have one length and that times do not decrease."""
     columns = {name: np.asarray(value) for name, value in values.items()}
     shape = columns["time"].shape
     if len(shape) != 1 or shape[0] < 2 or any(column.shape != shape for column in columns.values()):

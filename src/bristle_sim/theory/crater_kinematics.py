@@ -89,8 +89,8 @@ class CraterKinematics:
 class TipFace:
     """The cutting face: an ellipse where a plane cuts the wire of diameter d, its short axis a_2, m (Zhang 2020, eqs. 4.9-4.13).
 
-    Its normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5), and (4.10) puts it at 28 deg to the surface.
-    The rake angle gamma + 11.5 deg (4.36) puts it at 55.1 deg instead; both are kept as printed. Angles in rad.
+    The face's normal is tilted from the wire's axis by 39.5 deg (measured; fig. 4.5). (4.10) puts the face at 28 deg to the
+    surface, the rake angle gamma + 11.5 deg (4.36) at 55.1 deg; both are kept as printed. Angles in rad.
     """
 
     short_axis: float = 7.1e-4

@@ -227,8 +227,8 @@ def _check_tool(tool: Tool) -> None:
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
     """Place the bar for a cue time (2.1): S (sin, cos)(A + theta_1 + gamma) along and normal to the workpart.
 
-    S is the tip's distance from the hub's centre and the bar's reach, its radius and half of the wire's, which the
-    dissertation neglects. Retraction in rad, time in s, highest speed in rad/s.
+    S is the tip's distance from the hub's centre plus the bar's reach, which is its radius and half the wire's diameter; the
+    dissertation neglects that diameter. Retraction in rad, time in s, highest speed in rad/s.
     """
     _check_tool(tool)
     if tool.bar is None or tool.workpart is None:

@@ -67,13 +67,20 @@ def fit_force_history(
     time, force = np.asarray(time), np.asarray(force)
     _check(time, force, duration, start)
     if start is None:
-        return _fit_record(time, force, duration, peak_force)
+        return _converged(_fit_record(time, force, duration, peak_force))
     scale = float(force.max()) if peak_force is None else peak_force
     later = time - start
     # A contact may be recorded to its end or only to its peak; the better of both guesses wins.
     unit, peak = float(later[-1]), float(later[np.argmax(force)])
     guesses = [duration] if duration is not None else [unit, max(2.0 * peak, unit)]
-    return FitProblem(later, force, duration, scale, unit).solve(guesses, origin=start)
+    return _converged(FitProblem(later, force, duration, scale, unit).solve(guesses, origin=start))
+
+
+def _converged(fit: ForceFit) -> ForceFit:
+    """Refuse a search that was given up."""
+    if not fit.converged:
+        raise ValueError("force: the search for a curve of (3.3) does not converge; there must be less noise")
+    return fit
 
 
 def _fit_record(time: Array, force: Array, duration: float | None, peak_force: float | None) -> ForceFit:

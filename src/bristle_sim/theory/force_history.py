@@ -112,8 +112,8 @@ class ForceCurve:
     def rescaled(self, impulse: float, compression_time: float) -> ForceCurve:
         """Return the same shape with another compressive impulse (N s) and compression time (s).
 
-        Equal shares of the compression time carry equal shares of the impulse (3.14), so with k the ratio of the
-        compression times F_new(t) = (impulse / (k p_c)) F(t/k): times grow by k, rates shrink by it.
+        In both impacts the same fraction of the compression time carries the same fraction of the impulse (3.14), so with k
+        the ratio of the compression times F_new(t) = (impulse / (k p_c)) F(t/k): times grow by k, rates shrink by it.
         """
         positive("impulse", impulse, "N s")
         positive("compression_time", compression_time, "s")

@@ -30,7 +30,8 @@ class ForceFit:
     The curve's time 0 is the contact's start, s on the record's clock. Names of the parameters are ``amplitude 1``, ``decay 1``,
     and ``duration``, ``start`` and ``baseline`` where they were fitted; their values c, lambda in 1/s, t_f in s, s in s, b in N
     have the shape (p,), their covariance, for independent errors of one standard deviation in all points, (p, p). Residuals,
-    fitted minus measured, N, have the shape (n,); the noise, N, is the standard deviation of a point from them.
+    fitted minus measured, N, have the shape (n,); the noise, N, is the standard deviation of a point from them. A search that
+    has not ``converged`` is as far as it got.
     """
 
     curve: ForceCurve
@@ -41,6 +42,7 @@ class ForceFit:
     noise: float
     start: float = 0.0
     baseline: float = 0.0
+    converged: bool = True
 
     @property
     def standard_errors(self) -> Array:
@@ -73,7 +75,7 @@ class FitProblem:
     def solve(self, guesses: list[float], *, origin: float = 0.0, baseline: float = 0.0) -> ForceFit:
         """Search from each guess of the duration, s, and report the best; origin is the clock's zero of these points, s.
 
-        Raises ValueError if the points are too few, do not tell the unknowns apart, or no search comes to an end.
+        Raises ValueError if the points are too few or do not tell the unknowns apart.
         """
         from scipy.optimize import least_squares
 
@@ -88,7 +90,7 @@ class FitProblem:
                     for guess in guesses
                 ]
                 best = min(runs, key=lambda run: float(run.cost))
-                return self.report(best.x, best.jac, origin)
+                return self.report(best.x, best.jac, origin, best.status > 0)
         except np.linalg.LinAlgError:
             raise ValueError("force: no curve of (3.3) fits; it must be a force that rises and falls once") from None
 
@@ -125,7 +127,7 @@ class FitProblem:
         begin = {"amplitude 1": amplitude, "decay 1": slope, "duration": duration, "start": 0.0, "baseline": baseline}
         return np.array([begin[name] for name in self.sizes]) / self.units
 
-    def report(self, unknowns: Array, jacobian: Array, origin: float) -> ForceFit:
+    def report(self, unknowns: Array, jacobian: Array, origin: float, converged: bool) -> ForceFit:
         """Return the fit with its covariance, from the normal equations at the solution."""
         residuals = self.residuals(unknowns)
         freedom = residuals.size - unknowns.size
@@ -135,7 +137,7 @@ class FitProblem:
         exact = {"duration": curve.duration, "start": start + origin}
         found = dict(zip(self.sizes, (unknowns * self.units).tolist(), strict=True))
         values = np.array([exact.get(name, value) for name, value in found.items()])
-        return ForceFit(curve, tuple(found), values, covariance, residuals, spread, start + origin, baseline)
+        return ForceFit(curve, tuple(found), values, covariance, residuals, spread, start + origin, baseline, converged)
 
     def _inverse_normal(self, jacobian: Array) -> Array:
         """Return (J^T J)^-1 through the singular values of J with its columns scaled to length one."""

@@ -213,7 +213,7 @@ def _check(values: list[Number], k_tn: Number) -> None:
     mean = square_root(abs(k_nn)) * square_root(abs(k_tt))
     symmetric = abs(k_nt - k_tn) <= 1e-9 * mean
     semidefinite = (k_nn >= 0.0) & (k_tt >= 0.0) & (abs(k_nt) <= mean * (1.0 + 5e-10))
-    least = "finite and >= 0 (dimensionless)"
+    least = f"from 0 to {MOST_FRICTION:g} (dimensionless)"
     rules = [
         ("inverse_mass", "finite (1/kg)", finite, matrix),
         ("inverse_mass", "symmetric (1/kg)", symmetric, matrix),

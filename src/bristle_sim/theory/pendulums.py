@@ -58,7 +58,7 @@ def single_pendulum_impact(
 
         phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)),    no rebound for mu >= tan gamma
 
-    The rate, in rad/s, is negative where the tip (kg, m, 0 < gamma <= pi/2 rad) approaches the surface.
+    Mass in kg, length in m, 0 < gamma <= pi/2 in rad; the rate, rad/s, is negative where the tip approaches the surface.
     """
     mass, length = checked_numbers(rod_mass=rod_mass, rod_length=rod_length)
     angle, rate = checked_numbers(impact_angle=impact_angle, rate=rate)

@@ -35,7 +35,7 @@ def motion_at(run: Trajectory, time: ArrayLike, *, side: str = "after") -> Motio
         time: s, of any shape.
         side: ``before`` or ``after``, which of the two states at the instant of an impact.
 
-    Raises ValueError for an instant outside the run, or another side.
+    Raises ValueError for an instant outside the run, another side, or a run of one instant.
     """
     if side not in ("before", "after"):
         raise ValueError(f"side = {side!r}: must be before or after")
@@ -64,6 +64,8 @@ def _interpolated(run: Trajectory, instants: Array, side: str) -> Array:
 
     rows, inner, kinks = _samples(run)
     pieces = _smooth_pieces(rows.time, kinks)
+    if not pieces:
+        raise ValueError("trajectory: must have samples of two different instants to be interpolated")
     starts, ends = rows.time[np.array(pieces)].T
     after = np.searchsorted(starts, instants, side="right") - 1
     chosen = after if side == "after" else np.searchsorted(ends, instants, side="left")

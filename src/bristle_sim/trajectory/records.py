@@ -38,9 +38,9 @@ class Motion(EqualByValue):
 
     Attributes:
         time: s.
-        hub_angle: of the bristle's root, from the direction of the workpart, rad; zero throughout for a fixed root.
+        hub_angle: of the bristle's root, from the direction of the workpart, rad; constant on a hub at rest.
         angles, rates: absolute angle and rate of each link, shape (..., links), rad and rad/s.
-        centre_line: corners of the wires' centre line from the root over knees and joints to the tip, (x, y) from the
+        centre_line: corners of the wire's centre line from the root over knees and joints to the tip, (x, y) from the
             hub's centre, shape (..., corners, 2), m; pictures draw these points.
         centre_line_velocity: of the same corners, shape (..., corners, 2), m/s.
     """
@@ -93,7 +93,7 @@ class ContactHistory(EqualByValue):
     """A contact resolved in time; arrays of one length.
 
     Attributes:
-        time: s, from the first touch of the run's clock.
+        time: on the run's clock, from the first touch on, s.
         normal_force, tangential_force: on the tip, N.
         penetration: m, positive inside the workpart.
         normal_velocity, tangential_velocity: of the tip, m/s.
@@ -124,7 +124,7 @@ class ContactRecord:
         time, duration: start and length in s; an instantaneous impact lasts 0 s.
         impulse: on the moving body, N s.
         compressive_impulse: up to the end of compression, N s; None where the law knows no phases.
-        compressive_work, restitutive_work: of the impulse on the body, J; (normal, tangential), or None.
+        compressive_work, restitutive_work: of the impulse on the body, J; of a sustained contact (0, work of friction) and None.
         velocity_before, velocity_after: of the contact point, m/s.
         angles: absolute angle of every link when the contact began, rad.
         rates_before, rates_after: absolute rate of every link, rad/s.

@@ -87,7 +87,7 @@ def read(path: Path) -> dict[str, Any]:
     except OSError:
         raise
     except Exception as error:  # zip, JSON and NumPy each have their own for a file that is something else
-        raise ValueError(f"{path}: not a trajectory file ({error})") from error
+        raise ValueError(f"{path}: cannot be read as a trajectory ({error})") from error
 
 
 def _contact(row: dict[str, Any], number: int, stored: Any) -> ContactRecord:

@@ -28,8 +28,9 @@ class Trajectory(Motion):
 
     Attributes:
         time, hub_angle, angles, rates, centre_line, centre_line_velocity: see Motion.
-        kinetic_energy, potential_energy: of the links and of belt and gravity, J.
-        normal_force: of the obstacle that is touched, N; zero in flight.
+        kinetic_energy, potential_energy: of the links; of belt, hinges and gravity, J.
+        normal_force: sum over the sustained contacts, N; zero in flight and in impacts, resolved in time or not.
+        hub_speed: angular velocity of the hub, rad/s.
         events, contacts: in order of time.
         stop_reason: why the run stopped; its ``advice`` says what would let it go further.
         cost: see Cost.

@@ -71,16 +71,10 @@ def _flown(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Run
         state = _compiled(slope, calls, method, tolerance).set_initial_value(START).integrate(case.duration)
         evaluations = next(calls)
     else:
-        span, least = (0.0, case.duration), _least(tolerance)
-        found = solve_ivp(slope, span, START, method=method, rtol=least, atol=tolerance)
+        found = solve_ivp(slope, (0.0, case.duration), START, method=method, rtol=tolerance, atol=tolerance)
         state, evaluations = found.y[:, -1], found.nfev
     angle, rate = state.tolist()
     return Run((angle * case.scale[0], rate * case.scale[1]), evaluations)
-
-
-def _least(tolerance: float) -> float:
-    """Return the tolerance, or the least of which solve_ivp does not warn: a hundred roundings."""
-    return max(tolerance, 2.5e-14)
 
 
 def _compiled(slope: Callable[..., Any], calls: Iterator[int], method: str, tolerance: float) -> ode:
@@ -101,7 +95,7 @@ def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
         slope, ends = contact.derivative(phase), contact.ends(phase)
         if method.islower():
             return _followed(lambda: _compiled(slope, calls, method, tolerance), ends, state)
-        span, given = (0.0, LONGEST), {"method": method, "rtol": _least(tolerance), "atol": tolerance}
+        span, given = (0.0, LONGEST), {"method": method, "rtol": tolerance, "atol": tolerance}
         found = solve_ivp(slope, span, state, events=[_terminal(*each) for each in ends], **given)
         evaluations += found.nfev
         return list(found.y[:, -1].tolist())

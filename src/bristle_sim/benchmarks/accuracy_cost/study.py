@@ -70,7 +70,8 @@ def accuracy_cost(effort: Effort) -> Report:
     try:
         _measure(measured, effort)
     except KeyboardInterrupt:
-        raise Unfinished(Report(None, (), extra={"curves": _curves(measured)})) from None
+        done = {"curves": _curves(measured), "machine": circumstances}
+        raise Unfinished(Report(None, (), remarks=tuple(tables(measured, circumstances)), extra=done)) from None
     return Report(
         outcome=None,
         quantities=tuple(_rows(measured)),

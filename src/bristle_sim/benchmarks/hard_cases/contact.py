@@ -114,7 +114,7 @@ def touching() -> Iterator[HardCase]:
     for bar, part in ((0.0, 0.0), (0.4, 0.42), (0.0, 0.9)):
         for rub, slide in ((0.0, 0.0), (0.2, 0.31)):
             name = f"struck while the bar is touched, restitution {bar:g} and {part:g}, friction {rub:g} and {slide:g}"
-            promise = f"end and strike as in the reference to {10 * ACCURACY:g}, ten times the requested accuracy"
+            promise = f"end and strike as in the reference to {10 * ACCURACY:g}, the requested accuracy"
             yield case(name, promise, agrees_with_reference, near_bar(bar, rub, part, slide), 10 * ACCURACY)
     for e in (0.0, 0.3, 0.5, 0.7, 0.9):
         for step in (None, 1e-6):
