@@ -19,7 +19,7 @@ SCENARIO = Scenario(
     plot=figure("pass_figure", "trajectory", "tool"),
     video=film("tool_films.PassFilm", "trajectory", "tool"),
     series=series_of_pass,
-    most={"wire_links": (16, "at most 16; the strike of more is beyond the 500,000 engine steps of a run")},
+    highest={"wire_links": (16, "at most 16; the strike of more is beyond the 500,000 engine steps of a run")},
 )
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ SCENARIO = Scenario(
     run=study("studies.cue_map.cue_map"),
     plot=plot,
     without=("knee_position", "knee_angle_deg"),
-    most={"wire_links": (2, "at most 2, with which the directions alone take 24 s and 40 passes")},
+    highest={"wire_links": (2, "at most 2, with which the directions alone take 24 s and 40 passes")},
     defaults={
         "reference": ("yes", "chosen: the roots are found a second time in the independent solution"),
         "accuracy": (1e-9, "chosen: the roots are found to 1e-6"),

@@ -35,10 +35,10 @@ SCENARIO = Scenario(
     parts=(Hub, Belt, Bristle, Strike, Surface, ContactStiffness, Settings, Comparison),
     run=study("studies.flexible_wire.flexible_wire"),
     plot=plot,
-    video=film("wire_video.WireFilm"),
+    video=film("wire_film.WireFilm"),
     series=series,
     without=("knee_position", "knee_angle_deg", "step", "hub_turn"),
-    most={"wire_links": (32, "at most 32, whose strike takes 2 s; a strike of 64 does not finish")},
+    highest={"wire_links": (32, "at most 32, whose strike takes 2 s; a strike of 64 does not finish")},
     defaults={
         "wire_links": (8, "chosen: impulse and peak force are within 0.3 % of those of more links"),
         "friction": (0.0, "chosen: the stiffness is that of a frictionless contact of the given duration"),

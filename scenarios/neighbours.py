@@ -41,7 +41,7 @@ SCENARIO = Scenario(
     video=film("tool_films.RowFilm"),
     series=series,
     without=("knee_position", "knee_angle_deg", "step"),
-    most={"wire_links": (4, "at most 4, of which two bristles take 15 s, and minutes to find the pitches")},
+    highest={"wire_links": (4, "at most 4, of which two bristles take 15 s, and minutes to find the pitches")},
 )
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ SCENARIO = Scenario(
     plot=figure("whole_tool_figure"),
     series=series,
     without=("step", "hub_turn"),
-    most={
+    highest={
         "wire_links": (
             4,
             "at most 4, of which two turns take 7 s; of 8 they are beyond the 500,000 engine steps of a run",

@@ -109,17 +109,17 @@ PROMISES = {
     "oblique_impact": Promise(
         IMPACT,
         (*TOOL, "speed_ratio", "impact_angle_deg", *RUBBING, *LAW),
-        film=("bristle_sim.render.impact_video", "ImpactFilm"),
+        film=("bristle_sim.render.impact_film", "ImpactFilm"),
     ),
     "single_pendulum": Promise(
         ("rebound_ratio", "normal_compressive_impulse", "normal_final_impulse"),
         ("rod_mass", "rod_length", "impact_angle_deg", "rate", *RUBBING, *LAW),
-        film=("bristle_sim.render.impact_video", "ImpactFilm"),
+        film=("bristle_sim.render.impact_film", "ImpactFilm"),
     ),
     "double_pendulum": Promise(
         ("final_rate_1", "final_rate_2", "normal_compressive_impulse", "normal_final_impulse", "kinetic_energy_ratio"),
         ("rod_mass", "mass_ratio", "rod_length", "angle_1_deg", "angle_2_deg", "rate_1", "rate_2", *RUBBING, *LAW),
-        film=("bristle_sim.render.impact_video", "ImpactFilm"),
+        film=("bristle_sim.render.impact_film", "ImpactFilm"),
     ),
     "bent_bristles": Promise(
         keys=(*TOOL, *BELT, *BAR, "penetration", "knee_position", "knee_angle_deg", *WIRE, *RUBBING, *LAW),
@@ -157,7 +157,7 @@ PROMISES = {
         ),
         quick=("--set", "wire_links=2"),
         integrates=True,
-        film=("bristle_sim.render.wire_video", "WireFilm"),
+        film=("bristle_sim.render.wire_film", "WireFilm"),
     ),
     "crater_depth": Promise(
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),

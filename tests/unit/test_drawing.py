@@ -74,7 +74,7 @@ WIRE_DRAWINGS = (
     "render/pass_figure",
     "render/tool_films",
     "render/cue_figure",
-    "render/impact_video",
+    "render/impact_film",
 )
 
 

@@ -9,7 +9,7 @@ from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import Coefficients
 from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import Touch
+from bristle_sim.scene.obstacles import ClosestApproach
 from bristle_sim.scene.spring import Plane, Spring, SpringLoad, time_at_unit_stiffness
 from bristle_sim.scene.stepping import PlainSteps
 from bristle_sim.theory.impact import energetic_impact
@@ -26,7 +26,7 @@ def pressed(turn: float, stick: bool) -> tuple[SpringLoad, Scene, State]:
     pose = mechanism.poses(state)[-1]
     normal = (-math.sin(turn), math.cos(turn))
     space = contact_space(scene.links[-1], pose.tip, normal)
-    touch = Touch(0.0, (0.0, 0.0), normal, space.velocity, ())
+    touch = ClosestApproach(0.0, (0.0, 0.0), normal, space.velocity, ())
     load = SpringLoad(scene, touch, space.inverse_mass, 3e5, Coefficients(0.3, 0.2, 0.5))
     load.spring.plane = load.spring.plane._replace(height=load.spring.plane.height + 0.01)
     if stick:
@@ -72,7 +72,7 @@ class TestSpring:
         scene = Scene(Mechanism((BENT,)), Effects())
         state = State(0.0, (0.1,), (0.2,))
         scene.place(state)
-        touch = Touch(0.0, (0.0, 0.0), (0.6, 0.8), (-1.0, 0.0), ())
+        touch = ClosestApproach(0.0, (0.0, 0.0), (0.6, 0.8), (-1.0, 0.0), ())
         plane = SpringLoad(scene, touch, np.eye(2), 1.0, Coefficients(0.3, 0.3, 0.5)).spring.plane
         x, y = scene.mechanism.poses(state)[-1].tip
         assert plane.penetration((x, y)) == pytest.approx(0.0, abs=1e-15)

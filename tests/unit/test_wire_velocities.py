@@ -48,8 +48,8 @@ def test_nearest_velocities_that_obey_the_joints(count: int, hub: float) -> None
             for wire in range(count):
                 close_joints(scene.links[3 * wire])
         else:
-            assert scene.wires is not None
-            scene.wires.solve(1.0)
+            assert scene.joint_solver is not None
+            scene.joint_solver.solve(1.0)
         found.append(velocities(scene))
     assert found[0] == pytest.approx(found[1], rel=0.0, abs=1e-13)
 
@@ -89,13 +89,13 @@ def test_contacts_are_kept_closed(slip: int) -> None:
     speeds = [touches[0].velocity[0], touches[1].velocity[0], *([] if slip else [touches[0].velocity[1]])]
     response = np.linalg.solve(mechanism.mass_matrix(poses), pushes.T)
     impulses = -np.linalg.solve(rows @ response, speeds)
-    assert scene.wires is not None
-    scene.wires.contacts = (Held(bar, touches[0].piece, slip), Held(part, None, None))
-    scene.wires.solve(1.0)
+    assert scene.joint_solver is not None
+    scene.joint_solver.contacts = (Held(bar, touches[0].piece, slip), Held(part, None, None))
+    scene.joint_solver.solve(1.0)
     assert scene.rates() == pytest.approx(np.array(state.rates) + response @ impulses, rel=0.0, abs=1e-12)
     rub = -0.4 * slip * impulses[0] if slip else impulses[2]
-    assert scene.wires.impulses[0][:2] == pytest.approx((impulses[0], rub), rel=1e-12)
-    assert scene.wires.impulses[1][0] == pytest.approx(impulses[1], rel=1e-12)
+    assert scene.joint_solver.impulses[0][:2] == pytest.approx((impulses[0], rub), rel=1e-12)
+    assert scene.joint_solver.impulses[1][0] == pytest.approx(impulses[1], rel=1e-12)
 
 
 def test_a_contact_without_lever_bears_nothing() -> None:
@@ -104,9 +104,9 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     part = WorkpartObstacle(0.9, 0.0, 0.0, 0.0, link=1)
     scene = Scene(upright, Effects(hinges=((5.0, 0.0),), obstacles=(part,)))
     scene.place(State(0.0, (0.0, 0.0), (0.3, -0.2)))
-    scene.wires.contacts = (Held(part, None, None),)
-    scene.wires.solve(1.0)
-    assert scene.wires.impulses == [(0.0, 0.0, 0.0)]
+    scene.joint_solver.contacts = (Held(part, None, None),)
+    scene.joint_solver.solve(1.0)
+    assert scene.joint_solver.impulses == [(0.0, 0.0, 0.0)]
     assert scene.rates() == pytest.approx([0.3, -0.2], rel=1e-12)
 
 

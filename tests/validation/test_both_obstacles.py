@@ -14,7 +14,7 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.scene.contact_laws import contact_at
 from bristle_sim.scene.gaps import Gaps, opening_rate
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import Touch
+from bristle_sim.scene.obstacles import ClosestApproach
 from bristle_sim.scene.sustained_contact import SustainedContacts
 from bristle_sim.scene.tool import build_tool, simulate, tool_units
 from bristle_sim.settings import Settings
@@ -43,8 +43,8 @@ class TestOpeningRate:
     """Two contacts of a link on a joint: levers l, normal velocities v at the rate w, so drifts v - l w."""
 
     @staticmethod
-    def touch(lever: float, velocity: float) -> Touch:
-        return Touch(0.0, (lever, 0.0), (0.0, 1.0), (velocity, 0.0), ())
+    def touch(lever: float, velocity: float) -> ClosestApproach:
+        return ClosestApproach(0.0, (lever, 0.0), (0.0, 1.0), (velocity, 0.0), ())
 
     @pytest.mark.parametrize("rate", [-3.0, 0.0, 2.0])
     def test_by_hand(self, rate: float) -> None:

@@ -14,7 +14,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
 from bristle_sim.reference.crossing import crossings, of_one_sign
 from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
-from bristle_sim.reference.forces import freedom
+from bristle_sim.reference.forces import normal_response
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Finished, Log, Record
 from bristle_sim.reference.system import Instant, State, Sustained, System
 from bristle_sim.stop_reason import StopReason
@@ -123,14 +123,17 @@ def _force_events(system: System, log: Log, state: State, number: int) -> list[E
 def _pressing(number: int, instant: Instant) -> float:
     """Return a contact's force times its response, m/s^2, which stays bounded where friction locks it."""
     acting = instant.contacts[number]
-    response = freedom(instant.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
+    response = normal_response(instant.mass, acting.touch, 0.0 if acting.sticks else acting.ratio)
     return float(instant.balance.normal[number]) * response
 
 
 def _free(number: int, instant: Instant) -> float:
     """Return the response to a normal force with friction over that without, less the fraction that is about to lock."""
     acting = instant.contacts[number]
-    return freedom(instant.mass, acting.touch, acting.ratio) / freedom(instant.mass, acting.touch, 0.0) - LOCKED
+    return (
+        normal_response(instant.mass, acting.touch, acting.ratio) / normal_response(instant.mass, acting.touch, 0.0)
+        - LOCKED
+    )
 
 
 def _lock(system: System, log: Log, number: int, state: State) -> State:

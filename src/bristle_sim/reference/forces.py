@@ -125,7 +125,7 @@ def _pushes(
         each.sticks and abs(tangential) > (1.0 - EDGE) * each.friction * normal
     ):
         return False
-    if each.slip and each.push is None and freedom(mass, each.touch, each.ratio) <= 0.0:
+    if each.slip and each.push is None and normal_response(mass, each.touch, each.ratio) <= 0.0:
         return False
     if each.sticks or not each.friction or abs(each.touch.velocity[1]) > still:
         return True
@@ -137,7 +137,7 @@ def _pushes(
     return each.slip * begins >= -rounding if each.slip else abs(begins) <= rounding
 
 
-def freedom(mass: Array, touch: Touch, ratio: float) -> float:
+def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
     """Return J_n M^-1 (J_n + f J_t)^T, 1/kg; where it is not positive, friction locks the contact."""
     return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
 

@@ -20,7 +20,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.reference.crossing import nodes
 from bristle_sim.reference.decisions import jam, record
 from bristle_sim.reference.events import Follow, Step, events_of, first_event, note_extremes
-from bristle_sim.reference.forces import freedom
+from bristle_sim.reference.forces import normal_response
 from bristle_sim.reference.log import Finished, Log
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
@@ -118,7 +118,8 @@ class Run:
         )
         now = self.system.at(self.state)
         return any(
-            freedom(ahead.mass, ahead.touch(each.point), 0.0) < VANISHED * freedom(now.mass, now.touch(each.point), 0.0)
+            normal_response(ahead.mass, ahead.touch(each.point), 0.0)
+            < VANISHED * normal_response(now.mass, now.touch(each.point), 0.0)
             for each in self.system.sustained
         )
 
@@ -154,7 +155,7 @@ class Run:
             return 0.0
         instant = self.system.at(self.state)
         friction = -self.system.friction(each.point, each.spring) * each.slip
-        response = abs(freedom(instant.mass, instant.touch(each.point), friction))
+        response = abs(normal_response(instant.mass, instant.touch(each.point), friction))
         return math.sqrt(each.spring.stiffness * response) / (each.spring.restitution or 1.0)
 
     def _derivative(self, time: float, values: Array) -> Array:

@@ -37,7 +37,7 @@ class Scenario:
         series: gives the time series of a report, by name and unit, one entry a sample; None without a motion.
         defaults: key values that differ from the parameter classes' own, each with its source.
         without: keys of the parts that mean nothing to the question.
-        most: largest values of keys of which the parts would take more, each with its reason.
+        highest: upper limits of keys that are lower than in the parameter classes, each with its reason.
         plot_is_folder: ``--plot`` names a folder, or a PDF of several pages, instead of a picture.
         options: keys that also have an option of their own; ``--KEY VALUE`` is short for ``--set KEY=VALUE``.
     """
@@ -51,7 +51,7 @@ class Scenario:
     series: Callable[[Report], Columns] | None = None
     defaults: Mapping[str, tuple[Any, str]] = field(default_factory=dict)
     without: tuple[str, ...] = ()
-    most: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    highest: Mapping[str, tuple[float, str]] = field(default_factory=dict)
     plot_is_folder: bool = False
     options: tuple[str, ...] = ()
 
@@ -63,10 +63,13 @@ class Scenario:
             found |= {each.key: (each, defaults[name]) for name, each in declarations(part).items()}
         for key, (default, source) in self.defaults.items():
             found[key] = (dataclasses.replace(found[key][0], source=source), default)
-        for key, (most, reason) in self.most.items():
+        for key, (limit, reason) in self.highest.items():
             declared, default = found[key]
             assert isinstance(declared, Range)
-            found[key] = (dataclasses.replace(declared, highest=most, meaning=f"{declared.meaning}; {reason}"), default)
+            found[key] = (
+                dataclasses.replace(declared, highest=limit, meaning=f"{declared.meaning}; {reason}"),
+                default,
+            )
         return {key: each for key, each in found.items() if key not in self.without}
 
     def values_of(self, settings: Sequence[str]) -> dict[str, Any]:
@@ -250,7 +253,7 @@ def figure_of_impact(report: Report, path: Path) -> None:
 
 def film_of_impact(report: Report, path: Path) -> None:
     """Film an impact in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
-    from bristle_sim.render.impact_video import ImpactFilm
+    from bristle_sim.render.impact_film import ImpactFilm
     from bristle_sim.studies.timed_contact import with_visible_contact
 
     ImpactFilm(with_visible_contact(report.subject)).write(path)

@@ -132,9 +132,9 @@ class Scene:
         return self.contacts.in_flight < MOST_ITERATIONS
 
     @property
-    def wires(self) -> WireVelocities:
+    def joint_solver(self) -> WireVelocities:
         """The solver of joints and sustained contacts of several links."""
-        return cast("WireSteps", self._engine).wires
+        return cast("WireSteps", self._engine).joint_solver
 
     def hold(self, contacts: Sequence[Held]) -> None:
         """Have sustained contacts of several links solved for in the engine's steps from now on."""
@@ -152,7 +152,7 @@ class Scene:
     def correct_joints(self, *, completely: bool) -> None:
         """Have the joints closed at every step, or leave them alone."""
         if self.effects.hinges:
-            self.wires.correct = completely
+            self.joint_solver.correct = completely
         for joint in self.joints:
             joint.error_bias = 0.0 if completely else 1.0
 

@@ -154,7 +154,7 @@ class SolvedForces(ContactForces):
         return [*normal, *self._sums, *rubs]
 
     def _add(self) -> None:
-        impulses = np.array(self.scene.wires.impulses)
+        impulses = np.array(self.scene.joint_solver.impulses)
         self._odd = not self._odd
         self._mean = impulses[:, :2] if self._odd else 0.5 * (self._last + impulses[:, :2])
         self._last = impulses[:, :2]

@@ -15,7 +15,7 @@ PATIENCE = 10.0
 point on. It ends as ``no rebound``, in sustained contact; or where the rigid-body law ends, in a jam or in stiction. On a
 wire that vibrates it lasts until the spring lets go: a closed contact would be another one."""
 
-SHORTEST = 1e-9
+SHORTEST_CONTACT_INTERVAL = 1e-9
 """Intervals shorter than this fraction of a contact mean that none is short enough: rounding exceeds the tolerance."""
 
 MOST_INTERVALS = 1000
@@ -87,7 +87,7 @@ class ContactIntegration:
         self.motion.follow_bodies()
         result = self.motion.advance(length)
         if not self.motion.stepper.accepts(result, length):
-            if length < SHORTEST * self.expected.duration:
+            if length < SHORTEST_CONTACT_INTERVAL * self.expected.duration:
                 raise ValueError(TOO_ACCURATE)
             return
         result, act = self.motion.up_to_first(result, length, self._turns())

@@ -11,7 +11,7 @@ from typing import Protocol
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_space import ContactSpace, contact_space
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.scene.obstacles import ClosestApproach, Obstacle
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
@@ -52,7 +52,7 @@ class ContactLaw(Protocol):
         """Carry the scene from the instant of touch to the end of the impact; engine units throughout."""
 
 
-def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[Touch, ContactSpace]:
+def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestApproach, ContactSpace]:
     """Place the scene and describe its contact with an obstacle, from the bodies as they are in the engine."""
     scene.place(state)
     poses = scene.mechanism.poses(state)

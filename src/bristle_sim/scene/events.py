@@ -16,7 +16,7 @@ from bristle_sim.scene.stepping import Advance
 CUBIC_ERROR = 0.01
 """Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety."""
 
-SHORTEST = 1e-15
+SHORTEST_BRACKET = 1e-15
 """Intervals of a scene's time unit shorter than this are an instant."""
 
 SHORTEST_FRACTION = 1e-12
@@ -127,7 +127,7 @@ def locate(
     inverse quadratic through the last three points if that is monotonic between them, else the middle.
     """
     last, at_last, other, at_other = right, at_right, left, at_left
-    instant = min(SHORTEST, SHORTEST_FRACTION * (right - left))
+    instant = min(SHORTEST_BRACKET, SHORTEST_FRACTION * (right - left))
     share = min(max(at_right / (at_right - at_left), 1e-4), 1.0 - 1e-4)
     if guess is not None and left < guess < right:
         share = (guess - right) / (left - right)

@@ -10,7 +10,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.scene.events import interpolate
 from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
-from bristle_sim.scene.obstacles import Obstacle, Touch
+from bristle_sim.scene.obstacles import ClosestApproach, Obstacle
 
 GAP_ROUNDING = 1e-11
 """A gap of the scene's unit below this is closed."""
@@ -23,7 +23,7 @@ class Gaps:
         """Look at a mechanism, which keeps the poses of the last few states."""
         self.mechanism = mechanism
 
-    def touch(self, obstacle: Obstacle, state: State, piece: int | None = None) -> Touch:
+    def touch(self, obstacle: Obstacle, state: State, piece: int | None = None) -> ClosestApproach:
         """Return where and how the link would touch the obstacle, with one of its pieces if it is named."""
         return obstacle.touch_between(self.poses(state), state.rates, piece)
 
@@ -57,7 +57,7 @@ NEWTON = 3
 
 
 def contact_row(
-    mechanism: Mechanism, poses: Sequence[Pose], obstacle: Obstacle, touch: Touch, direction: Vector
+    mechanism: Mechanism, poses: Sequence[Pose], obstacle: Obstacle, touch: ClosestApproach, direction: Vector
 ) -> Array:
     """Return d(relative velocity of a contact along a direction)/d(rates), shape (links,)."""
     row = mechanism.row(poses, obstacle.link, touch.arm, direction)
@@ -124,7 +124,7 @@ def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None
     return State(state.time, (angle,), (rate,))
 
 
-def opening_rate(first: Touch, second: Touch) -> float:
+def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
     """Return how fast two contacts of a link that turns about its joint leave it free between them, whatever its rate.
 
     Each normal velocity is drift + lever * rate. With levers of opposite signs both are positive for some rate only if the

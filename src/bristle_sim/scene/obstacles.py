@@ -32,7 +32,7 @@ HALF_PLANE = 1e3
 """Half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach."""
 
 
-class Touch(NamedTuple):
+class ClosestApproach(NamedTuple):
     """Where and how a link meets an obstacle.
 
     Attributes:
@@ -87,7 +87,7 @@ class Obstacle(Protocol):
     def restitution(self) -> float:
         """Coefficient of restitution."""
 
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the links in given poses, or of one straight piece."""
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
@@ -152,7 +152,7 @@ class BarObstacle:
         """Friction in restitution is that in compression."""
         return self.friction
 
-    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
+    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the centre line (with a round end); the contact is on the wire's surface.
 
         Of two pieces that touch, the one that approaches faster counts, unless one is named.
@@ -169,11 +169,11 @@ class BarObstacle:
         least = min(touch.gap for touch in touches)
         return min((touch for touch in touches if touch.gap <= least + SAME_GAP), key=lambda touch: touch.velocity[0])
 
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the pair's link."""
         return self.touch(poses[self.link], rates[self.link], piece)
 
-    def _touch(self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]) -> Touch:
+    def _touch(self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]) -> ClosestApproach:
         square, arm, _ = found
         distance = math.sqrt(square)
         scale = distance or 1.0  # at the very centre no direction is the normal's
@@ -181,7 +181,7 @@ class BarObstacle:
         normal = (x / scale, y / scale)
         arm = (arm[0] - self.wire_radius * normal[0], arm[1] - self.wire_radius * normal[1])
         gap = distance - self.radius - self.wire_radius
-        return Touch(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
+        return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the gap of a piece in whose elbow the bar lies; infinite where there is none."""
@@ -219,14 +219,14 @@ class WorkpartObstacle:
     link: int = -1
     partner: None = None
 
-    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> Touch:
+    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> ClosestApproach:
         """Return the tip above the surface; normal +y, tangent +x."""
         del piece
         arm = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
         normal = (0.0, 1.0)
-        return Touch(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), ())
+        return ClosestApproach(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), ())
 
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the pair's link."""
         return self.touch(poses[self.link], rates[self.link], piece)
 

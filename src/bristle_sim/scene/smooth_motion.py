@@ -17,7 +17,7 @@ from bristle_sim.scene.obstacles import Obstacle
 from bristle_sim.scene.progress import GROWTH, Progress
 from bristle_sim.scene.stepping import Advance
 from bristle_sim.scene.sustained_contact import Sustained, SustainedContacts
-from bristle_sim.scene.touch_search import SHORTEST, Interval, first_touch_of_all
+from bristle_sim.scene.touch_search import SHORTEST_INTERVAL, Interval, first_touch_of_all
 from bristle_sim.stop_reason import StopReason
 
 LONGEST = 1.0
@@ -79,7 +79,7 @@ class SmoothMotion:
                     return None
                 return slip or self._approach_release(forces, length)
         if not progress.stepper.accepts(result, length):
-            if not math.isfinite(result.error) or length < SHORTEST:
+            if not math.isfinite(result.error) or length < SHORTEST_INTERVAL:
                 progress.stop(StopReason.ACCURACY)
             return None
         result, resolve = self.first_event(result)

@@ -12,7 +12,7 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_laws import Coefficients
 from bristle_sim.scene.engine import point_reader, pusher
 from bristle_sim.scene.mechanism import Vector
-from bristle_sim.scene.obstacles import Touch
+from bristle_sim.scene.obstacles import ClosestApproach
 from bristle_sim.theory.impact import Impact
 
 
@@ -122,7 +122,7 @@ class SpringLoad:
     def __init__(
         self,
         scene: Scene,
-        touch: Touch,
+        touch: ClosestApproach,
         inverse_mass: Array,
         stiffness: float,
         coefficients: Coefficients,

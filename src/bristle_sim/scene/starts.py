@@ -37,7 +37,7 @@ LONE = Row()
 
 
 @dataclass(frozen=True, slots=True)
-class Radial(Declared):
+class StartRelativeToHub(Declared):
     """Angles of the hub, and of all links relative to it, and their relative rate, checked."""
 
     hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")

@@ -16,7 +16,7 @@ from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan
 from bristle_sim.scene.results import trajectory_in_si
 from bristle_sim.scene.run import run
-from bristle_sim.scene.starts import LONE, RETRACTION_LIMIT, Radial, Row, Start, check_start
+from bristle_sim.scene.starts import LONE, RETRACTION_LIMIT, Row, Start, StartRelativeToHub, check_start
 from bristle_sim.scene.time_scales import longest_interval, stepper_for, time_scale
 from bristle_sim.scene.units import Units
 from bristle_sim.scene.wire_links import wire_hinges, wire_links
@@ -110,8 +110,8 @@ def simulate(
             for this tool, rounding hides the accuracy, or a contact resolved in time comes to no end.
     """
     settings, stop_after = _checked(tool, settings, stop_after)
-    begin = Radial(start_hub_angle, start_relative_angle, start_relative_rate)
-    (run,) = _simulated(tool, settings, _radial(tool, begin, LONE), LONE, stop_after)
+    begin = StartRelativeToHub(start_hub_angle, start_relative_angle, start_relative_rate)
+    (run,) = _simulated(tool, settings, _start_relative_to_hub(tool, begin, LONE), LONE, stop_after)
     return run
 
 
@@ -156,11 +156,11 @@ def simulate_row(
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
     if tool.contact.law == "compliant" and row.bristles > 1:
         raise ValueError("contact = compliant: must be energetic or engine in a row of bristles")
-    begin = Radial(start_hub_angle)
-    return _simulated(tool, settings, _radial(tool, begin, row), row, stop_after)
+    begin = StartRelativeToHub(start_hub_angle)
+    return _simulated(tool, settings, _start_relative_to_hub(tool, begin, row), row, stop_after)
 
 
-def _radial(tool: Tool, begin: Radial, row: Row) -> Start:
+def _start_relative_to_hub(tool: Tool, begin: StartRelativeToHub, row: Row) -> Start:
     """Return a start in which every wire has the same angle and rate relative to its root."""
     links = range(row.bristles * tool.bristle.links)
     angles = tuple(begin.hub_angle - link // tool.bristle.links * row.pitch + begin.relative_angle for link in links)

@@ -25,7 +25,7 @@ GAP_TOLERANCE = 1e-13
 LOCATED = 1e-6
 """Gap to which a touch is located, as a fraction of the accuracy: a slow approach makes more of it in time."""
 
-SHORTEST = 1e-13
+SHORTEST_INTERVAL = 1e-13
 """An interval shorter than this fraction of the scene's time unit means that no interval is short enough. A motion of that
 fraction of the scene's length, too, is an instant."""
 
@@ -183,7 +183,7 @@ def least_gap(interval: Interval, gaps: Gaps, obstacle: Obstacle, span: float, g
     """Return where the gap is closed, or else least, in a motion after which it opens: the duration, and the gap."""
     fastest = 1.5 * gaps.mechanism.speed_bound(interval.start)
     left, right = 0.0, span
-    while gap <= fastest * (right - left) and max(1.0, fastest) * (right - left) > SHORTEST:
+    while gap <= fastest * (right - left) and max(1.0, fastest) * (right - left) > SHORTEST_INTERVAL:
         middle = 0.5 * (left + right)
         gap, rate = gaps.gap_and_rate(obstacle, interval.again(middle).state)
         if gap < 0.0:

@@ -7,11 +7,11 @@ import math
 
 from bristle_sim.parameters import Bristle
 from bristle_sim.scene.mechanism import Link, Mechanism, State, Vector, cross
-from bristle_sim.scene.obstacles import Touch
+from bristle_sim.scene.obstacles import ClosestApproach
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
-SHORTEST = 1e-12
+SHORTEST_PIECE = 1e-12
 """Fraction of the wire's length below which a straight piece of a link is rounding: the knee is at the joint."""
 
 
@@ -56,10 +56,13 @@ def _between(corners: list[Vector], low: float, high: float) -> list[Vector]:
     for start, end in itertools.pairwise(corners):
         length = math.dist(start, end)
         for place in (max(low - passed, 0.0), min(high - passed, length)):
-            if -SHORTEST < place < length + SHORTEST and low - SHORTEST < passed + place < high + SHORTEST:
+            if (
+                -SHORTEST_PIECE < place < length + SHORTEST_PIECE
+                and low - SHORTEST_PIECE < passed + place < high + SHORTEST_PIECE
+            ):
                 fraction = place / length
                 point = (start[0] + fraction * (end[0] - start[0]), start[1] + fraction * (end[1] - start[1]))
-                if not found or math.dist(found[-1], point) > SHORTEST:
+                if not found or math.dist(found[-1], point) > SHORTEST_PIECE:
                     found.append(point)
         passed += length
     return found
@@ -77,7 +80,7 @@ def _link(corners: list[Vector]) -> Link:
 
 
 def rigid_stiffness(
-    mechanism: Mechanism, state: State, touch: Touch, link: int, duration: float, restitution: float
+    mechanism: Mechanism, state: State, touch: ClosestApproach, link: int, duration: float, restitution: float
 ) -> float:
     """Return the stiffness of a contact that would keep the wire, were it rigid, in touch for a time without friction.
 

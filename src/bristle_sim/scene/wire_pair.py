@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
-from bristle_sim.scene.obstacles import Touch
+from bristle_sim.scene.obstacles import ClosestApproach
 
 Line = tuple[Vector, Vector]
 
@@ -35,7 +35,7 @@ class WirePair:
         """Friction in restitution is that in compression."""
         return self.friction
 
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> Touch:
+    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the two pieces, or of one named end and the other piece."""
         own, other = _piece(poses[self.link], self.own_piece), _piece(poses[self.partner], self.partner_piece)
         found = [_nearest(own, other, each) for each in (range(4) if piece is None else (piece,))]
@@ -59,7 +59,7 @@ class WirePair:
             velocity[0] += sign * (moving[0] * normal[0] + moving[1] * normal[1])
             velocity[1] += sign * (moving[0] * normal[1] - moving[1] * normal[0])
         gap = (-1.0 if _crossed(own, other) else 1.0) * distance - 2.0 * self.wire_radius
-        return Touch(gap, arms[0], normal, (velocity[0], velocity[1]), (), piece, arms[1])
+        return ClosestApproach(gap, arms[0], normal, (velocity[0], velocity[1]), (), piece, arms[1])
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Other pieces have pairs of their own."""

@@ -44,7 +44,7 @@ class WireSteps(EngineSteps):
         self._engine_step = self._step
 
     @property
-    def wires(self) -> WireVelocities:
+    def joint_solver(self) -> WireVelocities:
         """The solver."""
         if self._wires is None:
             self._wires = self._make()
@@ -65,12 +65,12 @@ class WireSteps(EngineSteps):
         self._step = self._step_and_solve if active else self._engine_step
         self.take_symmetric = self._take_symmetric if active else None
         if active or self._wires is not None:
-            self.wires.contacts = contacts
-            self.wires.take_over(active=active)
+            self.joint_solver.contacts = contacts
+            self.joint_solver.take_over(active=active)
 
     def _step_and_solve(self, length: float) -> None:
         self._engine_step(length)
-        self.wires.solve(length)
+        self.joint_solver.solve(length)
 
     def _take_symmetric(self, length: float, count: int, act: Callable[[], None] = _nothing) -> list[float]:
         """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does.
@@ -79,7 +79,7 @@ class WireSteps(EngineSteps):
         """
         self.steps += count
         self.work += count * self._price
-        with self.wires.symmetric_steps():
+        with self.joint_solver.symmetric_steps():
             for left in range(count, 0, -1):
                 if left == 2:
                     before = self.rates()

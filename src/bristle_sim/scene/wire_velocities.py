@@ -34,7 +34,7 @@ from scipy.linalg.lapack import dposv
 from bristle_sim.arrays import Array
 from bristle_sim.scene.engine import placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
-from bristle_sim.scene.obstacles import Held, Obstacle, Touch
+from bristle_sim.scene.obstacles import ClosestApproach, Held, Obstacle
 
 DEPENDENT = 1e-12
 """Singular values below this fraction of the largest belong to contacts that repeat what joints or others say."""
@@ -129,7 +129,7 @@ class _Chains:
         """Return each wire's values times the matrix of a wire."""
         return np.asarray((values.reshape(-1, self._wires.size) @ matrix).ravel())
 
-    def touch(self, obstacle: Obstacle, piece: int | None) -> Touch:
+    def touch(self, obstacle: Obstacle, piece: int | None) -> ClosestApproach:
         """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
         links = [obstacle.link] if obstacle.partner is None else [obstacle.link, obstacle.partner]
         # Of the links only these are looked at.
@@ -137,7 +137,7 @@ class _Chains:
         rates: Any = {link: float(self.rates[link]) for link in links}
         return obstacle.touch_between(poses, rates, piece)
 
-    def row(self, obstacle: Obstacle, touch: Touch, direction: Vector) -> Array:
+    def row(self, obstacle: Obstacle, touch: ClosestApproach, direction: Vector) -> Array:
         """Return d(relative velocity of a contact along a direction)/d(rates)."""
         row = np.zeros(len(self._links))
         for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):

@@ -26,7 +26,7 @@ import zarr
 from joblib.parallel import AutoBatchingMixin, ParallelBackendBase, get_active_backend
 
 from bristle_sim.quantity import shown
-from bristle_sim.studies.sweep_point import Outcome, check_arguments, described, identity_of, outcome_of
+from bristle_sim.studies.sweep_point import Outcome, check_arguments, described, evaluate_point, identity_of
 from bristle_sim.studies.sweep_store import FAILURE, opened, write
 
 Outcomes = Generator[Outcome, None, None]
@@ -82,13 +82,13 @@ def sweep(
     identity = identity_of(function, version)
     if store is None:
         in_memory = zarr.storage.MemoryStore()
-        outcomes = _outcomes(functools.partial(outcome_of, function, identity), grid, workers)
+        outcomes = _outcomes(functools.partial(evaluate_point, function, identity), grid, workers)
         write(in_memory, grid, units, _counted(outcomes, grid, progress))
         return opened(in_memory).load()
     results = Path(store) / f"{joblib.hash((identity, grid.to_dict(), units))}.zarr"
     if not results.is_dir():
-        cached = joblib.Memory(store, verbose=0).cache(outcome_of, ignore=["function"])
-        # The cache notes the source of outcome_of here, before there are workers that would do so at the same time.
+        cached = joblib.Memory(store, verbose=0).cache(evaluate_point, ignore=["function"])
+        # The cache notes the source of evaluate_point here, before there are workers that would do so at the same time.
         cached.check_call_in_cache(function, identity, **next(_points(grid)))
         try:
             with TemporaryDirectory(dir=store, prefix="unfinished-") as folder:

@@ -33,7 +33,7 @@ CONSTANTS = (bool, int, float, complex, str, bytes, tuple, frozenset)
 """Types of a module's variables that count as constants."""
 
 
-def outcome_of(function: Callable[..., Any], identity: str, **arguments: Any) -> Outcome:  # noqa: ARG001
+def evaluate_point(function: Callable[..., Any], identity: str, **arguments: Any) -> Outcome:  # noqa: ARG001
     """Results of a function, or why it raised; the identity makes it another entry of the cache when that changes."""
     try:
         result = function(**arguments)

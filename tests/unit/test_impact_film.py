@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
 from bristle_sim.render.contact_motion import ContactMotion, contact_motion
-from bristle_sim.render.impact_video import ImpactFilm, draw_chain
+from bristle_sim.render.impact_film import ImpactFilm, draw_chain
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
 from bristle_sim.settings import Settings
