@@ -163,6 +163,8 @@ class TestStarts:
         run = simulate(BARE, start_hub_angle=-self.GAMMA, start_relative_rate=583.8, stop_after="strike")
         assert run.event_time("strike") == 0.0
         assert run.contacts[0].rates_before[0] == pytest.approx(845.6, rel=1e-15)
+        with pytest.raises(ValueError, match="must have samples of two different instants to be interpolated"):
+            run.at(0.0)
 
     def test_in_contact_and_leaving(self) -> None:
         """Mirrored: the tip leaves the surface, and nothing has struck."""

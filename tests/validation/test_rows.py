@@ -148,3 +148,16 @@ def test_refusals() -> None:
         row(2, 20.0, Tool(contact=Contact(law="compliant")))
     with pytest.raises(ValueError, match=r"must be one that simulate\(\) returned"):
         resume(row(2, 50.0)[0])
+
+
+@pytest.mark.parametrize("pitch", [0.0, 0.01])
+def test_wires_in_each_other_at_the_start_are_refused(pitch: float) -> None:
+    """Also where they coincide, and no direction is the normal's."""
+    with pytest.raises(ValueError, match="must be one at which bristles are clear of each other at the start"):
+        simulate_row(Tool(), bristles=2, pitch=pitch, neighbour_friction=0.0, neighbour_restitution=1.0)
+
+
+@pytest.mark.parametrize("bristles", [2.0, True, 0])
+def test_a_number_of_bristles_is_a_whole_one(bristles: int) -> None:
+    with pytest.raises(ValueError, match=f"bristles = {bristles}: must be a whole number"):
+        simulate_row_reference(Tool(), bristles=bristles, pitch=0.3)

@@ -138,9 +138,9 @@ def largest_differences(figure: Redrawn) -> dict[str, float]:
     """Return by source of points their largest distance from the curve, as a fraction of its largest value beside a point."""
     found: dict[str, float] = {}
     for curve in (curve for panel in figure.panels for curve in panel.curves):
-        for law, (at, y) in curve.points.items():
+        for source, (at, y) in curve.points.items():
             beside = curve.theory[np.searchsorted(curve.x, at)]
             size = float(np.max(np.abs(beside), initial=0.0)) or 1.0
-            share = float(np.max(np.abs(y - beside), initial=0.0)) / size
-            found[law] = max(found.get(law, 0.0), share)
+            fraction = float(np.max(np.abs(y - beside), initial=0.0)) / size
+            found[source] = max(found.get(source, 0.0), fraction)
     return found

@@ -138,7 +138,10 @@ def _pushes(
 
 
 def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
-    """Return J_n M^-1 (J_n + f J_t)^T, 1/kg; where it is not positive, friction locks the contact."""
+    """Return a contact's normal acceleration per normal force with its friction, J_n M^-1 (J_n + f J_t)^T, 1/kg.
+
+    Where it is not positive, friction locks the contact.
+    """
     return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
 
 

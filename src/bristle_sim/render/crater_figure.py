@@ -35,7 +35,7 @@ MICRO = 1e6
 LEAN = math.radians(11.5)
 """Lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
 
-LOWEST, HIGHEST = 0.4, 4.0
+LEAST_FRICTION, MOST_FRICTION = 0.4, 4.0
 """Friction coefficients shown (Zhang 2020, fig. 4.14 goes from 0.45 to 4)."""
 
 OWN: dict[str, Any] = {"marker": "*", "color": ORANGE, "markersize": 9, "markeredgecolor": BLACK, "linestyle": "none"}
@@ -156,11 +156,11 @@ def _draw_constants(axes: Axes, study: CraterStudy) -> None:
         label = f"{own['constant_deg']:.1f}° with {own['friction']:g}"
         axes.plot([own["friction"]], [own["constant_deg"]], label=label, zorder=4, **OWN)
     axes.axhline(90.0, color=GREY, linewidth=0.8)
-    note(axes, "least work", (HIGHEST, 90.0), (0.0, 2.0), ha="right")
+    note(axes, "least work", (MOST_FRICTION, 90.0), (0.0, 2.0), ha="right")
     axes.set_xscale("log")
     axes.set_xticks((0.5, 1.0, 2.0, 4.0), ["0.5", "1", "2", "4"])
     axes.minorticks_off()
-    axes.set(xlim=(LOWEST, HIGHEST), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (°)")
+    axes.set(xlim=(LEAST_FRICTION, MOST_FRICTION), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (°)")
     axes.legend(loc="lower left", title="impact angle", labelspacing=0.3, title_fontsize=7.0)
     words = "solid: the shear\nplane comes out\nof the surface"
     note(axes, words, (0.97, 0.82), (0.0, 0.0), xycoords="axes fraction", ha="right", va="top")
@@ -173,7 +173,7 @@ def _frictions(study: CraterStudy, angle_deg: float) -> list[float]:
     try:
         least = float(friction_for_crater_depth(*given, compression_time=crater.compression_time))
     except ValueError:  # no friction makes it that deep, or any does
-        least = LOWEST
-    if least >= HIGHEST:
-        return [HIGHEST]
-    return [least, *(least + np.geomspace(1e-6, HIGHEST - least, 120)).tolist()]
+        least = LEAST_FRICTION
+    if least >= MOST_FRICTION:
+        return [MOST_FRICTION]
+    return [least, *(least + np.geomspace(1e-6, MOST_FRICTION - least, 120)).tolist()]

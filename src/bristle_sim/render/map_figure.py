@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
 
-HIGHEST = 97.0
+COLOUR_PERCENTILE = 97.0
 """Percentile of the values at which the colours end: the few points next to a jam, where work has no bound, lie beyond."""
 
 
@@ -61,7 +61,7 @@ def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, values: np.ndarray |
         low = -high
     elif finite.size:
         low = float(finite.min())
-        high = max(float(np.percentile(finite, HIGHEST)), low + 1e-12)
+        high = max(float(np.percentile(finite, COLOUR_PERCENTILE)), low + 1e-12)
     axes.grid(visible=False)
     image = axes.pcolormesh(x, y, values, cmap=colors, shading="nearest", rasterized=True, vmin=low, vmax=high)
     left, bottom, width, height = axes.get_position().bounds

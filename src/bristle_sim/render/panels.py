@@ -86,9 +86,9 @@ def draw_panel(axes: Axes, panel: Panel) -> None:
     x, y = panel.x.factor, panel.y.factor
     for curve, color in zip(panel.curves, SERIES, strict=False):
         axes.plot(x * curve.x, y * curve.theory, color=color, gid=f"curve {curve.name}")
-        for law, (at, values) in curve.points.items():
-            look = {"color": color, "linestyle": "none", "markeredgewidth": 0.9, **_LOOKS[law]}
-            axes.plot(x * at, y * values, **look, zorder=3, gid=f"{law} {curve.name}")
+        for source, (at, values) in curve.points.items():
+            look = {"color": color, "linestyle": "none", "markeredgewidth": 0.9, **_LOOKS[source]}
+            axes.plot(x * at, y * values, **look, zorder=3, gid=f"{source} {curve.name}")
     for level, dashes in _level_looks(panel):
         draw, factor = (axes.axvline, x) if level.upright else (axes.axhline, y)
         draw(factor * level.value, color=GREY, linewidth=0.9, dashes=dashes, zorder=1, gid=level.label)
@@ -130,7 +130,7 @@ def _level_looks(panel: Panel) -> list[tuple[Level, tuple[float, float]]]:
 
 def point_entries(panel: Panel, dot: str) -> list[Line2D]:
     """Return entries of a legend that say what the points and the dot, a mark without a label, are."""
-    entries = [_entry(law) for law in dict.fromkeys(law for curve in panel.curves for law in curve.points)]
+    entries = [_entry(source) for source in dict.fromkeys(source for curve in panel.curves for source in curve.points)]
     if any(not mark.label for mark in panel.marks):
         entries.append(Line2D([], [], linestyle="none", label=dot, markeredgewidth=0.65, **OPERATING_POINT))
     return entries

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.events import guess, locate
+from bristle_sim.scene.events import guess, interpolate, locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad
 from bristle_sim.scene.stepping import Advance, Stepper
@@ -81,8 +81,8 @@ class Expectation:
         duration: of the contact.
         longest: duration of its longest interval.
         outcome: of the rigid-body law.
-        resumes: whether a point that the rigid-body law stops may find its way out: not one of a single rod, which comes to
-            rest for good or goes where its hub goes.
+        resumes: whether a point that the rigid-body law stops may move again: after a jam, and after stiction of several links;
+            never in a contact so short that the bodies do not move meanwhile.
         vibrates: whether several links move meanwhile, so that slip may stop and resume within an interval.
     """
 
@@ -246,17 +246,7 @@ class ContactMotion:
 
 def _between(start: Advance, end: Advance, part: float) -> Advance:
     """Return an instant within an interval: of cubics through angles and rates, and of a parabola for the force of stick."""
-    before, after = start.state, end.state
-    length = after.time - before.time
-    pairs = zip(before.angles, after.angles, before.rates, after.rates, strict=True)
-    cubics = [
-        (a, length * u, 3.0 * (b - a) - length * (2.0 * u + v), length * (u + v) - 2.0 * (b - a))
-        for a, b, u, v in pairs
-    ]
-    angles = tuple(a + part * (b + part * (c + part * d)) for a, b, c, d in cubics)
-    rates = tuple((b + part * (2.0 * c + part * 3.0 * d)) / length for _, b, c, d in cubics)
     first, last = end.totals[4:6]
-    bend = 3.0 * (first + last) - 6.0 * end.totals[1] / length
+    bend = 3.0 * (first + last) - 6.0 * end.totals[1] / (end.state.time - start.state.time)
     stick = first + part * (last - first) - part * (1.0 - part) * bend
-    state = State(before.time + part * length, angles, rates)
-    return Advance(state, (), (0.0, 0.0, 0.0, 0.0, stick, stick), 0.0)
+    return Advance(interpolate(start.state, end.state, part), (), (0.0, 0.0, 0.0, 0.0, stick, stick), 0.0)

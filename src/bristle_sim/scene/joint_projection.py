@@ -25,7 +25,9 @@ DEPENDENT = 1e-12
 
 
 def close_joints(*ends: pymunk.Body) -> None:
-    """Change the velocities of all bodies joined to these so that no joint opens, as little as their kinetic energy can measure.
+    """Change the velocities of all bodies joined to these so that no joint opens, as little as possible.
+
+    The size of the change is that of the kinetic energy.
 
     Raises:
         RuntimeError: if limits take turns at pushing without end.

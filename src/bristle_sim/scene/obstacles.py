@@ -33,7 +33,7 @@ HALF_PLANE = 1e3
 
 
 class ClosestApproach(NamedTuple):
-    """Where and how a link meets an obstacle.
+    """Where and how a link is closest to an obstacle.
 
     Attributes:
         gap: distance, negative inside.
@@ -42,7 +42,7 @@ class ClosestApproach(NamedTuple):
         velocity: (normal, tangential) velocity of the link's contact point.
         kinks: the motion in sustained contact has a kink where one of these passes through 0: the contact leaves a straight
             piece of the centre line for a corner or the end, or comes back.
-        piece: which straight piece of the centre line touches, counted from the joint.
+        piece: which straight piece of the centre line is closest, from 0 at the joint; of two wires, which of their four ends.
         partner_arm: contact point seen from the joint of the other wire's link; None on what is fixed.
     """
 

@@ -38,7 +38,7 @@ LONE = Row()
 
 @dataclass(frozen=True, slots=True)
 class StartRelativeToHub(Declared):
-    """Angles of the hub, and of all links relative to it, and their relative rate, checked."""
+    """A start at which every wire has the same angle and rate relative to its root; the numbers are checked."""
 
     hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
     relative_angle: float = quantity(

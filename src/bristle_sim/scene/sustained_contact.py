@@ -29,7 +29,7 @@ MOST_GRIP = 1.99
 
 @dataclass(slots=True, eq=False)
 class Sustained:
-    """A contact that the engine keeps closed until its force has fallen to zero.
+    """A contact that stays closed until its normal force has fallen to zero.
 
     Attributes:
         obstacle: the pair in contact.

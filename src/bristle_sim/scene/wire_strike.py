@@ -71,8 +71,8 @@ def strike_wire(
         angles, rates: absolute angles and rates of the links then, rad and rad/s.
         stiffness: of the contact in compression, N/m.
         settings: of the scene.
-        duration: expected of the contact, s, of which samples are at most a 24th apart; of a rigid bristle one ten times as long
-            ends there.
+        duration: expected duration of the contact, s. Samples are at most a 24th of it apart, and the contact of a rigid bristle
+            is ended after ten times that long.
         flight: time of free motion after the release, s.
 
     Raises:
@@ -128,6 +128,9 @@ def build_wire(
 SMALL_ANGLE = 1e-8
 """Angle of a link, rad, at which its mass matrix differs from that of the straight wire by 5e-17 of itself."""
 
+SHORT_STEP = 1e-8
+"""Length of the step from rest, in the scene's time units; the rates it gives are in proportion to it."""
+
 
 def wire_frequencies(tool: Tool) -> Array:
     """Return the natural frequencies of a tool's undamped wire on a hub at rest, in Hz, ascending, shape (links,).
@@ -145,12 +148,12 @@ def wire_frequencies(tool: Tool) -> Array:
         gravity=0.0,
     )
     scene, units, _ = build_wire(still, 0.0, straight, straight)
-    step, columns = SMALL_ANGLE, []
+    columns = []
     for turned in range(tool.bristle.links):
         angles = tuple(SMALL_ANGLE * (link == turned) for link in range(tool.bristle.links))
         scene.place(State(0.0, angles, straight))
-        scene.step(step, 1)
-        columns.append(np.array(scene.rates()) / (SMALL_ANGLE * step))
+        scene.step(SHORT_STEP, 1)
+        columns.append(np.array(scene.rates()) / (SMALL_ANGLE * SHORT_STEP))
     squares = np.sort(-np.linalg.eigvals(np.array(columns).T).real)
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (math.tau * units.time))
 

@@ -7,7 +7,6 @@ tip at its fastest.
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import functools
 import itertools
 import logging
@@ -33,7 +32,7 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.inertia_driven import WIRE_RUNS
+from bristle_sim.studies.inertia_driven import shared_budget
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
 
@@ -106,7 +105,7 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     """
     started = clock.perf_counter()
     if tool.bristle.links > 1:
-        settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
+        settings = shared_budget(settings)
     moving = tool.bristle.links == 1
     passes = USUAL_PASSES * (2 + moving * sum(map(len, MOVES.values())) + 2 * with_reference)
     strike = _told(simulation(settings), passes)

@@ -22,7 +22,7 @@ from bristle_sim.comparison import Quantity, Report, Values, rows
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import WIRE_RUNS, Run, reference_run, scene_run, until_radial
+from bristle_sim.studies.inertia_driven import Run, reference_run, scene_run, shared_budget, until_radial
 from bristle_sim.studies.strike_point import from_radial, full_pass, ran, require_result
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
@@ -135,7 +135,7 @@ def cue_timing(
             computed within the settings' steps.
     """
     if tool.bristle.links > 1:
-        settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
+        settings = shared_budget(settings)
 
     @functools.cache
     def timed(stiffness: float) -> CueTiming:

@@ -20,15 +20,13 @@ from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike,
 from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import crater_depth, outcome_of
+from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
 from bristle_sim.trajectory import ContactRecord
 
 RATIO = "impulse_ratio_to_rigid"
 
 UNITS = {"normal_final_impulse": "N s", "peak_force": "N", "time_in_touch": "s", "crater_depth": "m"}
-
-CUTTING_FRICTION = 0.5
-"""mu with which chapter 4 of the dissertation cuts, whatever the friction of the strike."""
 
 REFERENCE_ACCURACY = 1e-9
 

@@ -56,6 +56,12 @@ TRIES = 20
 WIRE_RUNS = 10
 """Runs of a wire that bends that share the budget of steps."""
 
+
+def shared_budget(settings: Settings) -> Settings:
+    """Return the settings with the budget of steps divided among the runs of a wire that bends."""
+    return dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
+
+
 Run = Callable[[Tool, float], Trajectory]
 """A run of a tool without a bar for a time, s."""
 
@@ -91,7 +97,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
     if tool.bristle.links > 1:
-        settings = dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
+        settings = shared_budget(settings)
     run = scene_run(settings)
     radial = until_radial(tool, run)
     with_bar = simulate(tool, settings, stop_after="strike")

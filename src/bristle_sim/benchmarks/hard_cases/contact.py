@@ -69,9 +69,9 @@ def falling(restitution: float, friction: float = 0.0) -> Tool:
     return replace(TOOL, hub=still, belt=Belt(stiffness=0.0), bar=None, workpart=part, gravity=9.81)
 
 
-def above(height: float) -> Start:
+def above(angle: float) -> Start:
     """Return the start of a fall through an angle in rad."""
-    return {"start_hub_angle": 0.0, "start_relative_angle": SURFACE + height}
+    return {"start_hub_angle": 0.0, "start_relative_angle": SURFACE + angle}
 
 
 def taps_of(run: Trajectory, obstacle: str) -> tuple[list[ContactRecord], ContactRecord | None]:
@@ -111,11 +111,11 @@ AS_REFERENCE = f"end and strike as in the reference to {ACCURACY:g}, the request
 def touching() -> Iterator[HardCase]:
     """Yield strikes while the bar is touched, wedges, and starts in contact or overlapping."""
     case = partial(row, "touching")
-    for bar, part in ((0.0, 0.0), (0.4, 0.42), (0.0, 0.9)):
+    for bar, restitution in ((0.0, 0.0), (0.4, 0.42), (0.0, 0.9)):
         for rub, slide in ((0.0, 0.0), (0.2, 0.31)):
-            name = f"struck while the bar is touched, restitution {bar:g} and {part:g}, friction {rub:g} and {slide:g}"
+            name = f"struck while the bar is touched, restitution {bar:g} and {restitution:g}, friction {rub:g} and {slide:g}"
             promise = f"end and strike as in the reference to {10 * ACCURACY:g}, the requested accuracy"
-            yield case(name, promise, agrees_with_reference, near_bar(bar, rub, part, slide), 10 * ACCURACY)
+            yield case(name, promise, agrees_with_reference, near_bar(bar, rub, restitution, slide), 10 * ACCURACY)
     for e in (0.0, 0.3, 0.5, 0.7, 0.9):
         for step in (None, 1e-6):
             name = f"wedged in, restitution {e:g}" + (f", steps of {step:g} s" if step else "")
@@ -124,10 +124,10 @@ def touching() -> Iterator[HardCase]:
         tool, start = starting_at(what)
         into: Start = {**start, "start_relative_rate": 100.0}
         yield case(f"starts moving into the {what}", AS_REFERENCE, agrees_with_reference, tool, start=into)
-        for part in (1e-10, 1e-3):
+        for fraction in (1e-10, 1e-3):
             words = {"workpart": ("penetration =",), "bar": ("bar_horizontal =", "bar_vertical =")}[what]
-            inside, begin = starting_at(what, gap=-part * LENGTH)
-            name, run = f"starts {part:g} of its length inside the {what}", partial(simulate, inside, **begin)
+            inside, begin = starting_at(what, gap=-fraction * LENGTH)
+            name, run = f"starts {fraction:g} of its length inside the {what}", partial(simulate, inside, **begin)
             yield case(name, "refused in one line that names the keys", refusal, run, *words, "in m")
 
 
