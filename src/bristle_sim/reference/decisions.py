@@ -10,7 +10,7 @@ import numpy as np
 from bristle_sim.reference.contacts import Point, Spring, Workpart, follows
 from bristle_sim.reference.forces import Acting, acting, closed, resolve
 from bristle_sim.reference.log import Finished, Log
-from bristle_sim.reference.row import Wires
+from bristle_sim.reference.row import WirePairs
 from bristle_sim.reference.system import State, Sustained, System
 from bristle_sim.stop_reason import StopReason
 
@@ -20,8 +20,8 @@ MOST_AT_ONCE = 64  # impacts of a lone wire at one instant after which it counts
 AT_ONCE = 1e-10  # impacts are at one instant within this fraction of a radian of the fastest motion
 
 
-def meet(system: System, log: Log, name: str, piece: int, state: State) -> State:
-    """A contact closes: impacts follow, and contacts that stay."""
+def close_contact(system: System, log: Log, name: str, piece: int, state: State) -> State:
+    """Record a touch, then resolve impacts and decide which contacts are sustained."""
     new = _place(system, name, piece, state)
     for own in log.of(new):
         own.touch(new, state)
@@ -33,7 +33,7 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
     pieces = system.chain.pieces
     if isinstance(system.obstacles[name], Workpart):
         return Point(name, system.chain.tips[piece], True)
-    if isinstance(system.obstacles[name], Wires):
+    if isinstance(system.obstacles[name], WirePairs):
         return Point(name, piece, False)
     foot = float(system.at(state).feet[piece])
     if foot <= 0.0 and follows(system.chain, piece):
@@ -108,15 +108,15 @@ def jam(log: Log, state: State) -> NoReturn:
 # Compliant contacts
 
 
-def turn(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
-    """Compression ends."""
+def end_compression(system: System, log: Log, each: Sustained, spring: Spring, state: State) -> State:
+    """Begin a compliant contact's restitution, or end the contact where there is none."""
     spring.deepest, spring.loading = spring.penetration(system.at(state).touch(each.point).gap), False
     each.compression = each.sums
-    return decide(system, log, state) if spring.restitution else part(system, log, each, state)
+    return decide(system, log, state) if spring.restitution else end_compliant_contact(system, log, each, state)
 
 
-def part(system: System, log: Log, each: Sustained, state: State) -> State:
-    """A compliant contact's force is back at zero."""
+def end_compliant_contact(system: System, log: Log, each: Sustained, state: State) -> State:
+    """Record a compliant contact whose force is back at zero, and remove it."""
     record(system, log, state, each, "rebound")
     system.sustained.remove(each)
     for own in log.of(each.point):
@@ -125,8 +125,8 @@ def part(system: System, log: Log, each: Sustained, state: State) -> State:
     return state
 
 
-def move(system: System, each: Sustained, point: Point, state: State) -> State:
-    """A contact passes from a flank to a corner or back."""
+def move_contact(system: System, each: Sustained, point: Point, state: State) -> State:
+    """Move a contact from a flank to a corner or back."""
     each.point = point
     return system.closed(state)
 

@@ -13,7 +13,14 @@ from scipy.optimize import newton
 from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Workpart, follows
 from bristle_sim.reference.crossing import crossings, of_one_sign
-from bristle_sim.reference.decisions import decide, jam, meet, move, part, turn
+from bristle_sim.reference.decisions import (
+    close_contact,
+    decide,
+    end_compliant_contact,
+    end_compression,
+    jam,
+    move_contact,
+)
 from bristle_sim.reference.forces import normal_response
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Finished, Log, Record
 from bristle_sim.reference.system import Instant, State, Sustained, System
@@ -80,7 +87,9 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
             if _shadowed(system, name, piece):
                 continue
             value = partial(gap, name, piece, min(now, 0.0) - inside)
-            found.append(Event(value, -1, 0.1 * inside, partial(meet, system, log, name, piece), (name, piece)))
+            found.append(
+                Event(value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), (name, piece))
+            )
             if now < -10.0 * inside and system.stiffness is not None:
                 found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, (name, piece)))
     return found
@@ -165,11 +174,11 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
         return decide(system, log, state)
 
     if spring.loading:
-        return [Event(opening, 1, speed, partial(turn, system, log, each, spring))]
+        return [Event(opening, 1, speed, partial(end_compression, system, log, each, spring))]
     # Beyond the rounding of a gap, or the contact would turn and load again at one instant.
     deeper = partial(above, spring.deepest + ROUNDING * system.size)
     return [
-        Event(partial(above, spring.left), -1, depth, partial(part, system, log, each)),
+        Event(partial(above, spring.left), -1, depth, partial(end_compliant_contact, system, log, each)),
         Event(deeper, 1, depth, reload),
     ]
 
@@ -181,7 +190,7 @@ def _place_events(system: System, each: Sustained) -> list[Event]:
 
     def event(piece: int, level: float, direction: int, point: Point) -> Event:
         foot = lambda instant: float(instant.feet[piece]) - level  # noqa: E731
-        return Event(foot, direction, ROUNDING * system.chain.length, partial(move, system, each, point))
+        return Event(foot, direction, ROUNDING * system.chain.length, partial(move_contact, system, each, point))
 
     if corner:
         found = [event(index, length - past, -1, Point(name, index, False))]

@@ -145,12 +145,16 @@ def normal_response(mass: Array, touch: Touch, ratio: float) -> float:
     return float(touch.normal_row @ np.linalg.solve(mass, touch.normal_row + ratio * touch.tangential_row))
 
 
-def resolve(mass: Array, touch: Touch, friction: float, restitution: float, later: float) -> tuple[Array, Impact]:
+def resolve(
+    mass: Array, touch: Touch, friction: float, restitution: float, friction_in_restitution: float
+) -> tuple[Array, Impact]:
     """Return the change of the links' rates in an energetic impact, rad/s, and the impact."""
     rows = np.array([touch.normal_row, touch.tangential_row])
     response = np.linalg.solve(mass, rows.T)
     inverse_mass = rows @ response
-    hit = energetic_impact(0.5 * (inverse_mass + inverse_mass.T), touch.velocity, friction, restitution, later)
+    hit = energetic_impact(
+        0.5 * (inverse_mass + inverse_mass.T), touch.velocity, friction, restitution, friction_in_restitution
+    )
     impulse = np.array([hit.impulse_normal, hit.impulse_tangential], dtype=float)
     return np.asarray(response @ impulse), hit
 

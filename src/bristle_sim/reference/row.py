@@ -79,7 +79,7 @@ class _Place(NamedTuple):
     along: tuple[float, float]
 
 
-class Wires:
+class WirePairs:
     """All pairs of wires of a row, as one obstacle; a contact's piece is the number of its pair."""
 
     name = "wire"

@@ -16,7 +16,7 @@ from bristle_sim.quantity import quantity, validate
 from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
-from bristle_sim.reference.row import Row, Wires
+from bristle_sim.reference.row import Row, WirePairs
 from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import Obstacles, State, System
 from bristle_sim.stop_reason import EVENTS, checked_name
@@ -148,7 +148,7 @@ def simulate_row_reference(
     request = Request(start_hub_angle, 0.0, 0.0, whole_turn, None, accuracy, sample_interval, None, stop_after)
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
     row = Row(tool, [request.start_hub_angle - number * pitch for number in range(bristles)])
-    wires = Wires(row, tool.bristle.wire_diameter, surface)
+    wires = WirePairs(row, tool.bristle.wire_diameter, surface)
     return _simulate(tool, request, row, row.bristles, wires, bristles=bristles, pitch=pitch)
 
 
@@ -157,7 +157,7 @@ def _simulate(
     request: Request,
     links: Chain | Row,
     wires: Sequence[Chain],
-    touches: Wires | None = None,
+    touches: WirePairs | None = None,
     **shared: Any,
 ) -> tuple[Trajectory, ...]:
     """Run all links, those of one wire or of several that touch each other; return a trajectory for each wire."""
@@ -170,7 +170,7 @@ def _simulate(
     log = Log(wires, interval, request.stop_after, touches.pairs if touches else ())
     for record in log.records:
         _check_start(record.chain, fixed, record.own(start))
-    obstacles: Obstacles = {**fixed, Wires.name: touches} if touches and touches.pairs else fixed
+    obstacles: Obstacles = {**fixed, WirePairs.name: touches} if touches and touches.pairs else fixed
     system = System(links, obstacles, request.contact_stiffness)
     run = Run(system, log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = run.run()

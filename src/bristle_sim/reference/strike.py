@@ -9,7 +9,7 @@ import numpy as np
 
 from bristle_sim.parameters import Tool
 from bristle_sim.reference.contacts import Point, obstacles_of
-from bristle_sim.reference.decisions import meet
+from bristle_sim.reference.decisions import close_contact
 from bristle_sim.reference.log import Log, Record
 from bristle_sim.reference.mechanics import Chain
 from bristle_sim.reference.run import Run
@@ -69,7 +69,9 @@ def strike_reference(
             f"angles = {angles[-1]:g}: must bring the wire's end to the workpart, approaching it; its height is"
             f" {touch.gap:g} m, its normal velocity {touch.velocity[0]:g} m/s (in rad)"
         )
-    run = Run(system, log, meet(system, log, "workpart", 0, start), longest, accuracy / 100.0, most_evaluations)
+    run = Run(
+        system, log, close_contact(system, log, "workpart", 0, start), longest, accuracy / 100.0, most_evaluations
+    )
     reason = run.run()
     if reason is StopReason.STEP_BUDGET:
         raise TooStiffError(f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)")

@@ -13,9 +13,9 @@ from bristle_sim.arrays import Array
 from bristle_sim.reference.contacts import Bar, Point, Spring, Touch, Workpart
 from bristle_sim.reference.forces import Acting, Balance, balance, closed
 from bristle_sim.reference.mechanics import Chain, Complexes, Kinematics
-from bristle_sim.reference.row import Row, Wires
+from bristle_sim.reference.row import Row, WirePairs
 
-Obstacles = Mapping[str, Bar | Workpart | Wires]
+Obstacles = Mapping[str, Bar | Workpart | WirePairs]
 
 REST = 1e-10  # a velocity below this fraction of the fastest point's bound is rest: rounding of stiff hinges
 

@@ -46,7 +46,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 say(scenario.key_list())
                 return 0
             if options.parameters is not None:
-                from_file, warnings = scenario.settings_from(options.parameters)
+                from_file, warnings = scenario.assignments_from(options.parameters)
                 options.set = [*from_file, *options.set]
             values = scenario.values_of(options.set)
             warnings += warnings_of(scenario, options.set, values)
@@ -113,13 +113,13 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
     return found
 
 
-def _run(scenario: Scenario, values: Values, settings: Sequence[str]) -> Report:
+def _run(scenario: Scenario, values: Values, assignments: Sequence[str]) -> Report:
     try:
         return scenario.run(values)
     except ArithmeticError as error:
-        if not settings:
+        if not assignments:
             raise
-        raise ValueError(f"{', '.join(settings)}: must be less extreme ({error})") from error
+        raise ValueError(f"{', '.join(assignments)}: must be less extreme ({error})") from error
 
 
 def _draw(scenario: Scenario, report: Report, targets: dict[str, Path | None]) -> None:

@@ -72,8 +72,8 @@ class Scenario:
             )
         return {key: each for key, each in found.items() if key not in self.without}
 
-    def values_of(self, settings: Sequence[str]) -> dict[str, Any]:
-        """Return every key's value: its default, or the last that ``KEY=VALUE`` settings give it.
+    def values_of(self, assignments: Sequence[str]) -> dict[str, Any]:
+        """Return every key's value: its default, or the last that the ``KEY=VALUE`` assignments give it.
 
         Raises:
             ValueError: in one line, for an unknown key, a value that is refused, or a key that another one's value leaves
@@ -81,13 +81,13 @@ class Scenario:
         """
         keys = self.keys()
         typed = {}
-        for setting in settings:
-            key, equals, text = setting.partition("=")
+        for assignment in assignments:
+            key, equals, text = assignment.partition("=")
             if not equals:
-                raise ValueError(f"--set {setting!r}: must be KEY=VALUE")
+                raise ValueError(f"--set {assignment!r}: must be KEY=VALUE")
             if key not in keys:
                 advice = parameter_file.likely_key(key, keys, "--list-keys shows all keys")
-                raise ValueError(f"--set {setting!r}: unknown key {key!r}; {advice}")
+                raise ValueError(f"--set {assignment!r}: unknown key {key!r}; {advice}")
             typed[key] = keys[key][0].parse(text)
         values = {key: default for key, (_, default) in keys.items()} | typed
         for key, (declared, default) in keys.items():
@@ -100,14 +100,14 @@ class Scenario:
             values[key] = None if declared.optional else default
         return values
 
-    def settings_from(self, path: str) -> tuple[list[str], list[str]]:
-        """Settings that a parameter file makes, and a warning for each value that the scenario does not use.
+    def assignments_from(self, path: str) -> tuple[list[str], list[str]]:
+        """Return the assignments that a parameter file makes, and a warning for each value that the scenario does not use.
 
         Raises:
             ValueError: in one line, for a file that cannot be read or is no TOML, an unknown key, a value that is refused, or
                 an absent part.
         """
-        keys, settings, idle = self.keys(), [], []
+        keys, assignments, idle = self.keys(), [], []
         try:
             typed = parameter_file.read_keys(path, keys)
         except OSError as error:
@@ -123,10 +123,10 @@ class Scenario:
             except ValueError as error:
                 raise ValueError(f"{path}: {error}") from error
             if key in keys:
-                settings.append(f"{key}={text}")
+                assignments.append(f"{key}={text}")
             elif value != known[key][1]:
                 idle.append(f"{path}: {key} = {text} has no effect on {self.name}")
-        return settings, idle
+        return assignments, idle
 
     def key_list(self) -> str:
         """Return two lines or more for each key: default, unit and range, below them meaning and source; 100 columns wide."""
@@ -171,10 +171,10 @@ def _holds(condition: str, values: Values) -> bool:
     return equal is (relation == "=")
 
 
-def warnings_of(scenario: Scenario, settings: Sequence[str], values: Values) -> list[str]:
+def warnings_of(scenario: Scenario, assignments: Sequence[str], values: Values) -> list[str]:
     """Return one line for each typed value that is far from its default, with the unit that may have been meant."""
     keys, lines = scenario.keys(), []
-    for key, text in dict(setting.split("=", 1) for setting in settings).items():
+    for key, text in dict(each.split("=", 1) for each in assignments).items():
         declared, default = keys[key]
         if not isinstance(declared, Range) or not declared.unusual(values[key], default):
             continue

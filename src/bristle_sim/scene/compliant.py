@@ -96,9 +96,11 @@ class CompliantLaw:
         touch, space = contact_at(scene, state, obstacle)
         rigid = coefficients.energetic_impact(space)
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
-        way_out = coefficients.restitution or 1.0
-        duration = self.duration or self._shortest(scene, fastest, way_out)
-        if -space.velocity[0] * duration * way_out < LEAST_DEPTH:
+        factor = (
+            coefficients.restitution or 1.0
+        )  # of the time in which the spring unloads; 1 where it ends at the deepest
+        duration = self.duration or self._shortest(scene, fastest, factor)
+        if -space.velocity[0] * duration * factor < LEAST_DEPTH:
             return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
         if self.stiffness is None and scene.effects.hinges:
             # It is the workpart's: later touches meet the same.
@@ -110,7 +112,7 @@ class CompliantLaw:
             stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
         load = SpringLoad(scene, touch, space.inverse_mass, stiffness, coefficients)
         longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_interval(scene))
-        stepper = self._stepper(duration, longest, fastest, least=_rounding(space.inverse_mass, duration * way_out))
+        stepper = self._stepper(duration, longest, fastest, least=_rounding(space.inverse_mass, duration * factor))
         expected = Expectation.of(duration, longest, rigid.outcome_name, len(scene.links))
         contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected))
         outcome = contact.run(scene.work + self.maximum_steps)
@@ -127,10 +129,10 @@ class CompliantLaw:
         tolerance = max(0.1 * self.accuracy, least)
         return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR * least else WIDE, longest)
 
-    def _shortest(self, scene: Scene, fastest: float, way_out: float) -> float:
+    def _shortest(self, scene: Scene, fastest: float, factor: float) -> float:
         """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
-        least = LEAST_DURATION / math.sqrt(way_out * damping)
+        least = LEAST_DURATION / math.sqrt(factor * damping)
         return max(least, 0.1 * self.accuracy / max(fastest, damping))
 
     def _check(self, scene: Scene, restitution: float) -> None:
@@ -152,9 +154,9 @@ class CompliantLaw:
             )
 
 
-def _rounding(inverse_mass: Array, way_out: float) -> float:
-    """Return what rounding makes of the lightest link's rate in an interval; ``way_out``: the duration times e*.
+def _rounding(inverse_mass: Array, resolved: float) -> float:
+    """Return what rounding makes of the lightest link's rate in an interval; ``resolved``: the duration times e*.
 
     It turns the link, of inertia 1/3, by the normal velocity over the root of K_nn/3.
     """
-    return max(1.0, math.sqrt(3.0 / inverse_mass[0, 0])) * ROUNDING / way_out
+    return max(1.0, math.sqrt(3.0 / inverse_mass[0, 0])) * ROUNDING / resolved

@@ -213,8 +213,8 @@ def _slip(tool: Tool, obstacle: str, hub_angle: Array, angle: Array, rate: Array
     """Return the tangential velocity of the wire's material point at the contact, m/s."""
     lines = corners(tool, hub_angle, angle)
     normal, point = touched(tool, obstacle, lines)
-    arms = tool.hub.speed * lines[:, 0] + rate[:, np.newaxis] * (point - lines[:, 0])
-    return np.asarray((-right(arms) * right(normal)).sum(axis=-1))
+    velocity = -right(tool.hub.speed * lines[:, 0] + rate[:, np.newaxis] * (point - lines[:, 0]))
+    return np.asarray((velocity * right(normal)).sum(axis=-1))
 
 
 def _at_corner(tool: Tool, obstacle: str, lines: Array) -> Array:

@@ -98,13 +98,13 @@ def friction_for_crater_depth(
     Raises ValueError for a depth that no mu >= tan(gamma) gives.
     """
     gamma = np.asarray(impact_angle)
-    deepest = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
-    sine = 1.0 - 2.0 * np.asarray(depth) / deepest
+    scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
+    sine = 1.0 - 2.0 * np.asarray(depth) / scale
     # mu runs from tan(gamma), where arccot(mu) - gamma = pi/2 - 2 gamma, to infinity, where it is -gamma.
     given = (sine <= np.cos(2.0 * gamma) + ROUNDING) & (sine > -np.sin(gamma))
     require("depth", depth, given, "must be the depth for some friction >= tan(impact_angle) (in m)")
     # arcsin(1 - 2 x) = pi/2 - 2 arcsin(sqrt(x)) keeps the digits of a small depth.
-    return np.tan(2.0 * np.arcsin(np.sqrt(depth / deepest)) - gamma)
+    return np.tan(2.0 * np.arcsin(np.sqrt(depth / scale)) - gamma)
 
 
 @checked_arguments
@@ -120,7 +120,7 @@ def constant_for_crater_depth(
     """Return the constant C of (4.45), rad, that makes the crater ``depth`` deep, m: (4.50) solved for C.
 
     With x = beta - alpha = arccot(mu) - gamma and eta = (C - x)/2, the angles enter the depth by sin(eta) cos(eta + x) =
-    [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The deepest crater is that of
+    [sin(C) - sin(x)]/2, so that sin(C) = sin(x) + 2 depth tau_s/(cos(gamma) sum of dR/b). The scale crater is that of
     least work, C = pi/2. The shear plane comes out of the surface, eta >= gamma (4.35), where C >= arccot(mu) + gamma.
 
     Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
@@ -132,7 +132,7 @@ def constant_for_crater_depth(
     scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
     sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth) / scale
     given = (sine > 0.0) & (sine <= 1.0 + ROUNDING)
-    require("depth", depth, given, "must be the depth for some C, 0 < C <= pi/2, the deepest being that of pi/2 (in m)")
+    require("depth", depth, given, "must be the depth for some C, 0 < C <= pi/2, the scale being that of pi/2 (in m)")
     return np.arcsin(np.minimum(sine, 1.0))
 
 

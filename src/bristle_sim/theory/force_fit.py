@@ -112,9 +112,9 @@ def _check_found(fit: ForceFit, time: Array, force: Array, length: float) -> Non
     except ValueError:
         raise ValueError(NO_CONTACT) from None
     unknowns = len(fit.names)
-    left, right = float(np.sum(fit.residuals**2)), float(np.sum((force - force.mean()) ** 2))
+    unexplained, total = float(np.sum(fit.residuals**2)), float(np.sum((force - force.mean()) ** 2))
     freedom = force.size - unknowns
-    ratio = (right - left) / unknowns / max(left / freedom, np.finfo(float).tiny)
+    ratio = (total - unexplained) / unknowns / max(unexplained / freedom, np.finfo(float).tiny)
     places = max(1.0, PLACES * (length / fit.curve.duration - 1.0))
     if not (ratio > 0.0 and places * fdtrc(unknowns, freedom, ratio) <= MOST_CHANCE):
         raise ValueError(NO_CONTACT)
