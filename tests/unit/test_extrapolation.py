@@ -110,12 +110,6 @@ class TestExtrapolation:
         assert stepper.propose(1.05 * stepper.length) == 1.05 * stepper.length
         assert stepper.propose(1.15 * stepper.length) == 0.575 * stepper.length
 
-    def test_no_interval_is_longer_than_the_longest(self) -> None:
-        stepper = Extrapolation(1e-6, longest=0.3)
-        assert stepper.propose(0.3) == 0.3
-        assert stepper.propose(0.31) == 0.155
-        assert stepper.propose(0.3 * (1.0 + 1e-15)) == pytest.approx(0.3, rel=1e-14)
-
     def test_a_refused_interval_is_cut_by_its_estimate(self) -> None:
         """Twenty radians are far off 1e-9: an error e of order k needs (1e-9/e)^(1/k), at most 0.2 for e >= 0.01, k <= 10.
 

@@ -173,6 +173,14 @@ def test_motion_goes_on_after_the_release() -> None:
     assert lengths == pytest.approx(np.full(lengths.shape, tool.bristle.length / 2), rel=1e-12)
 
 
+@pytest.mark.parametrize("links", [1, 2])
+def test_samples_of_the_flight_are_as_close_as_in_the_contact(links: int) -> None:
+    tool = radial(Bristle(links=links), Surface(0.0), -GAMMA, [-GAMMA] * links)
+    start = (tool, -GAMMA, [-GAMMA] * links, [RATE] * links, stiffness(tool, DURATION))
+    found = strike_wire(*start, Settings(), duration=DURATION, flight=10.0 * DURATION)
+    assert np.diff(found.time).max() <= DURATION / 24 * (1.0 + 1e-9)
+
+
 @pytest.mark.parametrize("links", [1, 2, 8])
 def test_frequencies_are_those_of_the_chain(links: int) -> None:
     """The slowest of n modes is found to the rounding of the fastest one's square, 1e-16 (2e5 Hz/167 Hz)^2."""

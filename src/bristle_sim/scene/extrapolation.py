@@ -21,9 +21,6 @@ from bristle_sim.scene.stepping import Advance, Load, unpack
 CUT_SHORT = 0.25
 """Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
 
-ROUNDING = 1e-9
-"""Fraction by which an interval may exceed the longest one, so that a multiple of it is not cut once more."""
-
 
 class Extrapolation:
     """Engine steps extrapolated to zero step, to a tolerance for each interval.
@@ -32,7 +29,8 @@ class Extrapolation:
         tolerance: of the error of an interval, relative to ``scale``.
         scale: size of the motion: angles in rad and rates per time unit.
         repetitions: in how many steps an interval is repeated.
-        longest: no interval will be longer, whatever is proposed; more accuracy than that needs is then not paid for.
+        longest: bounds the intervals that follow from an error estimate, so that more accuracy than they need is not paid for;
+            the first one, and one that is stretched by a tenth to save a stub, may be longer.
     """
 
     def __init__(
@@ -43,7 +41,7 @@ class Extrapolation:
         self.longest = longest
         self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
         self._use(repetitions)
-        self.length = min(1.5, longest)
+        self.length = 1.5
 
     def _use(self, repetitions: Repetitions) -> None:
         """Repeat intervals with these numbers of steps from now on."""
@@ -59,8 +57,7 @@ class Extrapolation:
 
     def propose(self, remaining: float) -> float:
         """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
-        fewest = math.ceil(remaining / self.longest - ROUNDING)
-        return remaining / max(1, fewest, math.ceil(remaining / self.length - 0.1))
+        return remaining / max(1, math.ceil(remaining / self.length - 0.1))
 
     def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
         """Repeat the interval with finer steps until the estimate is within the tolerance."""

@@ -164,7 +164,7 @@ def free_flight(scene: Scene, start: State, duration: float, contact: float, set
     stepper = Extrapolation(0.1 * settings.accuracy, max(1.0, *map(abs, start.rates)), WIDE, longest)
     found, end, last = [start], start.time + duration, scene.work + settings.maximum_steps // 10
     while (left := end - found[-1].time) > 1e-9 * contact and scene.work < last:
-        length = stepper.propose(left)
+        length = min(stepper.propose(left), longest)
         result = stepper.advance(scene, found[-1], length)
         if stepper.accepts(result, length):
             found.append(result.state)
