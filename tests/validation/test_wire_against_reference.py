@@ -147,6 +147,17 @@ def test_tip_that_sticks() -> None:
     assert dragged[0].impulse == pytest.approx(dragged[1].impulse, rel=10.0 * ACCURACY)
 
 
+def test_stick_that_breaks_away() -> None:
+    """After the inelastic strike the tip sticks while the wire bends, until that takes more than friction gives."""
+    tool = replace(wire(3, damping=0.3, friction=0.2, restitution=0.42), belt=Belt())
+    tool = replace(tool, workpart=Workpart(friction=0.8, restitution=0.0))
+    scene = simulate(tool, replace(MANY, hub_turn=3.0))
+    reference = simulate_reference(tool, hub_turn=3.0, accuracy=1e-8)
+    touches = [[each.time for each in run.events if each.name == "workpart touch"] for run in (scene, reference)]
+    assert touches[0] == pytest.approx(touches[1], rel=10.0 * ACCURACY)
+    assert scene.angles[-1] == pytest.approx(reference.angles[-1], abs=10.0 * ACCURACY)
+
+
 def test_whole_pass_of_two_links() -> None:
     """Strike, ever smaller rebounds, drag along the workpart with friction, release and swing."""
     tool = wire(2, damping=0.05)
