@@ -27,8 +27,8 @@ from bristle_sim.render.style import MILLIMETRES, axes_at, blank_figure, save_fi
 HERE = Path(__file__).parent
 
 HUB_ANGLE, LAG = math.radians(-20.0), math.radians(12.0)
-"""Of the root from the workpart's direction, and of the wire behind the radial direction: larger than at the operating
-point, so that both can be seen, rad."""
+"""Hub angle of the root and lag of the wire in the drawing, rad; the lag is four times that of the operating point, so that it can
+be seen."""
 
 
 @styled()

@@ -22,7 +22,7 @@ from bristle_sim.dissertation.impact_figures import (
 )
 from bristle_sim.dissertation.pendulum_figures import friction_panel, rate_panel
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel
-from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.compliant import PLAIN_ACCURACY, CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EngineLaw
 from bristle_sim.scene.strike import build_strike
 from bristle_sim.studies.impacts import COMPLIANT_TOLERANCE, Impacts
@@ -47,10 +47,6 @@ STEPS = 2 ** np.arange(6, 11)
 
 LEAST = 1e-16
 """An error of less is drawn here: a rate that is right to the last digit has no logarithm."""
-
-RIGID = 1e-4
-"""Accuracy to which contacts of plain steps follow the rigid-body limit: well below the steps' own errors, and not so
-short that the rounding of positions shows in a penetration."""
 
 
 def impact_families(impacts: Impacts) -> dict[str, Panel]:
@@ -126,13 +122,13 @@ def convergence_panel(impacts: Impacts) -> Panel:
     resolved, duration = impacts.strikes["compliant"], impacts.contact_duration
     limit = (impacts.strikes["energetic"] if duration is None else resolved).contact
     unit = build_strike(impacts.chain, impacts.surface)[3].time
-    laws = [CompliantLaw(duration and duration / unit, RIGID, int(count)) for count in STEPS]
+    laws = [CompliantLaw(duration and duration / unit, PLAIN_ACCURACY, int(count)) for count in STEPS]
     rates = np.array([*(_struck(impacts, law)[0] for law in laws), resolved.contact.rates_after])
     fastest = np.abs([limit.rates_before, limit.rates_after]).max()
     *errors, own = np.maximum(np.abs(rates - limit.rates_after).max(axis=1) / fastest, LEAST)
     steps, points = 1.0 / STEPS, {"compliant": (1.0 / STEPS, np.array(errors))}
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
-    observed = f"observed: {order:.2f}" if max(errors) > RIGID else f"all below {RIGID:g}"
+    observed = f"observed: {order:.2f}" if max(errors) > PLAIN_ACCURACY else f"all below {PLAIN_ACCURACY:g}"
     curve = Curve(f"first order; {observed}", steps, errors[-1] * steps / steps[-1], points)
     marks = (Mark(1.0 / resolved.steps, own),) if duration is None else ()
     axes = Axis("engine step / duration of the contact", log=True), Axis("error of the rates / fastest rate", log=True)

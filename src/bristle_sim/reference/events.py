@@ -243,11 +243,11 @@ def first_event(events: list[Event], step: Step) -> tuple[float, Follow] | None:
 def _near(system: System, instant: Instant, duration: float) -> set[tuple[str, int]]:
     """Return the obstacles and pieces that can touch in a step: no gap closes faster than the links' points move."""
     chain = system.chain
-    reach = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(instant.state.rates))
+    top_speed = chain.speed * chain.hub_radius + float(np.abs(chain.ends) @ np.abs(instant.state.rates))
     return {
         (name, int(piece))
         for name in system.obstacles
-        for piece in np.flatnonzero(instant.gaps(name) < 2.0 * reach * duration)
+        for piece in np.flatnonzero(instant.gaps(name) < 2.0 * top_speed * duration)
     }
 
 

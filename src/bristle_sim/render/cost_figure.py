@@ -100,7 +100,8 @@ def verdict(points: Sequence[Point]) -> str:
 
 
 def _shown(point: Point) -> str:
-    return f"{point.cpu_s * MILLISECONDS:.2g} ms"
+    time = point.cpu_s * MILLISECONDS
+    return f"{time:.0f} ms" if time >= 10.0 else f"{time:.2g} ms"
 
 
 def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:

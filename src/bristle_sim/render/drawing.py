@@ -1,4 +1,4 @@
-"""Draw to scale in millimetres: views, a bar of round length, arrows that move, and the tool's hub, wire, bar and workpart."""
+"""Draw to scale in millimetres: views, a scale bar, arrows that move, and the tool's hub, wire, bar and workpart."""
 
 from __future__ import annotations
 

@@ -45,6 +45,10 @@ LEAST_DEPTH = 1e-13
 LEAST_RESTITUTION = 1e-3
 """Except 0. The spring's way out is 1/e* times as fast as its way in."""
 
+PLAIN_ACCURACY = 1e-4
+"""Accuracy to which contacts of plain steps follow the rigid-body limit: well below the steps' own errors, and not so
+short that the rounding of positions shows in a penetration."""
+
 FEWEST_SAMPLES = 8
 """Least number of intervals of a contact whose outcome is of interest: less than a phase in each. Its course follows."""
 

@@ -134,9 +134,12 @@ def strike() -> StrikeCase:
 
 def double_pendulum() -> StrikeCase:
     """Return Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
-    chain, surface = double_chain(DoublePendulum()), Surface(friction=0.5, restitution=0.5)
+    rods, surface = DoublePendulum(), Surface(friction=0.5, restitution=0.5)
+    chain = double_chain(rods)
     angles, rates = (-chain.angles[0], -chain.angles[1]), (-chain.rates[0], -chain.rates[1])
-    exact = double_pendulum_impact(5.0, 1.0, 1.0, *angles, *rates, surface.friction, surface.restitution)
+    exact = double_pendulum_impact(
+        rods.mass, rods.mass_ratio, rods.length, *angles, *rates, surface.friction, surface.restitution
+    )
     largest = max(map(abs, rates))
     return StrikeCase(
         name="double_pendulum",

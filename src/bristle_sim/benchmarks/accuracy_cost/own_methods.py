@@ -9,7 +9,7 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.compliant import CompliantLaw
+from bristle_sim.scene.compliant import PLAIN_ACCURACY, CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients
 from bristle_sim.scene.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
@@ -19,10 +19,6 @@ from bristle_sim.settings import Settings
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
-
-RIGID = 1e-4
-"""Accuracy to which contacts of plain steps follow the rigid-body limit: well below the steps' own errors, and not so
-short that the rounding of positions shows in a penetration."""
 
 
 def _attempts(method: str, setting: str, run: Callable[[Any], Run], values: Iterable[float]) -> list[Attempt]:
@@ -96,7 +92,7 @@ def _struck(case: StrikeCase, law: str, accuracy: float) -> Run:
 
 def _struck_in_steps(case: StrikeCase, count: int) -> Run:
     scene, start, obstacle, units = build_strike(case.chain, case.surface)
-    _, record = CompliantLaw(None, RIGID, count).resolve(scene, start, obstacle, Coefficients.of(obstacle))
+    _, record = CompliantLaw(None, PLAIN_ACCURACY, count).resolve(scene, start, obstacle, Coefficients.of(obstacle))
     return Run(tuple(rate / units.time for rate in record.rates_after), scene.steps)
 
 

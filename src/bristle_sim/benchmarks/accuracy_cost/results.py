@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Effect, Point, cheapest, package_of
+from bristle_sim.comparison import WIDTH
 
 TARGETS = {
     "release_flight": (1e-3, 1e-6, 1e-9),
@@ -67,9 +68,6 @@ def comparisons(measured: AccuracyCost) -> list[Comparison]:
             found.append(Comparison(case.name, target, cheapest(ours, target), cheapest(peers, target)))
     return found
 
-
-WIDTH = 100
-"""Columns of a terminal."""
 
 DECADES = tuple(10.0**-power for power in range(1, 11))
 
