@@ -35,7 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _answer(given: Sequence[str]) -> int:
-    """Run a scenario or print what is asked for."""
+    """Run a scenario, or print the list, the help or the version."""
     if given and given[0] == "--version":
         say(f"{PROGRAM} {bristle_sim.__version__}")
         return 0
