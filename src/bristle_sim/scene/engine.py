@@ -112,10 +112,7 @@ class EngineSteps:
         steps: engine steps taken so far.
         work: the same, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it.
         place: puts the bodies somewhere.
-        take_symmetric: takes steps symmetric in time, where there are such.
     """
-
-    take_symmetric: Callable[..., list[float]] | None = None
 
     def __init__(
         self,
@@ -133,6 +130,11 @@ class EngineSteps:
         self._last_length = math.inf
         self._step = stepper(space)
         self._price = 1
+
+    @property
+    def take_symmetric(self) -> Callable[..., list[float]] | None:
+        """What takes steps symmetric in time; None of an engine that solves the joints by itself."""
+        return None
 
     def set_iterations(self, count: int) -> None:
         """Have the solver take this many iterations in every step."""

@@ -43,7 +43,7 @@ Numbers = tuple[int, ...]
 
 @dataclass(slots=True)
 class Recording:
-    """What a run leaves behind, in engine units; ``seconds`` are wall clock and processor time.
+    """What a run leaves behind, in engine units; ``cost`` are wall clock and processor time, s, and engine steps.
 
     ``inner`` are states between ``states``: those that a sustained contact's geometry gives, and the samples of a contact
     resolved in time.
@@ -58,5 +58,4 @@ class Recording:
     stop_reason: StopReason | None = None
     stop_detail: str = ""
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
-    seconds: tuple[float, float] = (0.0, 0.0)
-    steps: int = 0
+    cost: tuple[float, float, int] = (0.0, 0.0, 0)

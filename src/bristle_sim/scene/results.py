@@ -47,8 +47,7 @@ def trajectory_in_si(
         contacts=tuple(contact_in_si(contact, units) for contact in _contacts(recording, scene.mechanism, wire)),
         stop_reason=recording.stop_reason or StopReason.END,
         cost=Cost(
-            *recording.seconds,
-            recording.steps,
+            *recording.cost,
             recording.error / motion_scale(scene, recording.states[0]) if with_estimate else None,
         ),
         parameters=parameters,

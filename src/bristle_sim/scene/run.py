@@ -49,6 +49,5 @@ def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Pla
     recording = progress.recording
     recording.contact_at_end = contact_at_end(motion)
     end(motion, str(recording.stop_reason))
-    recording.seconds = (clock.perf_counter() - wall, clock.process_time() - cpu)
-    recording.steps = scene.steps - steps
+    recording.cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.steps - steps)
     return recording

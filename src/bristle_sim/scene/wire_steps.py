@@ -50,6 +50,11 @@ class WireSteps(EngineSteps):
             self._wires = self._make()
         return self._wires
 
+    @property
+    def take_symmetric(self) -> Callable[..., list[float]] | None:
+        """What takes steps symmetric in time, while the joints are solved for."""
+        return None if self._step is self._engine_step else self._take_symmetric
+
     def set_iterations(self, count: int) -> None:
         """Have the engine's solver take this many iterations in every step; one leaves the joints of bending wires to theirs."""
         super().set_iterations(count)
@@ -63,7 +68,6 @@ class WireSteps(EngineSteps):
         """Have these sustained contacts solved for from now on, together with the joints; none leaves them as in flight."""
         active = bool(contacts) or self._always
         self._step = self._step_and_solve if active else self._engine_step
-        self.take_symmetric = self._take_symmetric if active else None
         if active or self._wires is not None:
             self.joint_solver.contacts = contacts
             self.joint_solver.take_over(active=active)
