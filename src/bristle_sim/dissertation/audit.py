@@ -1,4 +1,6 @@
-"""The audit: every printed number and decidable statement of chapters 2-4 of the dissertation, recomputed.
+"""The audit: every printed number and decidable statement of the dissertation's chapters 2 to 4, recomputed.
+
+Three rows are from chapters 1 and 5, which print the same quantities.
 
 The rows are those of ``audit.toml``, with the expressions of their figures in the names of ``audit_values``. A number counts
 as reproduced when the computed value lies within half a unit of the last printed digit. Where a printed number was itself
