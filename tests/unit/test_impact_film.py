@@ -91,29 +91,29 @@ def test_forces_in_the_film_follow_slip(pendulum: Impacts, pendulum_motion: Cont
     sides = []
     for time in (0.9 * stop, stop + 0.1 * (pendulum_motion.touch_end - stop)):
         scene.move(time)
-        normal, friction = (each.get_path().get_extents() for each in scene.forces)
+        normal, friction = (each.get_path().get_extents() for each in scene.tip.forces)
         sides.append(0.5 * (friction.x0 + friction.x1 - normal.x0 - normal.x1))
-        assert scene.forces[0].get_visible()
+        assert scene.tip.forces[0].get_visible()
     assert sides[0] < 0.0 < sides[1]
     scene.move(float(pendulum_motion.time[-1]))
-    assert not any(each.get_visible() for each in scene.forces)
+    assert not any(each.get_visible() for each in scene.tip.forces)
 
 
 def test_ways_in_the_close_up_are_to_scale(strike: Impacts, strike_motion: ContactMotion) -> None:
     scene = ImpactFilm(strike, width=320, height=180)
     scene.move(0.5 * strike_motion.touch_end)
     along, depth = (strike_motion.at(name, 0.5 * strike_motion.touch_end) for name in ("along", "depth"))
-    assert scene.scale.unit == "nm"
-    assert scene.rod.get_xydata()[0] == pytest.approx([1e9 * along, -1e9 * depth], rel=1e-9)
-    assert scene.trail.get_xydata()[-1] == pytest.approx([1e9 * along, -1e9 * depth], rel=1e-9)
-    assert scene.rod.axes.get_aspect() == scene.stretch == 1.0
+    assert scene.tip.scale.unit == "nm"
+    assert scene.tip.rod.get_xydata()[0] == pytest.approx([1e9 * along, -1e9 * depth], rel=1e-9)
+    assert scene.tip.trail.get_xydata()[-1] == pytest.approx([1e9 * along, -1e9 * depth], rel=1e-9)
+    assert scene.tip.rod.axes.get_aspect() == scene.tip.stretch == 1.0
 
 
 @pytest.mark.parametrize("state", [Strike(impact_angle_deg=1.0), Strike(impact_angle_deg=90.0)])
 def test_films_of_grazing_and_head_on_strikes(state: Strike) -> None:
     scene = ImpactFilm(bristle(state, friction=0.001), width=320, height=180, duration=1.0)
     assert scene.frame(0.5).size == (320, 180)
-    assert (scene.stretch > 1.0) == (state.impact_angle_deg < 45.0)
+    assert (scene.tip.stretch > 1.0) == (state.impact_angle_deg < 45.0)
 
 
 @pytest.mark.parametrize("suffix", [".gif", ".mp4"])

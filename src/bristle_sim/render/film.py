@@ -92,6 +92,28 @@ LEFTS = (0.02, 0.25, 0.47, 0.735)
 DOTS_PER_INCH = 100.0
 
 
+class Drawing:
+    """A figure of which only what moves is drawn anew."""
+
+    def __init__(self, figure: Figure) -> None:
+        """Draw nothing yet."""
+        self.canvas: Any = FigureCanvasAgg(figure)
+        self._still: Any = None
+
+    def picture(self, moving: Sequence[Artist]) -> Image.Image:
+        """Return the figure as it is now, with these artists over everything still, which is drawn the first time."""
+        if self._still is None:
+            with styled():
+                for artist in moving:
+                    artist.set_animated(True)
+                self.canvas.draw()
+            self._still = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
+        self.canvas.restore_region(self._still)
+        for artist in moving:
+            artist.draw(self.canvas.get_renderer())
+        return Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
+
+
 class Film(ABC):
     """The picture that a film shows, at any film time; a subclass draws what is below the header and moves it.
 
@@ -100,6 +122,7 @@ class Film(ABC):
         moving: artists of the figure that are drawn with every frame, in this order, over everything still.
         hands: those among them that show the instant: lines across panels over time.
         texts: caption and read-outs.
+        drawing: the figure, drawn.
     """
 
     size, letter_size = (640, 480), 13.0
@@ -114,8 +137,7 @@ class Film(ABC):
         self.letters = self.letter_size * min(width / self.size[0], height / self.size[1])
         with styled():
             self.figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
-        self._canvas: Any = FigureCanvasAgg(self.figure)
-        self._still: Any = None
+        self.drawing = Drawing(self.figure)
         self._colours = (BLACK, BLACK, *colours)
         self.moving: list[Artist] = []
         self.hands: list[Line2D] = []
@@ -138,16 +160,7 @@ class Film(ABC):
     def frame(self, film_time: float) -> Image.Image:
         """Return the picture at a film time, s."""
         self.show(film_time)
-        if self._still is None:
-            with styled():
-                for artist in self.moving:
-                    artist.set_animated(True)
-                self._canvas.draw()
-            self._still = self._canvas.copy_from_bbox(self.figure.bbox)
-        self._canvas.restore_region(self._still)
-        for artist in self.moving:
-            artist.draw(self._canvas.get_renderer())
-        picture, (width, height) = Image.fromarray(np.asarray(self._canvas.buffer_rgba())).convert("RGB"), self.pixels
+        picture, (width, height) = self.drawing.picture(self.moving), self.pixels
         pen, (caption, *texts) = ImageDraw.Draw(picture), self.texts
         bold, mono = _font("DejaVuSans-Bold", 1.39 * self.letters), _font("DejaVuSansMono", self.letters)
         pen.text((LEFTS[0] * width, 0.33 * HEADER * height), caption, BLACK, bold, "lm")

@@ -12,7 +12,7 @@ from matplotlib.patches import Circle, FancyArrowPatch, Rectangle
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, PURPLE, SKY, VERMILION
-from bristle_sim.render.contact_motion import contact_motion
+from bristle_sim.render.contact_motion import ContactMotion, contact_motion
 from bristle_sim.render.drawing import GROUND, HUB_COLOUR, View, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.impact_figure import PHASE_COLOURS
@@ -41,6 +41,56 @@ TIP_RADIUS, ROD_LENGTH = 9.0, 300.0
 """Size of the enlarged rod's end, which is not to scale, points in a picture of normal size."""
 
 
+class TipDrawing:
+    """The surface and the tip's way, to scale but for a grazing tip's depth; the rod's end and the forces are not to scale.
+
+    Attributes:
+        scale, stretch: of the drawing, and the factor by which it draws depth larger.
+        moving: trail, rod and forces.
+    """
+
+    def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
+        """Draw what is still, with letters of that height, px."""
+        self._motion, box = motion, axes.get_window_extent()
+        self.scale = scale_for(max(float(np.ptp(motion.along)), float(np.ptp(motion.depth))), "m")
+        way = np.stack([motion.along, -motion.depth], axis=-1) * self.scale.factor
+        view, depth = View.around([way], box.width / box.height, 0.5), max(float(np.ptp(way[:, 1])), 1e-300)
+        self.stretch = max(1.0, LEAST_DEPTH * (view.top - view.bottom) / depth)
+        axes.set(xlim=(view.left, view.right), ylim=(view.bottom / self.stretch, view.top / self.stretch))
+        axes.set_aspect(self.stretch)
+        axes.grid(visible=False)
+        axes.axhspan(2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0)
+        deeper = f", drawn {self.stretch:.2g} times as large" if self.stretch > 1.0 else ""
+        size = 0.62 * letters
+        axes.set_xlabel(f"the tip's displacement along the surface ({self.scale.unit})", fontsize=size)
+        axes.set_ylabel(f"away from it ({self.scale.unit}){deeper}", fontsize=size)
+        axes.tick_params(labelsize=0.9 * size)
+        (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
+        outline = _rod_outline(last_rod) * letters / ImpactFilm.letter_size
+        look: dict[str, Any] = {"markerfacecolor": "#bcd9ec", "markeredgecolor": BLUE, "alpha": 0.95}
+        (self.rod,) = axes.plot([], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look)
+        self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
+        self.moving = [self.trail, self.rod, *self.forces]
+        strongest = float(np.hypot(motion.normal_force, motion.tangential_force).max()) or 1.0
+        self._newton, self._shortest = (part * (view.top - view.bottom) for part in (LONGEST_FORCE / strongest, 0.02))
+        for place, words, color in ((0.03, "normal force", NORMAL), (0.97, "friction on the tip", TANGENTIAL)):
+            side = "left" if place < 0.5 else "right"
+            axes.text(place, 0.02, words, transform=axes.transAxes, fontsize=size, color=color, ha=side)
+
+    def move(self, time: float) -> None:
+        """Move the rod's end, its trail and the forces to an instant, s."""
+        motion, factor = self._motion, self.scale.factor
+        x, y = motion.at("along", time) * factor, -motion.at("depth", time) * factor
+        past = slice(np.searchsorted(motion.time, time, side="right"))
+        way = np.stack([motion.along[past], -motion.depth[past]]) * factor
+        self.trail.set_data(*np.column_stack([way, [x, y]]))
+        self.rod.set_data([x], [y])
+        up, aside = (motion.at(f"{name}_force", time) * self._newton for name in ("normal", "tangential"))
+        # The normal arrow ends at the tip: above it is the rod.
+        point_arrow(self.forces[0], (x, y - up / self.stretch), (x, y), shortest=self._shortest / self.stretch)
+        point_arrow(self.forces[1], (x, y), (x + aside, y), shortest=self._shortest)
+
+
 class ImpactFilm(Film):
     """What a film of an impact shows, as the compliant law resolves it in time; raises ValueError where it does not.
 
@@ -64,14 +114,14 @@ class ImpactFilm(Film):
         top, line = 1.0 - HEADER, struck.centre_line
         self.chain = self.figure.add_axes((0.01, 0.02, 0.2, top - 0.03))
         self.arrow = draw_chain(self.chain, line, impacts.chain.hub_radius)
-        self._draw_tip(self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11)), line[-1] - line[-2])
+        self.tip = TipDrawing(
+            self.figure.add_axes((0.285, 0.1, 0.31, top - 0.11)), motion, line[-1] - line[-2], self.letters
+        )
         self.markers: list[tuple[Line2D, str, float]] = []
         for number, row in enumerate(PANELS):
             self._draw_panel(number, *row)
         self.moving = [
-            self.trail,
-            self.rod,
-            *self.forces,
+            *self.tip.moving,
             self.arrow,
             *self.hands,
             *(each for each, *_ in self.markers),
@@ -90,15 +140,7 @@ class ImpactFilm(Film):
         ahead = np.array([tangential, normal]) * ARROW * float(np.ptp(self.chain.get_ylim())) / motion.fastest
         start, end = (-ahead, 0.0 * ahead) if normal < 0.0 else (0.0 * ahead, ahead)
         point_arrow(self.arrow, (start[0], start[1]), (end[0], end[1]), shortest=0.006 * np.ptp(self.chain.get_ylim()))
-        x, y = motion.at("along", time) * self.scale.factor, -motion.at("depth", time) * self.scale.factor
-        past = slice(np.searchsorted(motion.time, time, side="right"))
-        way = np.stack([motion.along[past], -motion.depth[past]]) * self.scale.factor
-        self.trail.set_data(*np.column_stack([way, [x, y]]))
-        self.rod.set_data([x], [y])
-        up, aside = (motion.at(f"{name}_force", time) * self.newton for name in ("normal", "tangential"))
-        # The normal arrow ends at the tip: above it is the rod.
-        point_arrow(self.forces[0], (x, y - up / self.stretch), (x, y), shortest=self.shortest / self.stretch)
-        point_arrow(self.forces[1], (x, y), (x + aside, y), shortest=self.shortest)
+        self.tip.move(time)
         for marker, name, factor in self.markers:
             marker.set_data([time * self.clock.factor], [motion.at(name, time) * factor])
         speed = scale_for(motion.fastest, "m/s")
@@ -106,32 +148,6 @@ class ImpactFilm(Film):
         texts = (f"{name} {signed(value * speed.factor, 2, 7)} {speed.unit}" for name, value in words)
         half, _, sliding = (phase := phase_at(motion.phases, time).caption).partition(" ")
         return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
-
-    def _draw_tip(self, axes: Axes, last_rod: Array) -> None:
-        """Draw the surface and the tip's way, to scale but for a grazing tip's depth; the rod's end and the forces are not."""
-        motion, box, letters = self.motion, axes.get_window_extent(), 0.62 * self.letters
-        self.scale = scale_for(max(float(np.ptp(motion.along)), float(np.ptp(motion.depth))), "m")
-        way = np.stack([motion.along, -motion.depth], axis=-1) * self.scale.factor
-        view, depth = View.around([way], box.width / box.height, 0.5), max(float(np.ptp(way[:, 1])), 1e-300)
-        self.stretch = max(1.0, LEAST_DEPTH * (view.top - view.bottom) / depth)
-        axes.set(xlim=(view.left, view.right), ylim=(view.bottom / self.stretch, view.top / self.stretch))
-        axes.set_aspect(self.stretch)
-        axes.grid(visible=False)
-        axes.axhspan(2.0 * view.bottom, 0.0, facecolor=LIGHT, edgecolor=GREY, linewidth=1.0, zorder=0)
-        deeper = f", drawn {self.stretch:.2g} times as large" if self.stretch > 1.0 else ""
-        axes.set_xlabel(f"the tip's displacement along the surface ({self.scale.unit})", fontsize=letters)
-        axes.set_ylabel(f"away from it ({self.scale.unit}){deeper}", fontsize=letters)
-        axes.tick_params(labelsize=0.9 * letters)
-        (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
-        outline = _rod_outline(last_rod) * self.letters / self.letter_size
-        look: dict[str, Any] = {"markerfacecolor": "#bcd9ec", "markeredgecolor": BLUE, "alpha": 0.95}
-        (self.rod,) = axes.plot([], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look)
-        self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
-        strongest = float(np.hypot(motion.normal_force, motion.tangential_force).max()) or 1.0
-        self.newton, self.shortest = (part * (view.top - view.bottom) for part in (LONGEST_FORCE / strongest, 0.02))
-        for place, words, color in ((0.03, "normal force", NORMAL), (0.97, "friction on the tip", TANGENTIAL)):
-            side = "left" if place < 0.5 else "right"
-            axes.text(place, 0.02, words, transform=axes.transAxes, fontsize=letters, color=color, ha=side)
 
     def _draw_panel(self, number: int, title: str, unit: str, lines: dict[str, str]) -> None:
         """Draw quantities over time, shaded phase by phase, one panel below the other."""

@@ -110,6 +110,7 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     allowed = slow * max(1e-8, 10.0 * settings.accuracy)
 
     def tolerance(name: str) -> float | None:
+        """Return the relative difference that a quantity may have; None where nothing judges it."""
         # The bar-cued strike is itself good to ten times the accuracy of the motion.
         own = 10.0 * allowed if name == "hub_speed_for_equal_tip_speed" else allowed
         return None if reference.get(name) is None and theory.get(name) is None else own
@@ -171,6 +172,7 @@ def scene_run(settings: Settings, retraction: float | None = None) -> Run:
     """Return the run of a bristle that enters the pulley, or is released from rest at a retraction, rad, by the simulation."""
 
     def run(bare: Tool, time: float) -> Trajectory:
+        """Simulate for a time, s."""
         turn = bare.hub.speed * time
         if turn < LEAST_TURN:
             raise ValueError(
@@ -190,6 +192,7 @@ def reference_run(accuracy: float, retraction: float | None = None) -> Run:
     from bristle_sim.reference import simulate_reference
 
     def run(bare: Tool, time: float) -> Trajectory:
+        """Integrate for a time, s, independently of the scene."""
         return simulate_reference(bare, **_start(bare, retraction), duration=time, accuracy=accuracy)
 
     return run

@@ -204,6 +204,7 @@ def _searched(row: Row, least: LeastPitch, reference: float | None) -> Quantity:
     pair, end, speed = dataclasses.replace(row.neighbours, bristles=2), least.until, row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
+        """Tell whether two wires a pitch apart, deg, touch in the time that counts."""
         if pitch <= root_pitch(row.tool):
             return True
         turn = math.radians(pitch)
@@ -258,6 +259,7 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> tuple[Quantity
     scales = {"lag_deg_at_contact": math.degrees(1.0), "relative_speed_at_contact": row.tool.hub.speed}
 
     def tolerance(name: str) -> float | None:
+        """Return the relative difference that a quantity may have; None where nothing judges it."""
         if name == "wire_contacts":  # a row ends for all when one bristle jams
             counted = judged and (reference is not None or last.stop_reason is StopReason.END)
             return 0.0 if counted else None

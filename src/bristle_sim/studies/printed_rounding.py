@@ -125,6 +125,7 @@ def _simulation(tool: Tool, settings: Settings) -> Callable[..., dict[str, float
     ahead = strike(placed(tool, direction + STEP))["lag_deg_at_contact"] or math.nan
 
     def by_simulation(**keys: float) -> dict[str, float]:
+        """Return the printed quantities of the tool with these key values."""
         other, _ = _split(keys)
         lag = strike(placed(other, direction))["lag_deg_at_contact"] or 0.0
         bar = placed(other, turned := direction - lag * STEP / ahead).bar

@@ -81,6 +81,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         referred = _measured(tool, reference)
 
     def tolerance(name: str) -> float | None:
+        """Return the relative difference from the reference that a quantity may have; None without a reference."""
         value = referred.get(name)
         if value is None:
             return None

@@ -29,6 +29,7 @@ def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
     by_key = {each.key: each for each in declared}
 
     def decorate(function: Callable[P, T]) -> Callable[P, T]:
+        """Return the function with its arguments checked."""
         signature = inspect.signature(function)
         checked_ones = {
             name: (by_key[name], each.default is None, each.annotation in SINGLE)
@@ -38,6 +39,7 @@ def ranges(*declared: Range) -> Callable[[Callable[P, T]], Callable[P, T]]:
 
         @functools.wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> T:
+            """Check the arguments, and call the function with numbers or arrays of floats."""
             bound = signature.bind(*args, **kwargs)
             for name, value in bound.arguments.items():
                 if name in checked_ones:

@@ -117,6 +117,7 @@ def depth_from_force(
     fraction = np.minimum(wide / PRINTED_FACE.full_depth, 1.0)
 
     def excess(root: Number) -> tuple[Number, Number]:
+        """Return how far the area of a depth exceeds the given one, and the slope of that."""
         # b depth = d D y^3 sqrt(2 - y^2) with y^2 = depth/D, D the full depth; it rises up to y = 1.22.
         rest = np.sqrt(2.0 - root**2)
         return root**3 * rest - fraction, 3.0 * root**2 * rest - root**4 / rest

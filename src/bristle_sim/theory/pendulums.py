@@ -115,11 +115,12 @@ def double_pendulum_impact(
     later = mu if restitution_friction is None else RANGES["restitution_friction"].check(restitution_friction)
     first, second = checked_numbers(rate_1=rate_1, rate_2=rate_2)
     speeds = np.array([length * first, length * second / 2.0])
-    impact = _RodImpact(mass, ratio, angles, speeds)
+    rods = _Rods(mass, ratio, angles)
+    impact = _RodImpact(rods, speeds)
     outcome = "no contact"
     if impact.tip[1] < 0.0:
         outcome = impact.restitute(later, e) if impact.compress(mu) else "jam"
-    before, after = impact.kinetic_energy(speeds), impact.kinetic_energy(impact.speeds)
+    before, after = rods.kinetic_energy(speeds), rods.kinetic_energy(impact.speeds)
     return DoublePendulumImpact(
         final_rate_1=float(impact.speeds[0]) / length,
         final_rate_2=2.0 * float(impact.speeds[1]) / length,
@@ -148,22 +149,16 @@ def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike
     return np.abs(driven) / (2.0 * resisted)
 
 
-class _RodImpact:
-    """The rods during an impact: q = (q_1, q_2), m/s, normal impulse and normal work so far; a change is dq/dp_y."""
+class _Rods:
+    """The rods at their angles: what speeds q = (q_1, q_2), m/s, and impulses on C do; a change is dq/dp_y."""
 
-    def __init__(self, mass: float, ratio: float, angles: Sequence[float], speeds: Array) -> None:
-        self.mass, self.ratio, self.speeds = mass, ratio, speeds
+    def __init__(self, mass: float, ratio: float, angles: Sequence[float]) -> None:
+        self.mass, self.ratio, self.angles = mass, ratio, angles
         (self.cos_1, self.cos_2), (self.sin_1, self.sin_2) = map(math.cos, angles), map(math.sin, angles)
-        self.angles, between = angles, angles[0] - angles[1]
+        between = angles[0] - angles[1]
         self.c, self.sine = math.cos(between), math.sin(between)
         # C of parallel rods moves along one line, so that it cannot lift off while it sticks.
         self.parallel = abs(between) < _PARALLEL
-        self.impulse, self.compressive_impulse, self.work = 0.0, 0.0, 0.0
-        self.phases: list[str] = []
-        across = 2.0 * _PARALLEL if self.parallel else 0.0
-        self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
-        self.first_slip = self.slip
-        self.slip_stop = math.inf if self.first_slip else 0.0
 
     def kinetic_energy(self, q: Array) -> float:
         """Return T (2.93), J."""
@@ -196,10 +191,23 @@ class _RodImpact:
         freedom = np.array([2.0 * self.sin_2, -self.sin_1])
         return -friction * freedom * (2.0 * self.sine) / (2.0 * self.kinetic_energy(freedom))
 
+
+class _RodImpact:
+    """The rods' impact as far as it has gone: speeds q, normal impulse, and normal work."""
+
+    def __init__(self, rods: _Rods, speeds: Array) -> None:
+        self.rods, self.speeds = rods, speeds
+        self.impulse, self.compressive_impulse, self.work = 0.0, 0.0, 0.0
+        self.phases: list[str] = []
+        across = 2.0 * _PARALLEL if rods.parallel else 0.0
+        self._least = (_ROUNDING + across) * float(np.abs(speeds).sum())
+        self.first_slip = self.slip
+        self.slip_stop = math.inf if self.first_slip else 0.0
+
     @property
     def tip(self) -> tuple[float, float]:
         """Return v_C without its rounding."""
-        along, away = self.tip_velocity(self.speeds)
+        along, away = self.rods.tip_velocity(self.speeds)
         return along if abs(along) > self._least else 0.0, away if abs(away) > self._least else 0.0
 
     @property
@@ -211,23 +219,23 @@ class _RodImpact:
     def slipping(self, direction: float, mu: float) -> tuple[str, Array]:
         """Return what a slip is called, beside the first one of the impact, and its change (2.74, 2.80, 2.98)."""
         self.first_slip = self.first_slip or direction
-        return "slip" if direction == self.first_slip else "reverse slip", self.response(-mu * direction, 1.0)
+        return "slip" if direction == self.first_slip else "reverse slip", self.rods.response(-mu * direction, 1.0)
 
     def after_slip(self, mu: float) -> tuple[str, Array]:
         """Return what C does once slip has stopped, stick or slip as the normal impulse drives it, and its change."""
-        if mu >= stick_friction(self.ratio, *self.angles):
-            return "stick", self.sticking()
-        driven, _ = self.tip_velocity(self.response(0.0, 1.0))
+        if mu >= stick_friction(self.rods.ratio, *self.rods.angles):
+            return "stick", self.rods.sticking()
+        driven, _ = self.rods.tip_velocity(self.rods.response(0.0, 1.0))
         return self.slipping(math.copysign(1.0, driven), mu)
 
     def until_zero(self, axis: int, change: Array) -> float:
         """Return the further normal impulse at which slip (0) or compression (1) stops (2.75, 2.76, 2.99, 2.100)."""
-        value, slope = self.tip[axis], self.tip_velocity(change)[axis]
+        value, slope = self.tip[axis], self.rods.tip_velocity(change)[axis]
         return -value / slope if min(value, slope) < 0.0 < max(value, slope) else math.inf
 
     def until_work(self, change: Array, work: float) -> float:
         """Return the further normal impulse that does the work, the root of v_y p + v_y' p^2/2 = W (2.83)."""
-        speed, gain = self.tip[1], self.tip_velocity(change)[1]
+        speed, gain = self.tip[1], self.rods.tip_velocity(change)[1]
         if gain <= 0.0:
             return math.inf
         final = math.sqrt(max(speed**2 + 2.0 * gain * work, 0.0))
@@ -235,7 +243,7 @@ class _RodImpact:
 
     def follow(self, phase: str, change: Array, impulse: float) -> float:
         """Apply the normal impulse, with q changing at the rate ``change``, and return its normal work."""
-        work = (self.tip[1] + 0.5 * self.tip_velocity(change)[1] * impulse) * impulse
+        work = (self.tip[1] + 0.5 * self.rods.tip_velocity(change)[1] * impulse) * impulse
         self.speeds = self.speeds + change * impulse
         self.work += work
         self.impulse += impulse
@@ -265,9 +273,9 @@ class _RodImpact:
         wanted = -(restitution**2) * self.work
         if self.slip:
             motion, change = self.slipping(self.slip, mu)
-            if self.tip_velocity(change)[1] <= 0.0:
+            if self.rods.tip_velocity(change)[1] <= 0.0:
                 # More friction than in compression: it would drive C back as soon as C leaves.
-                change = self.sliding_at_rest()
+                change = self.rods.sliding_at_rest()
             stop, end = self.until_zero(0, change), self.until_work(change, wanted)
             wanted -= self.follow(f"restitution {motion}", change, min(stop, end))
             if end <= stop:

@@ -67,6 +67,7 @@ def beam_frequencies(
     ratio = root_stiffness * length / bending
 
     def characteristic(wave: float) -> float:
+        """Return the characteristic function of the beam, zero at the wave number of a mode."""
         # Divided by cosh(wave), which would overflow.
         inverse = 1.0 / math.cosh(wave)
         sine, cosine = math.sin(wave), math.cos(wave)

@@ -82,6 +82,7 @@ class Trajectory(Motion):
         extremes = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
 
         def counts(event: Event) -> bool:
+            """Tell whether an event is no extreme, or a notable one."""
             if event.name not in extremes:
                 return True
             size = np.abs(extremes[event.name])

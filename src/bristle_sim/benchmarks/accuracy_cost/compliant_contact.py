@@ -95,6 +95,7 @@ class TipContact:
         stiffness, residual, coupling = phase.stiffness, phase.residual, self.k_nt
 
         def slope(_: float, state: Array) -> tuple[float, float, float]:
+            """Return the derivatives of penetration, and of normal and tangential impulse."""
             depth, normal, tangential = state.tolist()
             force = stiffness * (depth - residual)
             return 1.0 - normal - coupling * tangential, force, ratio * force

@@ -91,6 +91,7 @@ def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
     evaluations, calls = 0, itertools.count()
 
     def follow(contact: TipContact, phase: ContactPhase, state: list[float]) -> list[float]:
+        """Integrate one phase of the contact, and return the state at its end."""
         nonlocal evaluations
         slope, ends = contact.derivative(phase), contact.ends(phase)
         if method.islower():
