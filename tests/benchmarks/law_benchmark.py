@@ -1,4 +1,4 @@
-"""Measure what one impact costs: the law on arrays, on floats, and through a scene. ``python tests/benchmarks/law_benchmark.py``
+"""Measure what an impact costs, by the law and through a scene, and a step at rest. ``python tests/benchmarks/law_benchmark.py``
 
 CPU time of one process, the least of several rounds that take turns, so that a noisy machine disturbs all alike.
 """
@@ -9,7 +9,9 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+import pymunk
 
+from bristle_sim import EnergeticContact
 from bristle_sim.benchmarks.machine import surroundings
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
@@ -22,7 +24,7 @@ SURFACE = Surface(0.3, None, 0.5)
 
 
 def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
-    """Return CPU seconds of one impact by each way, the least of ``rounds``; arrays hold ``size`` impacts."""
+    """Return CPU seconds of one impact or step by each way, the least of ``rounds``; arrays hold ``size`` impacts."""
     rng = np.random.default_rng(0)
     roots, velocity = rng.normal(size=(size, 2, 2)), rng.normal(size=(size, 2))
     masses = roots @ roots.transpose(0, 2, 1)
@@ -34,6 +36,11 @@ def costs(rounds: int = 9, size: int = 1_000_000) -> dict[str, float]:
         "law, one impact": (lambda: energetic_impact(*one), 500, 1),
         "scene, one rod": (_through_scene(SINGLE), 200, 1),
         "scene, two rods": (_through_scene(DOUBLE), 200, 1),
+        **{
+            f"step at rest, {balls:g}, {name}": (_step_at_rest(balls, contact), 200, 1)
+            for balls in (1, 50)
+            for name, contact in (("engine", False), ("contact", True))
+        },
     }
     least = dict.fromkeys(ways, float("inf"))
     for _ in range(rounds):
@@ -52,11 +59,30 @@ def _through_scene(chain: Chain) -> Callable[[], object]:
     return lambda: law.resolve(scene, start, obstacle, coefficients)
 
 
+def _step_at_rest(balls: int, contact: bool) -> Callable[[], object]:
+    """Return a step of balls that lie on a floor, by the engine or with an EnergeticContact."""
+    space = pymunk.Space()
+    space.gravity = (0.0, -9.81)
+    floor = pymunk.Segment(space.static_body, (-100.0, -1.0), (100.0, -1.0), 1.0)
+    floor.collision_type = 1
+    space.add(floor)
+    for number in range(balls):
+        body = pymunk.Body(1.0, 0.004)
+        body.position = (0.5 * number, 0.1)
+        shape = pymunk.Circle(body, 0.1)
+        shape.collision_type = 2
+        space.add(body, shape)
+    step = EnergeticContact(space, 1, 2, friction=0.3, restitution=0.5).step if contact else space.step
+    for _ in range(10):
+        step(1e-6)
+    return lambda: step(1e-6)
+
+
 def main() -> None:
     """Print what was measured, on what, and how to measure it again."""
     found = costs()
     for name, seconds in found.items():
-        print(f"{name:<18} {1e6 * seconds:10.3f} us an impact {1.0 / seconds:14.3g} impacts/s")
+        print(f"{name:<26} {1e6 * seconds:10.3f} us")
     for name, value in surroundings().items():
         print(f"{name}: {value}")
     print("command: python tests/benchmarks/law_benchmark.py")

@@ -5,5 +5,7 @@ from benchmarks.law_benchmark import costs
 
 def test_every_way_is_measured() -> None:
     found = costs(rounds=1, size=1000)
-    assert set(found) == {"law, arrays", "law, one impact", "scene, one rod", "scene, two rods"}
+    assert {"law, arrays", "law, one impact", "scene, one rod", "scene, two rods", "step at rest, 50, contact"} <= set(
+        found
+    )
     assert all(0.0 < seconds < 10.0 for seconds in found.values())
