@@ -37,6 +37,9 @@ ARROW, LONGEST_FORCE = 0.3, 0.28
 LEAST_DEPTH = 0.08
 """The depth of a grazing tip is stretched until it takes this much of the drawing's height."""
 
+LETTERS = 15.0
+"""Height of the letters in a picture of normal size, px."""
+
 TIP_RADIUS, ROD_LENGTH = 9.0, 300.0
 """Size of the enlarged rod's end, which is not to scale, points in a picture of normal size."""
 
@@ -66,7 +69,7 @@ class TipDrawing:
         axes.set_ylabel(f"away from it ({self.scale.unit}){deeper}", fontsize=size)
         axes.tick_params(labelsize=0.9 * size)
         (self.trail,) = axes.plot([], [], color=SKY, linewidth=2.0)
-        outline = _rod_outline(last_rod) * letters / ImpactFilm.letter_size
+        outline = _rod_outline(last_rod) * letters / LETTERS
         look: dict[str, Any] = {"markerfacecolor": "#bcd9ec", "markeredgecolor": BLUE, "alpha": 0.95}
         (self.rod,) = axes.plot([], [], marker=outline, markersize=2.0 * np.abs(outline).max(), **look)
         self.forces = [moving_arrow(axes, color, 3.0, 16.0) for color in (NORMAL, TANGENTIAL)]
@@ -97,7 +100,7 @@ class ImpactFilm(Film):
     :func:`bristle_sim.studies.timed_contact.with_visible_contact` makes a contact visible.
     """
 
-    size, letter_size = (960, 540), 15.0
+    size, letter_size = (960, 540), LETTERS
 
     @styled()
     def __init__(
