@@ -16,10 +16,10 @@ it is first used, so that a program that needs the impact law alone does not wai
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from bristle_sim.contact_space.energetic_contact import EnergeticContact
     from bristle_sim.parameter_file import read_tool, write_tool
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
     from bristle_sim.reference import simulate_reference
-    from bristle_sim.scene.energetic_contact import EnergeticContact
     from bristle_sim.scene.tool import simulate, simulate_row
     from bristle_sim.settings import Settings
     from bristle_sim.studies.sweep import sweep
@@ -35,7 +35,7 @@ __all__ = [
 ]  # fmt: skip
 
 _MODULES = {
-    "EnergeticContact": "scene.energetic_contact",
+    "EnergeticContact": "contact_space.energetic_contact",
     "Settings": "settings",
     "Trajectory": "trajectory",
     "energetic_impact": "theory.impact",

@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any, TypeVar
 
 from bristle_sim import parameters
+from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import (
     Bar,
     Belt,
@@ -25,7 +26,6 @@ from bristle_sim.parameters import (
     experiments,
 )
 from bristle_sim.quantity import Choice, Range, shown
-from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings

@@ -18,8 +18,8 @@ import pymunk
 import pytest
 
 import bristle_sim
+from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
-from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings

@@ -7,8 +7,8 @@ import numpy as np
 import pymunk
 import pytest
 
-from bristle_sim.scene.contact_space import contact_space
-from bristle_sim.scene.joints import MassCentres, joint_rows
+from bristle_sim.contact_space.impulse import contact_space
+from bristle_sim.contact_space.jacobian import MassCentres, joint_rows
 
 UP = (0.0, 1.0)
 ROUNDING = 1e-13

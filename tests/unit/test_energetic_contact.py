@@ -7,8 +7,8 @@ from typing import Any
 import pymunk
 import pytest
 
-from bristle_sim.scene.contact_pair import LocatedImpact
-from bristle_sim.scene.energetic_contact import EnergeticContact
+from bristle_sim.contact_space.contact_pair import LocatedImpact
+from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.theory.impact import Impact, newton_impact
 
 

@@ -5,9 +5,10 @@ import dataclasses
 import pymunk
 import pytest
 
+from bristle_sim.contact_space import engine_calls
+from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.scene import arbiters, engine
-from bristle_sim.scene.energetic_contact import EnergeticContact
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 
@@ -59,7 +60,7 @@ def test_bare_calls_are_the_documented_ones() -> None:
 
 
 def test_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(engine, "lib", None)
+    monkeypatch.setattr(engine_calls, "lib", None)
     space, body = pendulum()
     assert engine.stepper(space) == space.step
     assert engine.pusher(body) == body.apply_force_at_world_point
@@ -71,7 +72,7 @@ def test_every_body_takes_six_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
     told = [float(number) for number in range(18)]
     for bare in (True, False):
         if not bare:
-            monkeypatch.setattr(engine, "lib", None)
+            monkeypatch.setattr(engine_calls, "lib", None)
         kinds = (pymunk.Body.KINEMATIC, pymunk.Body.DYNAMIC, pymunk.Body.DYNAMIC)
         bodies = [pymunk.Body(1.0, 1.0, kind) for kind in kinds]
         engine.placer(bodies)(told)
@@ -110,7 +111,7 @@ def bounces() -> list[float]:
 
 def test_contacts_are_read_alike_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
     bare = bounces()
-    monkeypatch.setattr(engine, "lib", None)
+    monkeypatch.setattr(engine_calls, "lib", None)
     assert bounces() == bare
 
 
@@ -122,7 +123,7 @@ def test_impulses_of_some_steps_are_noted_alike(monkeypatch: pytest.MonkeyPatch)
     ball.position = (0.3, 0.1)
     space.add(floor, ball, pymunk.Circle(ball, 0.1))
     bare = arbiters.impulse_record(space, ball)
-    monkeypatch.setattr(engine, "lib", None)
+    monkeypatch.setattr(engine_calls, "lib", None)
     documented = arbiters.impulse_record(space, ball)
     for _ in range(2):
         # What was noted before is forgotten, but for the last step's.
@@ -150,5 +151,5 @@ def a_pass() -> tuple[object, ...]:
 
 def test_a_pass_is_the_same_without_bare_calls(monkeypatch: pytest.MonkeyPatch) -> None:
     bare = a_pass()
-    monkeypatch.setattr(engine, "lib", None)
+    monkeypatch.setattr(engine_calls, "lib", None)
     assert a_pass() == bare

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pymunk
 import pytest
 
-from bristle_sim.scene.contact_pair import ContactPair, TouchingPoint
-from bristle_sim.scene.impact_sequence import COLLAPSE, ImpactSequence
+from bristle_sim.contact_space.contact_pair import ContactPair, TouchingPoint
+from bristle_sim.contact_space.sequence import COLLAPSE, ImpactSequence
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 

@@ -16,13 +16,13 @@ from bristle_sim.benchmarks import machine
 from bristle_sim.benchmarks.accuracy_cost.cases import release_flight
 from bristle_sim.benchmarks.accuracy_cost.measure import Point
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, tables
+from bristle_sim.contact_space.jacobian import MassCentres, joint_rows
 from bristle_sim.parameters import Bar, Belt, Hub, Neighbours, Tool, Workpart
 from bristle_sim.reference.strike import strike_reference
 from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.tool_films import InertiaFilm, RowFilm
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
-from bristle_sim.scene.joints import MassCentres, joint_rows
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import Coefficients
-from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import ClosestApproach
 from bristle_sim.scene.spring import Plane, Spring, SpringLoad, time_at_unit_stiffness

@@ -6,10 +6,10 @@ import math
 import numpy as np
 import pytest
 
+from bristle_sim.contact_space.projection import close_joints
 from bristle_sim.parameters import Belt, Bristle, Tool, Workpart
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.gaps import Gaps, contact_row
-from bristle_sim.scene.joint_projection import close_joints
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.obstacles import BarObstacle, Held, WorkpartObstacle
 from bristle_sim.scene.tool import build_tool

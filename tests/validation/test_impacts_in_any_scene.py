@@ -26,9 +26,9 @@ import numpy as np
 import pymunk
 import pytest
 
-from bristle_sim.scene.contact_pair import LocatedImpact
-from bristle_sim.scene.energetic_contact import EnergeticContact
-from bristle_sim.scene.joint_projection import close_joints
+from bristle_sim.contact_space.contact_pair import LocatedImpact
+from bristle_sim.contact_space.energetic_contact import EnergeticContact
+from bristle_sim.contact_space.projection import close_joints
 
 IMPACTS = int(os.environ.get("BRISTLE_IMPACTS", "200"))
 

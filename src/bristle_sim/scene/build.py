@@ -19,9 +19,9 @@ import numpy as np
 import pymunk
 from numpy.linalg import eigvalsh
 
+from bristle_sim.contact_space.jacobian import Connected
 from bristle_sim.scene.contact_shapes import ContactShapes
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
-from bristle_sim.scene.joints import Connected
 from bristle_sim.scene.mechanism import Link, Mechanism
 from bristle_sim.scene.obstacles import MARGIN, Held, Obstacle
 from bristle_sim.scene.placement import Placement

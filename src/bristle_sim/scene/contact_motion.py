@@ -7,8 +7,8 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_space import contact_space
 from bristle_sim.scene.events import guess, interpolate, locate
 from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.scene.spring import Spring, SpringLoad

@@ -7,7 +7,6 @@ where a version does not have them, the documented ones do the same.
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from array import array
@@ -18,12 +17,7 @@ from typing import Any, Protocol
 
 import pymunk
 
-try:
-    from pymunk._chipmunk_cffi import ffi as ffi  # noqa: PLC0414 - for the contacts' reader too
-    from pymunk._chipmunk_cffi import lib as lib  # noqa: PLC0414
-except ImportError:  # pragma: no cover - a pymunk built otherwise
-    ffi = lib = None
-
+from bristle_sim.contact_space.engine_calls import bare_object, ffi, lib
 from bristle_sim.scene.mechanism import Vector
 
 ITERATIONS_OF_A_STEP = 100
@@ -65,35 +59,6 @@ Reader = Callable[[], tuple[float, float, float, float]]
 
 Pusher = Callable[[Vector, Vector], None]
 """Applies a force at a place until the next step is done."""
-
-_CALLS = (
-    "cpSpaceStep",
-    "cpBodyGetAngle",
-    "cpBodyGetAngularVelocity",
-    "pmSpaceBodyGetIteratorFuncBatched",
-    "pmSpaceBodySetIteratorFuncBatched",
-    "cpBodyLocalToWorld",
-    "cpBodyGetVelocityAtLocalPoint",
-    "cpBodyApplyForceAtWorldPoint",
-    "cpSpaceGetStaticBody",
-    "cpArbiterGetBodies",
-    "cpArbiterGetContactPointSet",
-    "cpSpaceEachCachedArbiter",
-    "pmSpaceArbiterIteratorFuncBatched",
-    "cpArbiterSetFriction",
-    "cpArbiterSetRestitution",
-    "cpBodyGetVelocityAtWorldPoint",
-)
-
-
-def bare_object(owner: object, attribute: str) -> Any:
-    """Return the engine's own object behind pymunk's, or None where it cannot be had."""
-    return getattr(owner, attribute, None) if _offers_calls(lib) else None
-
-
-@functools.cache
-def _offers_calls(library: Any) -> bool:
-    return all(hasattr(library, call) for call in _CALLS)
 
 
 def stepper(space: pymunk.Space) -> Callable[[float], None]:

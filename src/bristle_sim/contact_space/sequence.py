@@ -11,10 +11,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import pymunk
 
-from bristle_sim.scene.contact_pair import TouchingPoint
-from bristle_sim.scene.contact_space import ContactSpace, contact_space
-from bristle_sim.scene.joint_projection import close_joints
-from bristle_sim.scene.joints import JointRow, Vector
+from bristle_sim.contact_space.contact_pair import TouchingPoint
+from bristle_sim.contact_space.impulse import ContactSpace, contact_space
+from bristle_sim.contact_space.jacobian import JointRow, Vector
+from bristle_sim.contact_space.projection import close_joints
 from bristle_sim.theory.impact_result import JAM, Impact
 
 ROUNDING = 1e-9

@@ -1,7 +1,7 @@
 """Velocities that obey the joints: the nearest ones, in the norm of the kinetic energy.
 
 An engine's solver leaves joints with a rate of opening, by its tolerance and by what it adds on purpose to correct their
-positions. With J V = b as in :mod:`bristle_sim.scene.joints` and A = M^-1/2 J^T, the smallest change of M^1/2 V that closes
+positions. With J V = b as in :mod:`bristle_sim.contact_space.jacobian` and A = M^-1/2 J^T, the smallest change of M^1/2 V that closes
 the joints is dU = -A (A^T A)^+ (J V - b). Joints that do not move by themselves (b = 0) lose the energy |dU|^2/2 by it: it is
 a plastic impact of the joints. Limits take part where they would be passed, and push only.
 """
@@ -13,7 +13,7 @@ import pymunk
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.joints import MassCentres, joined, joint_rows, scaled_jacobian
+from bristle_sim.contact_space.jacobian import MassCentres, joined, joint_rows, scaled_jacobian
 
 Flags = NDArray[np.bool_]
 

@@ -30,7 +30,7 @@ import numpy as np
 import pymunk
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.joints import (
+from bristle_sim.contact_space.jacobian import (
     Connected,
     Entry,
     JointRow,

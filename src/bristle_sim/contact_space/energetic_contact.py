@@ -9,21 +9,21 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from numbers import Real
 from typing import Any
 
 import pymunk
 
-from bristle_sim.quantity import Range, shown
-from bristle_sim.scene.contact_pair import ContactPair, LocatedImpact, TouchingPoint, touching_points
-from bristle_sim.scene.impact_sequence import ImpactSequence
-from bristle_sim.scene.rest_filter import RestFilter
+from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, TouchingPoint, refusal, touching_points
+from bristle_sim.contact_space.rest_filter import RestFilter
+from bristle_sim.contact_space.sequence import ImpactSequence
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 LONGEST = 1e9
 """Step, in the scene's unit of time; the engine lets NaN and infinity pass."""
 
-DURATION = Range("duration", "time", 0.0, LONGEST, True, "chosen")
-"""Duration of a step."""
+FASTEST = 1e300
+"""Resting speed, in the scene's unit of velocity: any number."""
 
 
 class EnergeticContact:
@@ -37,7 +37,7 @@ class EnergeticContact:
         restitution_friction: mu in restitution; equal to ``friction`` by default.
         resting_speed: slower approach is left to the engine's contact with ``friction`` and no restitution, so that
             bodies rest; so is approach slower than gravity makes up in two steps.
-        report: called with a :class:`~bristle_sim.scene.contact_pair.LocatedImpact` for each faster impact.
+        report: called with a :class:`~bristle_sim.contact_space.contact_pair.LocatedImpact` for each faster impact.
 
     Raises:
         ValueError: for coefficients out of range, for anything but a space and collision types, and if the space has an
@@ -74,13 +74,13 @@ class EnergeticContact:
     ) -> None:
         """See the class."""
         if not isinstance(space, pymunk.Space):
-            raise ValueError(f"space = {shown(space)}: must be a pymunk.Space")
+            raise refusal("space", space, "must be a pymunk.Space")
         if not (report is None or callable(report)):
-            raise ValueError(f"report = {shown(report)}: must be None or a function of one LocatedImpact")
+            raise refusal("report", report, "must be None or a function of one LocatedImpact")
         if any(isinstance(_owner(each.pre_solve), EnergeticContact) for each in _handlers(space).values()):
             raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
         self.space = space
-        self.resting_speed = Range("resting_speed", "length/time", 0.0, 1e300, True, "chosen").check(resting_speed)
+        self.resting_speed = _not_negative("resting_speed", resting_speed, FASTEST, "length/time")
         self.report = report
         self.time = 0.0
         self.pairs: dict[frozenset[int], ContactPair] = {}
@@ -134,7 +134,7 @@ class EnergeticContact:
             RuntimeError: if impacts at one point come to no end.
         """
         if type(duration) is not float or not 0.0 <= duration <= LONGEST:
-            duration = DURATION.check(duration)
+            duration = _not_negative("duration", duration, LONGEST, "time")
         for handler, callback, pair in self._callbacks:
             if handler.pre_solve is not callback:
                 pair.chained, handler.pre_solve = handler.pre_solve, callback
@@ -171,6 +171,14 @@ class EnergeticContact:
         sequence = ImpactSequence(points_of, self._filter.resting_approach(), record)
         sequence.resolve(moved, set(skipped))
         self._filter.jammed |= sequence.jammed
+
+
+def _not_negative(name: str, value: Any, most: float, unit: str) -> float:
+    """Return a number from 0 to ``most`` as a float, or raise ValueError."""
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if not (is_number and 0.0 <= value <= most):
+        raise refusal(name, value, f"must be a finite number with 0 <= {name} <= {most:g} (in {unit})")
+    return float(value)
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:

@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import inspect
 import math
+import reprlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
 import pymunk
 
-from bristle_sim.quantity import Range, shown
-from bristle_sim.scene.contact_space import ContactSpace
-from bristle_sim.scene.joints import Vector
+from bristle_sim.contact_space.impulse import ContactSpace
+from bristle_sim.contact_space.jacobian import Vector
+from bristle_sim.theory.checks import checked_numbers
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 MOST_TYPES = (1 << 64) - 1
 """Collision types are machine words, the last of which stands for any type."""
+
+
+def refusal(name: str, value: Any, rule: str) -> ValueError:
+    """Return the error, in one line, for a value that breaks a rule."""
+    return ValueError(f"{name} = {' '.join(reprlib.repr(value).split())[:100]}: {rule}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,15 +71,14 @@ class ContactPair:
         for name in ("collision_type_a", "collision_type_b"):
             kind = getattr(self, name)
             if isinstance(kind, bool) or not isinstance(kind, int) or not 0 <= kind < MOST_TYPES:
-                raise ValueError(f"{name} = {shown(kind)}: must be a whole number from 0 to {MOST_TYPES - 1}")
+                raise refusal(name, kind, f"must be a whole number from 0 to {MOST_TYPES - 1}")
         if self.restitution_friction is None:
             self.restitution_friction = self.friction
-        self.friction = Range("friction", "1", 0.0, 1e9, True, "Coulomb").check(self.friction)
-        self.restitution = Range("restitution", "1", 0.0, 1.0, True, "Stronge 1990").check(self.restitution)
-        later = Range("restitution_friction", "1", 0.0, 1e9, True, "Coulomb")
-        self.restitution_friction = later.check(self.restitution_friction)
+        self.friction, self.restitution, self.restitution_friction = checked_numbers(
+            friction=self.friction, restitution=self.restitution, restitution_friction=self.restitution_friction
+        )
         if not callable(self.law):
-            raise ValueError(f"law = {shown(self.law)}: must be a function like energetic_impact")
+            raise refusal("law", self.law, "must be a function like energetic_impact")
         self.takes_stick_compliance = "stick_compliance" in inspect.signature(self.law).parameters
 
     @property

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pymunk
 
-from bristle_sim.scene.arbiters import approach_reader, contact_tuner
-from bristle_sim.scene.impact_sequence import ROUNDING
-from bristle_sim.scene.joints import Vector
+from bristle_sim.contact_space.engine_calls import approach_reader, contact_tuner
+from bristle_sim.contact_space.jacobian import Vector
+from bristle_sim.contact_space.sequence import ROUNDING
 
 STEPS_OF_GRAVITY = 2.0
 """An approach that gravity makes up in this number of steps is rest: one step passes before the engine finds a contact that

@@ -1,0 +1,13 @@
+"""Impacts in any pymunk space: inverse mass at a contact, velocities that obey joints, and EnergeticContact.
+
+This package needs NumPy, pymunk and the impact law alone, nothing of the tool. In reading order:
+
+- ``jacobian``: velocity constraints J V = b of pymunk's joints and of a contact.
+- ``impulse``: the contact's inverse mass K, and the change of all velocities by an impulse.
+- ``projection``: the nearest velocities that keep the joints closed.
+- ``contact_pair``: two collision types, their coefficients and law; the points where their shapes touch.
+- ``sequence``: the impacts of one instant, one after the other.
+- ``engine_calls``: the engine's calls without their wrappers.
+- ``rest_filter``: contacts at rest, which the engine keeps, distinguished from impacts.
+- ``energetic_contact``: :class:`EnergeticContact`, the law in a user's own space.
+"""
