@@ -27,6 +27,7 @@ class Quantity:
         printed: in the dissertation.
         tolerance: largest relative difference that agrees (absolute where the other side is 0), or None where a
             difference is a finding rather than an error.
+        label: what a table calls it, with its symbol; by default the name in words.
     """
 
     name: str
@@ -36,6 +37,11 @@ class Quantity:
     reference: float | None = None
     printed: float | None = None
     tolerance: float | None = None
+    label: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.label:
+            object.__setattr__(self, "label", self.name.removesuffix("_deg").replace("_", " "))
 
     @property
     def judge_name(self) -> str | None:
@@ -66,24 +72,26 @@ class Quantity:
     def as_dict(self) -> dict[str, Any]:
         """The row as plain values, finite or None."""
         numbers = {name: finite(getattr(self, name)) for name in (*SIDES, "relative_difference", "tolerance")}
-        return {"name": self.name, "unit": self.unit, **numbers, "ok": self.ok}
+        return {"name": self.name, "label": self.label, "unit": self.unit, **numbers, "ok": self.ok}
 
 
 def rows(
-    units: Mapping[str, str],
+    units: Mapping[str, str | tuple[str, str]],
     simulated: Values,
     theory: Values = MappingProxyType({}),
     reference: Values = MappingProxyType({}),
     printed: Values = MappingProxyType({}),
     tolerance: float | Callable[[str], float | None] | None = None,
 ) -> tuple[Quantity, ...]:
-    """Return a quantity for each name that has a unit, from what each side gives by name."""
+    """Return a quantity for each name that has a unit, or a label and a unit, from the values of each side by name."""
     within = tolerance if callable(tolerance) else lambda _: tolerance
     sides = dict(zip(SIDES, (simulated, theory, reference, printed), strict=True))
-    return tuple(
-        Quantity(name, unit, tolerance=within(name), **{side: values.get(name) for side, values in sides.items()})
-        for name, unit in units.items()
-    )
+    found = []
+    for name, declared in units.items():
+        label, unit = ("", declared) if isinstance(declared, str) else declared
+        values = {side: given.get(name) for side, given in sides.items()}
+        found.append(Quantity(name, unit, tolerance=within(name), label=label, **values))
+    return tuple(found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +107,7 @@ class Report:
         remarks: sentences a reader of the table should know.
         extra: what a scenario adds to the JSON.
         subject: the objects that pictures are drawn from.
+        answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
     """
 
     outcome: str | None
@@ -110,6 +119,7 @@ class Report:
     remarks: tuple[str, ...] = ()
     extra: dict[str, Any] = field(default_factory=dict)
     subject: Any = None
+    answer: str = ""
 
 
 class Unfinished(KeyboardInterrupt):
@@ -133,20 +143,23 @@ PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "": 1.0, "m": 1e-3, "u": 1e-6, "n": 1e
 LARGEST_PREFIX = {"s": "", "m": "", "N s": "", "g": "k", "N": "k", "N m": "k", "J": "k", "W": "k", "Pa": "G", "Hz": "k"}
 """Units that are shown with a prefix, and the largest one that is customary."""
 
+SMALLEST_PREFIX = {"N s": "m", "N": "m"}
+"""The smallest customary prefix of units that do without smaller ones."""
 
-def table(quantities: Sequence[Quantity]) -> str:
-    """Return an aligned table for the terminal, in units with prefixes, without columns that would be empty.
 
-    The relative difference names what it is from. Where the table would be wider than 100 columns, the
-    reference's own column is left out first, then the tolerance.
+def table(quantities: Sequence[Quantity], width: int = WIDTH) -> str:
+    """Return an aligned table for a terminal of so many columns, in units with prefixes, without empty columns.
+
+    The relative difference names the side that it is from. Where the table would be too wide, the reference's own
+    column is left out first, then the tolerance.
     """
     for digits, left_out in ((6, ()), (5, ()), (6, WIDEST[:1]), (5, WIDEST[:1]), (4, WIDEST[:1]), (4, WIDEST)):
         found = cells(quantities, digits, left_out)
         widths = [max(map(len, column)) for column in zip(*found, strict=True)]
         lines = [side_by_side([[cell] for cell in row], widths, range(2, len(row)))[0] for row in found]
-        if (width := max(map(len, lines))) <= WIDTH:
+        if (needed := max(map(len, lines))) <= width:
             break
-    return "\n".join([lines[0], "-" * width, *lines[1:]])
+    return "\n".join([lines[0], "-" * needed, *lines[1:]])
 
 
 def cells(quantities: Sequence[Quantity], digits: int = 6, left_out: Sequence[str] = ()) -> list[list[str]]:
@@ -174,7 +187,7 @@ def _cells(each: Quantity, digits: int) -> list[str]:
     difference = _relative(each.relative_difference, "+")
     difference += "" if difference == "-" else f" {each.judge_name}"
     ok = {True: "yes", False: "NO", None: "-"}[each.ok]
-    return [each.name, unit, *numbers, difference, _relative(each.tolerance), ok]
+    return [each.label, "" if unit == "1" else unit, *numbers, difference, _relative(each.tolerance), ok]
 
 
 def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
@@ -183,11 +196,11 @@ def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, floa
     largest = max((abs(value) for value in values if value is not None and math.isfinite(value)), default=0.0)
     if base not in LARGEST_PREFIX or largest == 0.0:
         return unit, 1.0
-    customary = PREFIXES[LARGEST_PREFIX[base]]
-    for prefix, size in PREFIXES.items():
-        if size <= customary and largest >= size * own * (1.0 - 1e-9):
-            return prefix + base, size * own
-    return "n" + base, 1e-9 * own
+    most, least = PREFIXES[LARGEST_PREFIX[base]], PREFIXES[SMALLEST_PREFIX.get(base, "n")]
+    customary = [(prefix, size) for prefix, size in PREFIXES.items() if least <= size <= most]
+    fitting = (each for each in customary if largest >= each[1] * own * (1.0 - 1e-9))
+    prefix, size = next(fitting, customary[-1])
+    return prefix + base, size * own
 
 
 def _relative(value: float | None, sign: str = "") -> str:

@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pytest
 
-from bristle_sim.comparison import Quantity, Report, finite, table
+from bristle_sim.comparison import Quantity, Report, finite, rows, table
 
 
 def row(simulated: float | None, **sides: float | None) -> Quantity:
@@ -79,6 +79,7 @@ def test_a_row_as_plain_values():
     values = row(math.inf, theory=2.0, reference=math.nan, tolerance=0.1).as_dict()
     assert values == {
         "name": "speed",
+        "label": "speed",
         "unit": "m/s",
         "simulated": None,
         "theory": 2.0,
@@ -101,7 +102,7 @@ def test_finite():
 
 def test_table_is_aligned():
     rows = [
-        Quantity("a_long_name", "rad/s", 877.09181234, 833.8428, printed=845.6, tolerance=1e-3),
+        Quantity("a_long_name_deg", "rad/s", 877.09181234, 833.8428, printed=845.6, tolerance=1e-3),
         Quantity("short", "1", None, 0.0),
         Quantity("t", "s", math.nan, math.inf, tolerance=0.5),
     ]
@@ -112,8 +113,8 @@ def test_table_is_aligned():
     assert set(rule) == {"-"}
     assert len(rule) == max(map(len, [head, *lines]))
     cells = [re.split(r"\s{2,}", line) for line in lines]
-    assert cells[0] == ["a_long_name", "rad/s", "877.092", "833.843", "845.6", "+5.19 % theory", "0.1 %", "NO"]
-    assert cells[1] == ["short", "1", "-", "0", "-", "-", "-", "-"]
+    assert cells[0] == ["a long name", "rad/s", "877.092", "833.843", "845.6", "+5.19 % theory", "0.1 %", "NO"]
+    assert cells[1] == ["short", "-", "0", "-", "-", "-", "-"]
     assert cells[2] == ["t", "s", "-", "-", "-", "-", "50 %", "NO"]
     column = head.index("theory") + len("theory")
     assert [line[:column].split()[-1] for line in lines] == ["833.843", "0", "-"]
@@ -159,7 +160,7 @@ def test_table_leaves_the_reference_out_rather_than_be_too_wide():
         (1e-14, "m", "1e-05  nm"),
         (1e-3, "s", "1  ms"),
         (44.5, "deg", "44.5  deg"),
-        (1e-5, "1", "1e-05  1"),
+        (2e-5, "N s", "0.02  mN s"),
     ],
 )
 def test_units_that_an_engineer_reads(value: float, unit: str, shown: str):
@@ -181,5 +182,22 @@ def test_table_of_nothing_has_a_head():
 
 def test_a_report_needs_an_outcome_and_quantities_only():
     report = Report("rebound", ())
-    assert (report.phases, report.events, report.remarks, report.extra, report.subject) == ((), (), (), {}, None)
+    assert (report.phases, report.events, report.remarks, report.extra, report.answer) == ((), (), (), {}, "")
     assert report.extra is not Report("rebound", ()).extra
+
+
+def test_a_row_is_shown_by_its_label_and_kept_by_its_key():
+    (labelled, plain) = rows(
+        {"normal_final_impulse": ("normal impulse p_f", "N s"), "lag_deg": "deg"}, {"lag_deg": 1.0}
+    )
+    assert [labelled.as_dict()[key] for key in ("name", "label")] == ["normal_final_impulse", "normal impulse p_f"]
+    assert plain.label == "lag"
+    lines = table([Quantity("p", "N s", 2e-5, label="normal impulse p_f"), Quantity("ratio", "1", 0.5)]).splitlines()
+    assert re.split(r"  +", lines[2]) == ["normal impulse p_f", "mN s", "0.02"]
+    assert re.split(r"  +", lines[3]) == ["ratio", "0.5"]
+
+
+def test_a_wide_terminal_shows_the_columns_that_a_narrow_one_leaves_out():
+    found = [Quantity("a" * 60, "N", 1.23456, 1.23456, 1.23456, 1.23456, 1e-3)]
+    assert "reference" not in table(found).splitlines()[0].replace("difference from", "")
+    assert "reference" in table(found, 200).splitlines()[0]

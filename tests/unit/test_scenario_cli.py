@@ -180,9 +180,16 @@ def test_json_is_plain_finite_and_complete(capsys: pytest.CaptureFixture[str]):
         "outcome": "rebound",
         "quantities": [
             nothing
-            | {"name": "momentum", "unit": "N s", "simulated": 1.0, "theory": 1.0, "relative_difference": 0.0}
+            | {
+                "name": "momentum",
+                "label": "momentum",
+                "unit": "N s",
+                "simulated": 1.0,
+                "theory": 1.0,
+                "relative_difference": 0.0,
+            }
             | {"tolerance": 1e-9, "ok": True},
-            nothing | {"name": "nothing", "unit": "1"},
+            nothing | {"name": "nothing", "label": "nothing", "unit": "1"},
         ],
         "phases": ["compression slip", "restitution stick"],
         "events": [{"name": "strike", "time": 0.25}],
