@@ -17,7 +17,7 @@ from bristle_sim.scene.tool import METHOD, simulate_from
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, checked_name
 from bristle_sim.trajectory import ContactRecord, Cost, Event, InnerSamples, Trajectory
-from bristle_sim.trajectory.storage import ARRAYS, INNER
+from bristle_sim.trajectory.storage import INNER, SAMPLES
 
 
 def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:
@@ -98,7 +98,7 @@ def _joined(
     events = [*first.events, *(Event(each.name, begin + each.time) for each in rest.events)]
     happened = {each.name for each in events}
     absent = {each for each in happened if each in ABSENCES and ABSENCES[each] not in happened}
-    arrays = {each: np.concatenate([getattr(first, each), getattr(rest, each)[1:]]) for each in ARRAYS[1:]}
+    arrays = {each: np.concatenate([getattr(first, each), getattr(rest, each)[1:]]) for each in list(SAMPLES)[1:]}
     return Trajectory(
         time=np.concatenate([first.time, begin + rest.time[1:]]),
         **arrays,

@@ -1,10 +1,14 @@
-"""Trajectories in files, one npz archive of arrays with everything else as JSON, and as tables of pandas and xarray."""
+"""Trajectories in files: one npz archive of arrays, with everything else as JSON; a file that holds something else is refused."""
 
 from __future__ import annotations
 
 import dataclasses
+import math
+from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import UnionType
+from typing import TYPE_CHECKING, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -14,16 +18,18 @@ from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event, InnerSamples
 
 if TYPE_CHECKING:
-    import pandas as pd
-    import xarray
+    from _typeshed import DataclassInstance
 
     from bristle_sim.trajectory.trajectory import Trajectory
 
 FORMAT = 2  # number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines.
 
-INNER, HISTORY = (tuple(each.name for each in dataclasses.fields(kind)) for kind in (InnerSamples, ContactHistory))
-ARRAYS = ("time", "hub_angle", *INNER[1:], "kinetic_energy", "potential_energy", "normal_force")
-"""Names of the arrays of inner samples and of histories, which a file may leave out, and of those that it has."""
+INNER = {"time": "n", "angles": "nl", "rates": "nl", "centre_line": "nc2", "centre_line_velocity": "nc2"}
+SAMPLES = {**INNER, **dict.fromkeys(("hub_angle", "kinetic_energy", "potential_energy", "normal_force"), "n")}
+HISTORY = dict.fromkeys((each.name for each in dataclasses.fields(ContactHistory)), "n")
+"""Dimensions of each array of inner samples, of a run and of a history: n instants, l links, c corners, 2 axes."""
+
+T = TypeVar("T", bound="DataclassInstance")
 
 
 def write(run: Trajectory, path: str | Path) -> None:
@@ -33,7 +39,7 @@ def write(run: Trajectory, path: str | Path) -> None:
     """
     import json
 
-    arrays: dict[str, Any] = {name: getattr(run, name) for name in ARRAYS}
+    arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLES}
     if run.inner_samples is not None:
         arrays |= {f"inner_{name}": getattr(run.inner_samples, name) for name in INNER}
     contacts = []
@@ -61,111 +67,106 @@ def read(path: Path) -> dict[str, Any]:
 
     Raises:
         OSError: if there is no such file or it cannot be read.
-        ValueError: for a file that holds something else.
+        ValueError: for a file that holds something else, with what is wrong in it.
     """
     import json
 
     try:
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
-            meta = json.loads(str(stored["metadata"]))
+            meta = json.loads(str(stored["metadata"]), parse_float=_finite, parse_constant=_finite)
             if (found := meta.pop("format")) != FORMAT:
                 raise ValueError(
                     f"written in format {found}, this version reads format {FORMAT}; simulate the run again"
                 )
-            return {
-                **meta,
-                **{name: stored[name] for name in ARRAYS},
-                "events": tuple(Event(**row) for row in meta["events"]),
-                "contacts": tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"])),
-                "stop_reason": StopReason[meta["stop_reason"]],
-                "cost": Cost(**meta["cost"]),
-                "contact_at_end": ContactAtEnd(**meta["contact_at_end"]),
-                "inner_samples": InnerSamples(*(stored[f"inner_{name}"] for name in INNER))
-                if "inner_time" in stored
-                else None,
-            }
+            return _checked(meta, stored)
     except OSError:
         raise
     except Exception as error:  # zip, JSON and NumPy each have their own for a file that is something else
         raise ValueError(f"{path}: cannot be read as a trajectory ({error})") from error
 
 
-def _contact(row: dict[str, Any], number: int, stored: Any) -> ContactRecord:
+def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any]:
+    """Return the arguments from metadata and arrays, whose lengths, types and order fit together."""
+    sizes: dict[str, int] = {}
+    arrays = {name: _array(stored, name, letters, sizes) for name, letters in SAMPLES.items()}
+    inner = None
+    if "inner_time" in stored:
+        own = {"l": sizes["l"], "c": sizes["c"]}
+        inner = InnerSamples(*(_array(stored, f"inner_{name}", letters, own) for name, letters in INNER.items()))
+        _require("inner_time", bool(np.all(np.diff(inner.time) >= 0.0)), "not descend")
+    _require("time", arrays["time"].size > 0, "have at least one sample")
+    _require("time", bool(np.all(np.diff(arrays["time"]) >= 0.0)), "not descend")
+    for name, kind in (("hub_speed", float), ("parameters", dict), ("stop_detail", str)):
+        _require(name, _fits(meta[name], kind), f"be of type {kind.__name__}")
+    events = tuple(_record(Event, row) for row in meta["events"])
+    _require("events", all(one.time <= other.time for one, other in pairwise(events)), "be in order of time")
+    contacts = tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"]))
+    for each in contacts:
+        for name in ("angles", "rates_before", "rates_after"):
+            _require(f"contacts: {name}", len(getattr(each, name)) == sizes["l"], "be one for each link")
+    return {
+        **meta,
+        **arrays,
+        "events": events,
+        "contacts": contacts,
+        "stop_reason": StopReason[meta["stop_reason"]],
+        "cost": _record(Cost, meta["cost"]),
+        "contact_at_end": _record(ContactAtEnd, meta["contact_at_end"]),
+        "inner_samples": inner,
+    }
+
+
+def _contact(row: dict[str, Any], number: int, stored: Mapping[str, Array]) -> ContactRecord:
     """Return a contact from its row, with its history from the arrays."""
     values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
     if values["history"] is not None:
-        values["history"] = ContactHistory(*(stored[f"contact{number}_{name}"] for name in HISTORY))
-    return ContactRecord(**values)
+        sizes: dict[str, int] = {}
+        arrays = (_array(stored, f"contact{number}_{name}", letters, sizes) for name, letters in HISTORY.items())
+        values["history"] = ContactHistory(*arrays)
+    return _record(ContactRecord, values)
 
 
-MISSING = "must be installed: pip install bristle-sim[sweep]"
-
-UNITS = {
-    **dict.fromkeys(("hub_angle", "angle", "relative_angle"), "rad"),
-    **dict.fromkeys(("rate", "relative_rate"), "rad/s"),
-    **dict.fromkeys(("kinetic_energy", "potential_energy"), "J"),
-    "centre_line": "m",
-    "centre_line_velocity": "m/s",
-    "normal_force": "N",
-}
-DIMENSIONS = {
-    **dict.fromkeys(("angle", "rate"), ("time", "link")),
-    **dict.fromkeys(("centre_line", "centre_line_velocity"), ("time", "corner", "axis")),
-}
-"""Dimensions of what has more than that of time."""
-
-
-def to_dataframe(run: Trajectory) -> pd.DataFrame:
-    """Return all sampled quantities as a pandas DataFrame, one row a sample; ``attrs["units"]`` has their units.
-
-    Raises ImportError if pandas is not installed.
-    """
-    try:
-        import pandas as pd
-    except ImportError as error:
-        raise ImportError(f"pandas: {MISSING}") from error
-    frame = pd.DataFrame(run.columns())
-    units = dict(title.removesuffix(")").split(" (") for title in frame)
-    frame.columns, frame.attrs["units"] = pd.Index(units), units
-    return frame
-
-
-def to_xarray(run: Trajectory) -> xarray.Dataset:
-    """Return all sampled quantities as an xarray Dataset with units as attributes.
-
-    Its coordinate ``time`` strictly ascends, so that ``interp(time=...)`` works, which is linear between samples where
-    ``at`` is of higher order: of samples that share an instant the later ones follow by the smallest step of a double.
-    ``instant`` is the time as recorded.
-
-    Raises ImportError if xarray is not installed.
-    """
-    try:
-        import xarray
-    except ImportError as error:
-        raise ImportError(f"xarray: {MISSING}") from error
-    recorded = {"angle": "angles", "rate": "rates"}
-    variables = {
-        name: (DIMENSIONS.get(name, ("time",)), getattr(run, recorded.get(name, name)), {"units": unit})
-        for name, unit in UNITS.items()
-    }
-    events = ("event", np.array([event.time for event in run.events]), {"units": "s"})
-    return xarray.Dataset(
-        {**variables, "event_time": events},
-        coords={
-            "time": ("time", ascending(run.time), {"units": "s"}),
-            "instant": ("time", run.time, {"units": "s"}),
-            "link": np.arange(1, run.angles.shape[1] + 1),
-            "axis": ["x", "y"],
-            "event": [event.name for event in run.events],
-        },
-        attrs={"stop_reason": str(run.stop_reason), "hub_speed": run.hub_speed},
+def _array(stored: Mapping[str, Array], name: str, letters: str, sizes: dict[str, int]) -> Array:
+    """Return a stored array whose dimensions have the sizes known so far; those that it is the first to have are noted."""
+    array = stored[name]
+    _require(name, array.dtype == float, f"be floats, not {array.dtype}")
+    known = {"2": 2} | sizes
+    fits = array.ndim == len(letters) and all(
+        known.setdefault(letter, size) == size for letter, size in zip(letters, array.shape, strict=True)
     )
+    _require(name, fits, f"have the shape ({', '.join(str(known.get(each, each)) for each in letters)})")
+    _require(name, bool(np.isfinite(array).all()), "be finite")
+    sizes |= known
+    return array
 
 
-def ascending(time: Array) -> Array:
-    """Return times that strictly ascend: one that does not exceed its predecessor becomes the next double after it."""
-    found = time.copy()
-    for later in range(1, len(found)):
-        if found[later] <= found[later - 1]:
-            found[later] = np.nextafter(found[later - 1], np.inf)
+def _record(kind: type[T], row: dict[str, Any]) -> T:
+    """Return a record whose values are of the types that its fields declare."""
+    found = kind(**row)
+    for name, hint in get_type_hints(kind).items():
+        _require(f"{kind.__name__}.{name}", _fits(getattr(found, name), hint), f"be of type {hint}")
     return found
+
+
+def _fits(value: Any, hint: Any) -> bool:
+    """Return whether a value is of a type: a class, a tuple of one length or any, or one of several types."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return any(_fits(value, part) for part in parts)
+    if origin is tuple:
+        wanted = parts[:1] * len(value) if isinstance(value, tuple) and parts[-1] is Ellipsis else parts
+        return isinstance(value, tuple) and len(value) == len(wanted) and all(map(_fits, value, wanted))
+    if hint is float:
+        return isinstance(value, float | int) and not isinstance(value, bool)
+    return isinstance(value, hint)
+
+
+def _finite(number: str) -> float:
+    """Return a number of the metadata, which JSON writes as ``NaN`` or ``Infinity`` too."""
+    _require(number, math.isfinite(float(number)), "be finite")
+    return float(number)
+
+
+def _require(name: str, holds: bool, what: str) -> None:
+    if not holds:
+        raise ValueError(f"{name}: must {what}")

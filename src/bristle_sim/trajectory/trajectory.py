@@ -15,7 +15,8 @@ from bristle_sim.stop_reason import ABSENCES, EVENTS, OBSTACLES, StopReason, che
 from bristle_sim.trajectory.interpolation import motion_at
 from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
-from bristle_sim.trajectory.storage import read, to_dataframe, to_xarray, write
+from bristle_sim.trajectory.storage import read, write
+from bristle_sim.trajectory.tables import to_dataframe, to_xarray
 
 NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
 

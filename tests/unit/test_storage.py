@@ -1,0 +1,204 @@
+"""Files that hold a run completely or not at all, and refuse in one line whatever is no run."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import random
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Bristle, Contact, Tool
+from bristle_sim.reference import simulate_reference
+from bristle_sim.scene.tool import simulate, simulate_row
+from bristle_sim.trajectory import Trajectory
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    """A pass with a contact in time, up to its strike."""
+    return simulate(Tool(contact=Contact("compliant", 1e-4)), stop_after="strike")
+
+
+@pytest.fixture
+def saved(run: Trajectory, tmp_path: Path) -> Path:
+    run.save(tmp_path / "run.npz")
+    return tmp_path / "run.npz"
+
+
+def test_a_file_holds_everything(run: Trajectory, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """To the last bit, under the name given; what was there before is replaced."""
+    monkeypatch.chdir(tmp_path)
+    Path("pass").write_text("something else")
+    bare = dataclasses.replace(run, contacts=(), events=(), parameters={}, inner_samples=None)
+    for each in (run, bare):
+        each.save("pass")
+        assert [path.name for path in tmp_path.iterdir()] == ["pass"]
+        assert Trajectory.load("pass") == each
+
+
+def test_a_failed_save_leaves_the_old_file_and_nothing_else(run: Trajectory, saved: Path, monkeypatch):
+    before = saved.read_bytes()
+
+    def half(stream: Any, **_: Any) -> None:
+        stream.write(b"half")
+        raise OSError("no space left")
+
+    monkeypatch.setattr(np, "savez_compressed", half)
+    with pytest.raises(OSError, match="no space left"):
+        run.save(saved)
+    assert [each.name for each in saved.parent.iterdir()] == ["run.npz"]
+    assert saved.read_bytes() == before
+    with pytest.raises(FileNotFoundError) as refusal:
+        run.save(saved.parent / "nowhere" / "a.npz")
+    assert refusal.value.filename == str(saved.parent / "nowhere" / "a.npz")
+
+
+def test_parameters_must_be_plain(run: Trajectory, tmp_path: Path):
+    with pytest.raises(TypeError):
+        dataclasses.replace(run, parameters={"law": object()}).save(tmp_path / "run.npz")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_missing_file_is_said_to_be_missing(tmp_path: Path):
+    with pytest.raises(FileNotFoundError):
+        Trajectory.load(tmp_path / "none.npz")
+
+
+def refused(path: Path, why: str = "") -> None:
+    with pytest.raises(ValueError, match=rf"{re.escape(path.name)}: cannot be read as a trajectory [^\n]*{why}"):
+        Trajectory.load(path)
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04 not a zip", b"\x80\x04K\x01.", b"\x93NUMPY"])
+def test_other_files_are_refused(content: bytes, tmp_path: Path):
+    (tmp_path / "other.npz").write_bytes(content)
+    refused(tmp_path / "other.npz")
+    np.savez(tmp_path / "arrays.npz", time=np.zeros(3))
+    refused(tmp_path / "arrays.npz")
+
+
+def rewrite(path: Path, change: Callable[[dict[str, Any]], Any] = lambda meta: meta, dtype: Any = None, **arrays: Any):
+    """Change the metadata or arrays of a saved file."""
+    with np.load(path) as stored:
+        every = dict(stored)
+    meta = json.loads(str(every.pop("metadata")))
+    np.savez(path, metadata=np.array(json.dumps(change(meta)), dtype=dtype), **{**every, **arrays})
+
+
+def contact(meta: dict[str, Any], **values: Any) -> dict[str, Any]:
+    """The metadata with values of the last contact changed."""
+    return meta | {"contacts": [*meta["contacts"][:-1], meta["contacts"][-1] | values]}
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda meta: meta | {"format": 1}, "written in format 1, this version reads format 2"),
+        (lambda _: [], ""),
+        (lambda _: None, ""),
+        (lambda meta: {key: value for key, value in meta.items() if key != "cost"}, ""),
+        (lambda meta: meta | {"hub_speed": "fast"}, "hub_speed: must be"),
+        (lambda meta: meta | {"hub_speed": np.nan}, "NaN: must be finite"),
+        (lambda meta: meta | {"parameters": [1]}, "parameters: must be"),
+        (lambda meta: meta | {"stop_detail": None}, "stop_detail: must be"),
+        (lambda meta: meta | {"events": [{"when": 1.0}]}, ""),
+        (lambda meta: meta | {"events": [{"name": 1, "time": 1.0}]}, "Event.name: must be"),
+        (lambda meta: meta | {"events": meta["events"][::-1]}, "events: must be in order of time"),
+        (lambda meta: meta | {"cost": {"price": 3}}, ""),
+        (lambda meta: meta | {"cost": meta["cost"] | {"steps": "many"}}, "Cost.steps: must be"),
+        (lambda meta: meta | {"contacts": ["bar"]}, ""),
+        (lambda meta: contact(meta, time=True), "ContactRecord.time: must be"),
+        (lambda meta: contact(meta, impulse=[1.0]), "ContactRecord.impulse: must be"),
+        (lambda meta: contact(meta, impulse=None), "ContactRecord.impulse: must be"),
+        (lambda meta: contact(meta, phases=[1]), "ContactRecord.phases: must be"),
+        (lambda meta: contact(meta, angles=[0.0, 0.0]), "angles: must be one for each link"),
+        (lambda meta: meta | {"contacts": meta["contacts"][-1:]}, ""),  # its history is stored under another number
+    ],
+)
+def test_other_metadata_are_refused(run: Trajectory, saved: Path, change, why: str):
+    rewrite(saved)
+    assert Trajectory.load(saved) == run
+    rewrite(saved, change)
+    refused(saved, why)
+
+
+ARRAYS = (
+    "time", "hub_angle", "angles", "rates", "centre_line", "centre_line_velocity", "kinetic_energy", "potential_energy",
+    "normal_force", "inner_time", "inner_angles", "contact0_time", "contact0_normal_force",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", ARRAYS)
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        (lambda array: array[:-3], "must have the shape"),
+        (lambda array: array[:, None], "must have the shape"),
+        (lambda array: array.astype(str), "must be floats"),
+        (lambda array: array.astype(complex), "must be floats"),
+        (lambda array: np.where(np.arange(array.size).reshape(array.shape) == 5, np.nan, array), "must be finite"),
+    ],
+)
+def test_other_arrays_are_refused(saved: Path, name: str, change, why: str):
+    with np.load(saved) as stored:
+        number = next(key for key in stored if key.startswith("contact") and key.endswith("_time"))[:-4]
+        own = name.replace("contact0_", number)
+        array = stored[own]
+    rewrite(saved, **{own: change(array)})
+    refused(saved, why)
+
+
+@pytest.mark.parametrize("name", ["time", "inner_time"])
+def test_times_must_be_in_order(run: Trajectory, saved: Path, name: str):
+    times = run.time if name == "time" else run.inner_samples.time
+    rewrite(saved, **{name: times[::-1]})
+    refused(saved, f"{name}: must not descend")
+
+
+def test_a_run_has_a_sample(saved: Path):
+    with np.load(saved) as stored:
+        empty = {name: stored[name][:0] for name in ARRAYS[:9]}
+    rewrite(saved, **empty)
+    refused(saved, "time: must have at least one sample")
+
+
+def test_damaged_files_are_refused_or_read_completely(run: Trajectory, saved: Path):
+    """Single bytes anywhere, and files cut short: no other error than ValueError. Only names and dates are unguarded."""
+    whole, damaged, dice, refusals = saved.read_bytes(), saved.with_name("damaged.npz"), random.Random(1), 0
+    for _ in range(100):
+        content = bytearray(whole)
+        content[dice.randrange(len(content))] ^= 1 << dice.randrange(8)
+        damaged.write_bytes(content[: dice.choice((len(content), dice.randrange(len(content))))])
+        try:
+            assert Trajectory.load(damaged) == run
+        except ValueError:
+            refusals += 1
+    assert refusals > 50
+
+
+def test_no_code_is_run_from_a_file(saved: Path):
+    """Pickled objects are refused, not opened, even if they hold what is looked for."""
+    rewrite(saved, dtype=object)
+    refused(saved)
+
+
+@pytest.mark.parametrize(
+    "simulated",
+    [
+        lambda: simulate(Tool(bristle=Bristle(knee_angle_deg=30.0, links=2)), stop_after="strike"),
+        lambda: simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5),
+        lambda: simulate_reference(Tool(), hub_turn=1.3),
+        lambda: simulate_row(Tool(), bristles=2, pitch=0.3, neighbour_friction=0.2, neighbour_restitution=0.4)[1],
+    ],
+    ids=["bent wire of links", "nothing to touch", "reference", "row"],
+)
+def test_runs_of_every_kind_are_read_again(simulated: Callable[[], Trajectory], tmp_path: Path):
+    run = simulated()
+    run.save(tmp_path / "run.npz")
+    assert Trajectory.load(tmp_path / "run.npz") == run
