@@ -8,8 +8,8 @@ times, all methods in turn. The table compares our CPU time (simulated) with the
 import sys
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effort
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, study
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, study
 
 SCENARIO = Scenario(
     name="accuracy_cost",

@@ -9,10 +9,10 @@ contact stiffness that would keep the rigid bristle in touch for contact_duratio
 import sys
 from typing import Any
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, study
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Workpart
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, study
 from bristle_sim.settings import Settings
 
 

@@ -6,10 +6,10 @@ gives force, path and energy of one event, and from them depths that can be comp
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, series_of_contact, study
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub
 from bristle_sim.parameters.experiments import Crater
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, series_of_contact, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(

@@ -6,9 +6,9 @@ strike and rebound are simulated and compared with the dissertation's formulas f
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, film, series_of_pass, study
 from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, film, series_of_pass, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(

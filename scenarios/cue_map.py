@@ -8,10 +8,10 @@ formula and its printed position.
 import sys
 from pathlib import Path
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import study
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import study
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_map import MapGrid
 

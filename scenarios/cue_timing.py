@@ -10,10 +10,10 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
+from bristle_sim.cli import Scenario, build, main
+from bristle_sim.cli.scenario import figure, series_of_pass
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, build, main
-from bristle_sim.scenario_cli.scenario import figure, series_of_pass
 from bristle_sim.settings import Settings
 
 

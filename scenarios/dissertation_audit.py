@@ -6,9 +6,9 @@ differs is listed with its most likely reason. ``--set show=differs`` leaves the
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import study
 from bristle_sim.dissertation.audit import AuditView
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import study
 
 SCENARIO = Scenario(
     name="dissertation_audit",

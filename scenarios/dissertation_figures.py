@@ -8,10 +8,10 @@ resolved in time; elsewhere the printed equation is evaluated number by number. 
 import sys
 from pathlib import Path
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import study
 from bristle_sim.comparison import Report
 from bristle_sim.dissertation.figures import Selection
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import study
 
 
 def plot(report: Report, target: Path) -> None:

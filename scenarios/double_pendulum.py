@@ -6,9 +6,9 @@ engine's own contact gains energy here; the energetic law never does.
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
 from bristle_sim.parameters import Contact, DoublePendulum, Surface
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(

@@ -8,10 +8,10 @@ above any zero, units are read from headings, ``time_column`` and ``force_column
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, series_of_contact, study
 from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub, Surface
 from bristle_sim.parameters.experiments import ForceHistory, Measurement
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, series_of_contact, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(

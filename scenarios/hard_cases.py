@@ -7,8 +7,8 @@ shows what was reached. ``--set theme=jam`` tries one theme, ``--set effort=quic
 import sys
 
 from bristle_sim.benchmarks.hard_cases.report import HardCaseChoice
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import study
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import study
 
 SCENARIO = Scenario(
     name="hard_cases",

@@ -6,9 +6,9 @@ passes the radial direction. How fast is its tip then, and how fast must the pul
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, film, study
 from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Workpart
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, film, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(

@@ -8,10 +8,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import film, study
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Neighbours, Workpart
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import film, study
 from bristle_sim.settings import Settings
 
 

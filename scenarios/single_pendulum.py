@@ -6,9 +6,9 @@ reaches the tangent of the impact angle.
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
 from bristle_sim.settings import Settings
 
 SCENARIO = Scenario(

@@ -7,9 +7,9 @@ of the printed inputs explains where the printed numbers differ from the compute
 
 import sys
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, study
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, study
 from bristle_sim.settings import Settings
 from bristle_sim.studies.tolerances import Sampling, Spreads
 

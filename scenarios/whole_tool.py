@@ -8,10 +8,10 @@ loses, and the force behind a load cell of finite bandwidth is a band.
 import sys
 from typing import Any
 
+from bristle_sim.cli import Scenario, main
+from bristle_sim.cli.scenario import figure, study
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Workpart
-from bristle_sim.scenario_cli import Scenario, main
-from bristle_sim.scenario_cli.scenario import figure, study
 from bristle_sim.settings import Settings
 from bristle_sim.studies.whole_tool import Assembly, load_cell_series
 

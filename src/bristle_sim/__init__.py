@@ -17,13 +17,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
-    from bristle_sim.parameter_file import read_tool, write_tool
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
     from bristle_sim.reference import simulate_reference
     from bristle_sim.scene.tool import simulate, simulate_row
     from bristle_sim.settings import Settings
     from bristle_sim.studies.sweep import sweep
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
+    from bristle_sim.tool_file import read_tool, write_tool
     from bristle_sim.trajectory import Trajectory
 
 __version__ = "0.1.0"
@@ -41,12 +41,12 @@ _MODULES = {
     "energetic_impact": "theory.impact",
     "newton_impact": "theory.impact",
     "poisson_impact": "theory.impact",
-    "read_tool": "parameter_file",
+    "read_tool": "tool_file",
     "simulate": "scene.tool",
     "simulate_reference": "reference",
     "simulate_row": "scene.tool",
     "sweep": "studies.sweep",
-    "write_tool": "parameter_file",
+    "write_tool": "tool_file",
 }
 """Where each name is defined, below this package; names that are left out are parameters."""
 

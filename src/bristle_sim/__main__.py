@@ -2,7 +2,7 @@
 
 import sys
 
-from bristle_sim.scenario_cli.command import main
+from bristle_sim.cli.command import main
 
 if __name__ == "__main__":
     sys.exit(main())

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.quantity import ANY, quantity, shown, validate
+from bristle_sim.units import ANY, quantity, shown, validate
 
 MAXIMUM_STEPS = 500_000
 """Engine steps of a run by default: sixty whole passes of a rigid bristle, or one of a wire of 8 links; 2 to 6 s of CPU time, of a

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import StrEnum
 
-from bristle_sim.quantity import shown
+from bristle_sim.units import shown
 
 EVENTS = (
     "bar touch", "bar release", "strike", "workpart touch", "workpart release", "wire touch", "wire release",

@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 
 import bristle_sim
-from bristle_sim.parameter_file import write_tool
+from bristle_sim.cli import command
 from bristle_sim.parameters import Bar, Hub, Tool
-from bristle_sim.scenario_cli import command
+from bristle_sim.tool_file import write_tool
 
 ROOT = Path(__file__).parents[2]
 NAMES = sorted(path.stem for path in (ROOT / "scenarios").glob("*.py"))

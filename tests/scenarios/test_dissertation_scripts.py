@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.cli import Scenario, main
 from bristle_sim.dissertation.audit import audit_rows
 from bristle_sim.dissertation.figures import NUMBERS
-from bristle_sim.scenario_cli import Scenario, main
 from bristle_sim.theory.force_history import BALL
 
 ROOT = Path(__file__).parents[2]

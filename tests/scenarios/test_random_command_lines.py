@@ -24,8 +24,8 @@ from typing import NamedTuple
 
 import pytest
 
-from bristle_sim.quantity import Choice, Range
-from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.cli import Scenario, main
+from bristle_sim.units import Choice, Range
 
 ROOT = Path(__file__).parents[2]
 

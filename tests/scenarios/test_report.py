@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bristle_sim.cli import command
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool, Workpart
-from bristle_sim.quantity import Choice, Range
 from bristle_sim.render.report import answer, motion_data, write_report
-from bristle_sim.scenario_cli import command
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory.sampled_motion import SampledMotion
+from bristle_sim.units import Choice, Range
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 

@@ -28,9 +28,9 @@ from typing import Any
 
 import pytest
 
+from bristle_sim.cli import Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.quantity import Choice, Range
-from bristle_sim.scenario_cli import Scenario, main
+from bristle_sim.units import Choice, Range
 
 ROOT = Path(__file__).parents[2]
 SCRIPTS = {path.stem: path for path in sorted((ROOT / "scenarios").glob("*.py"))}
@@ -426,7 +426,7 @@ def check_json(name: str, found: dict[str, Any]) -> None:
 
 def check_imports(name: str, modules: set[str]) -> None:
     """What a run does not call for is not imported."""
-    assert "bristle_sim.scenario_cli" in modules
+    assert "bristle_sim.cli" in modules
     assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "tqdm", "bristle_sim.render"}
     assert ("scipy.integrate" in modules) is (promise(name).integrates or promise(name).statistics)
     assert ("bristle_sim.reference" in modules) is promise(name).integrates

@@ -25,11 +25,11 @@ from bristle_sim.parameters import (
     Workpart,
     experiments,
 )
-from bristle_sim.quantity import Choice, Range, shown
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.units import Choice, Range, shown
 from stability.attempts import BAD, Tally, finite
 from stability.theory_samples import MODULES, WHOLE, public_functions, samples_of
 

@@ -20,10 +20,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from bristle_sim.cli import Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Release, SinglePendulum, Surface, Tool, Workpart
-from bristle_sim.quantity import Choice, Range, shown
-from bristle_sim.scenario_cli import Scenario, main
 from bristle_sim.scene import contact_laws
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -31,6 +30,7 @@ from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.impacts import single_pendulum
 from bristle_sim.theory import cueing, monofilament
 from bristle_sim.theory.checks import checked, ranges
+from bristle_sim.units import Choice, Range, shown
 from stability.attempts import Tally, finite
 from stability.bad_input import trials
 from stability.theory_samples import MODULES, WHOLE, public_functions, samples_of

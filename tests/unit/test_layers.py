@@ -19,13 +19,13 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 RANKS = {
     "arrays": -1,
     "glossary": -1,
-    "quantity": 0,
+    "units": 0,
     "files": 0,
     "force_file": 1,
     "parameters": 1,
     "settings": 1,
     "stop_reason": 1,
-    "parameter_file": 2,
+    "tool_file": 2,
     "trajectory": 2,
     "theory": 2,
     "contact_space": 3,
@@ -36,14 +36,14 @@ RANKS = {
     "dissertation": 7,
     "benchmarks": 7,
     "render": 8,
-    "scenario_cli": 9,
+    "cli": 9,
     "__main__": 10,
 }
 """A layer may import layers of lower rank, and itself. Two layers of one rank know nothing of each other."""
 
 HOMES = {
     "pymunk": ("contact_space", "scene"),
-    "pint": ("quantity",),
+    "pint": ("units",),
     "scipy.integrate": ("reference",),
     "matplotlib": ("render",),
     "PIL": ("render",),
@@ -129,7 +129,7 @@ def test_the_package_itself_imports_nothing():
 
 def test_the_command_line_draws_only_when_asked():
     """A report is written by ``render``, which is imported inside the function that needs it."""
-    for path in sorted((PACKAGE / "scenario_cli").glob("*.py")):
+    for path in sorted((PACKAGE / "cli").glob("*.py")):
         body = ast.parse(path.read_text(encoding="utf-8")).body
         top = ast.Module([node for node in body if not isinstance(node, ast.FunctionDef)], [])
         assert not [name for name in imports(ast.unparse(top)) if within(name, "bristle_sim.render")]
@@ -163,12 +163,12 @@ def test_the_wheel_carries_every_folder_and_the_scripts():
         ("studies", "from bristle_sim.render import style"),
         ("studies", "from bristle_sim.dissertation.audit import audit_rows"),
         ("dissertation", "from bristle_sim.benchmarks import machine"),
-        ("render", "from bristle_sim.scenario_cli import main"),
+        ("render", "from bristle_sim.cli import main"),
         ("render", "from bristle_sim.parameters import Tool\nfrom bristle_sim.__main__ import main"),
-        ("scenario_cli", "def later():\n    import jinja2"),
-        ("quantity", "from bristle_sim.parameters import Tool"),
+        ("cli", "def later():\n    import jinja2"),
+        ("units", "from bristle_sim.parameters import Tool"),
         ("parameters", "from bristle_sim.settings import Settings"),
-        ("quantity", "from bristle_sim.files import complete_or_absent"),
+        ("units", "from bristle_sim.files import complete_or_absent"),
     ],
 )
 def test_a_fault_is_seen(layer: str, source: str):

@@ -27,7 +27,7 @@ from bristle_sim.parameters import (
     experiments,
     operating_point,
 )
-from bristle_sim.quantity import Choice, Range
+from bristle_sim.units import Choice, Range
 
 
 def fields(part: type) -> tuple[dataclasses.Field[Any], ...]:

@@ -14,8 +14,8 @@ from typing import Any
 
 import pytest
 
+from bristle_sim.cli import command
 from bristle_sim.dissertation import figures
-from bristle_sim.scenario_cli import command
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

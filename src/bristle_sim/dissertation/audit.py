@@ -23,7 +23,7 @@ from importlib import resources
 from typing import Any
 
 from bristle_sim.comparison import WIDTH, Quantity, Report, side_by_side
-from bristle_sim.quantity import Declared, choice
+from bristle_sim.units import Declared, choice
 
 REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"
 

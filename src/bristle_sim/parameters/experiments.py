@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.glossary import KEYS
-from bristle_sim.quantity import ANY, Declared, choice, count, quantity, shown, validate
+from bristle_sim.units import ANY, Declared, choice, count, quantity, shown, validate
 
 STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 

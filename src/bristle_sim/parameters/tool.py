@@ -6,7 +6,7 @@ import itertools
 import math
 from dataclasses import dataclass, field
 
-from bristle_sim.quantity import Declared, choice, count, quantity, shown, validate
+from bristle_sim.units import Declared, choice, count, quantity, shown, validate
 
 Vector = tuple[float, float]
 

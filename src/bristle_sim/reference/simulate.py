@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.parameters import Surface, Tool
-from bristle_sim.quantity import quantity, validate
 from bristle_sim.reference.contacts import Bar, Workpart, obstacles_of
 from bristle_sim.reference.log import LARGEST_RETRACTION, PEAK, STRIKE, Log
 from bristle_sim.reference.mechanics import Chain
@@ -21,6 +20,7 @@ from bristle_sim.reference.run import Run
 from bristle_sim.reference.system import Obstacles, State, System
 from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Cost, Trajectory
+from bristle_sim.units import quantity, validate
 
 METHOD = "scipy DOP853"  # says in a trajectory's parameters that the reference was integrated
 

@@ -20,10 +20,10 @@ import bristle_sim
 from bristle_sim.comparison import Report, cells
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import Choice, Range
 from bristle_sim.render.story import phases, story_end
 from bristle_sim.render.style import MILLIMETRES
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.units import Choice, Range
 
 Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""

@@ -11,13 +11,13 @@ import dataclasses
 import numpy as np
 
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import shown
 from bristle_sim.scene.starts import Start
 from bristle_sim.scene.tool import METHOD, simulate_from
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import ABSENCES, EVENTS, checked_name
 from bristle_sim.trajectory import ContactRecord, Cost, Event, InnerSamples, Trajectory
 from bristle_sim.trajectory.storage import INNER, SAMPLES
+from bristle_sim.units import shown
 
 
 def resume(trajectory: Trajectory, settings: Settings | None = None, *, stop_after: str | None = None) -> Trajectory:

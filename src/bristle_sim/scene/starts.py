@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
 from bristle_sim.trajectory import ContactAtEnd
+from bristle_sim.units import Declared, count, quantity
 
 RETRACTION_LIMIT = math.pi / 2.0
 """Angle of the bristle from the radial direction at which it lies on the hub, rad."""

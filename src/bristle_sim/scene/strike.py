@@ -10,7 +10,6 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.quantity import Range, shown
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -20,6 +19,7 @@ from bristle_sim.scene.tool import contact_law
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
+from bristle_sim.units import Range, shown
 
 
 @dataclass(frozen=True, slots=True)

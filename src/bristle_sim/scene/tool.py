@@ -7,7 +7,6 @@ import math
 from collections.abc import Iterator
 
 from bristle_sim.parameters import Contact, Tool
-from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
@@ -24,6 +23,7 @@ from bristle_sim.scene.wire_pair import wire_pairs
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Trajectory
+from bristle_sim.units import shown
 
 METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
 """Say in a trajectory's parameters that the scene was simulated."""

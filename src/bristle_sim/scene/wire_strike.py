@@ -12,7 +12,6 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import shown
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.compliant import CompliantLaw
 from bristle_sim.scene.contact_laws import Coefficients
@@ -27,6 +26,7 @@ from bristle_sim.scene.tool import build_tool
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
+from bristle_sim.units import shown
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING, Any
 
 from bristle_sim.comparison import Report, Values, rows
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import Declared, count, quantity
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
@@ -35,6 +34,7 @@ from bristle_sim.studies.bar_search import (
 from bristle_sim.studies.inertia_driven import shared_budget
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
+from bristle_sim.units import Declared, count, quantity
 
 if TYPE_CHECKING:
     import xarray as xr

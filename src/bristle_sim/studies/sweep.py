@@ -25,9 +25,9 @@ import xarray as xr
 import zarr
 from joblib.parallel import AutoBatchingMixin, ParallelBackendBase, get_active_backend
 
-from bristle_sim.quantity import shown
 from bristle_sim.studies.sweep_point import Outcome, check_arguments, described, evaluate_point, identity_of
 from bristle_sim.studies.sweep_store import FAILURE, opened, write
+from bristle_sim.units import shown
 
 Outcomes = Generator[Outcome, None, None]
 

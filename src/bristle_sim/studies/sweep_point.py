@@ -21,7 +21,7 @@ import numpy as np
 
 import bristle_sim
 from bristle_sim.arrays import Array
-from bristle_sim.quantity import shown
+from bristle_sim.units import shown
 
 Outcome = tuple[dict[str, Array], str]
 """Results of a point by name, and the reason why there are none, empty where there are."""

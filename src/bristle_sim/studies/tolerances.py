@@ -24,12 +24,12 @@ from scipy.stats import sobol_indices, uniform
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameter_file import tool_keys
 from bristle_sim.parameters import Tool
-from bristle_sim.quantity import ANY, Declared, Range, count, quantity, validate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.printed_rounding import Measures, propagated, rounding_remarks, rounding_rows
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys
+from bristle_sim.tool_file import tool_keys
+from bristle_sim.units import ANY, Declared, Range, count, quantity, validate
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 

@@ -12,7 +12,7 @@ from typing import Any, ParamSpec, TypeVar
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.quantity import Range, shown
+from bristle_sim.units import Range, shown
 
 P = ParamSpec("P")
 T = TypeVar("T")

@@ -24,8 +24,8 @@ import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
-from bristle_sim.quantity import shown
 from bristle_sim.theory.checks import checked_arguments, positive, require
+from bristle_sim.units import shown
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]; 64 leave only rounding up to 150 deg
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
-from bristle_sim.quantity import Declared, choice
+from bristle_sim.units import Declared, choice
 
 OURS = "bristle_sim"
 """This package among those that are measured."""

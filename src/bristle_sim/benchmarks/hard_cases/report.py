@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
-from bristle_sim.quantity import Declared, choice
+from bristle_sim.units import Declared, choice
 
 TABLES = {
     "mass_ratio": "impacts",

@@ -17,11 +17,11 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from bristle_sim import __version__
+from bristle_sim.cli.ending import ending_in_order
+from bristle_sim.cli.scenario import Columns, Scenario, Values, warnings_of
 from bristle_sim.comparison import WIDTH, Report, Unfinished, finite, table
 from bristle_sim.files import checked_target, complete_or_absent, is_special
 from bristle_sim.parameters import PARTS
-from bristle_sim.scenario_cli.ending import ending_in_order
-from bristle_sim.scenario_cli.scenario import Columns, Scenario, Values, warnings_of
 
 PICTURES = (".png", ".svg", ".pdf")
 VIDEOS = (".mp4", ".gif")

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bristle_sim.quantity import ANY, Choice, Range, choice, count, declarations, quantity, validate
+from bristle_sim.units import ANY, Choice, Range, choice, count, declarations, quantity, validate
 
 FROM_ZERO = Range("friction", "1", 0.0, 1e9, True, "a source")
 ABOVE_ZERO = Range("bristle_length", "m", 0.0, 1e3, False, "a source")
@@ -144,7 +144,7 @@ def test_a_unit_that_does_not_fit_is_refused(text: str, unit: str, why: str):
 
 def test_pint_is_imported_only_for_a_unit():
     code = (
-        "import sys; from bristle_sim.quantity import Range; r = Range('k', 'm', 0, 1, True, 's');"
+        "import sys; from bristle_sim.units import Range; r = Range('k', 'm', 0, 1, True, 's');"
         " r.parse('1e-3'); print('pint' in sys.modules); r.parse('1mm'); print('pint' in sys.modules)"
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

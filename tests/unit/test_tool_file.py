@@ -9,8 +9,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bristle_sim.parameter_file import read_keys, read_tool, write_tool
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
+from bristle_sim.tool_file import read_keys, read_tool, write_tool
 
 ratio = st.floats(0.0, 1.0)
 tools = st.builds(

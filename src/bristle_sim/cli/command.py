@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import bristle_sim
-from bristle_sim.parameter_file import likely_key
-from bristle_sim.scenario_cli.main import BAD_INPUT, say, tell
-from bristle_sim.scenario_cli.main import main as run
-from bristle_sim.scenario_cli.scenario import Scenario
+from bristle_sim.cli.main import BAD_INPUT, say, tell
+from bristle_sim.cli.main import main as run
+from bristle_sim.cli.scenario import Scenario
+from bristle_sim.tool_file import likely_key
 
 PROGRAM = "bristle-sim"
 

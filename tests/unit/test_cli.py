@@ -25,10 +25,10 @@ import numpy as np
 import pytest
 
 from bristle_sim import __version__
+from bristle_sim.cli import Scenario, build, ending, main
 from bristle_sim.comparison import Quantity, Report, Unfinished
 from bristle_sim.parameters.experiments import Measurement
-from bristle_sim.quantity import choice, quantity, validate
-from bristle_sim.scenario_cli import Scenario, build, ending, main
+from bristle_sim.units import choice, quantity, validate
 
 
 @dataclass(frozen=True)
@@ -564,7 +564,7 @@ def test_progress_is_shown_on_a_terminal_alone(terminal: bool, monkeypatch):
 
 FAKE = f"""
 import importlib.util, sys
-from bristle_sim.scenario_cli import main
+from bristle_sim.cli import main
 spec = importlib.util.spec_from_file_location("fake", {__file__!r})
 fake = importlib.util.module_from_spec(spec)
 sys.modules["fake"] = fake
@@ -577,7 +577,7 @@ SLOW = f"""
 import dataclasses, importlib.util, sys, time, signal
 from pathlib import Path
 from bristle_sim.files import complete_or_absent
-from bristle_sim.scenario_cli import main
+from bristle_sim.cli import main
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 spec = importlib.util.spec_from_file_location("fake", {__file__!r})
 fake = importlib.util.module_from_spec(spec)
@@ -614,7 +614,7 @@ def test_a_signal_leaves_no_partial_file(number: str, status: int, told: str, tm
 IN_CALLBACK = f"""
 import dataclasses, importlib.util, os, signal, sys
 import pymunk
-from bristle_sim.scenario_cli import main
+from bristle_sim.cli import main
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background job ignores it
 spec = importlib.util.spec_from_file_location("fake", {__file__!r})
 fake = importlib.util.module_from_spec(spec)

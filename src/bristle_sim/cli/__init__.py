@@ -1,6 +1,6 @@
 """The command line that every scenario script shares: keys, table, JSON, CSV, picture, video and exit status."""
 
-from bristle_sim.scenario_cli.main import main
-from bristle_sim.scenario_cli.scenario import Scenario, build, build_tool
+from bristle_sim.cli.main import main
+from bristle_sim.cli.scenario import Scenario, build, build_tool
 
 __all__ = ["Scenario", "build", "build_tool", "main"]

@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_type_hints
 
-from bristle_sim import parameter_file
+from bristle_sim import tool_file
 from bristle_sim.comparison import WIDTH, Report
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.quantity import TYPICAL_UNITS, Choice, Range, conversion, declarations
+from bristle_sim.units import TYPICAL_UNITS, Choice, Range, conversion, declarations
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -86,7 +86,7 @@ class Scenario:
             if not equals:
                 raise ValueError(f"--set {assignment!r}: must be KEY=VALUE")
             if key not in keys:
-                advice = parameter_file.likely_key(key, keys, "--list-keys shows all keys")
+                advice = tool_file.likely_key(key, keys, "--list-keys shows all keys")
                 raise ValueError(f"--set {assignment!r}: unknown key {key!r}; {advice}")
             typed[key] = keys[key][0].parse(text)
         values = {key: default for key, (_, default) in keys.items()} | typed
@@ -109,12 +109,12 @@ class Scenario:
         """
         keys, assignments, idle = self.keys(), [], []
         try:
-            typed = parameter_file.read_keys(path, keys)
+            typed = tool_file.read_keys(path, keys)
         except OSError as error:
             raise ValueError(f"--parameters = {path!r}: must be a readable file ({error.strerror})") from error
         known = Scenario("", "", (*(kinds[0] for kinds in PARTS.values()), Tool), run=self.run).keys()
         for key, text in typed.items():
-            if key in parameter_file.MAY_BE_ABSENT:
+            if key in tool_file.MAY_BE_ABSENT:
                 if PARTS[key][0] in self.parts:
                     raise ValueError(f"{path}: {key} = false: must be present for {self.name}")
                 continue

@@ -16,7 +16,7 @@ from typing import Any
 
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.quantity import Choice, Range, declarations, shown
+from bristle_sim.units import Choice, Range, declarations, shown
 
 ABSENT = "false"  # what ``read_keys`` returns for a part that the file says is absent
 
