@@ -13,6 +13,8 @@ EVENTS = (
 )  # fmt: skip
 """Events that a run records and that can end it, by name."""
 
+LARGEST_RETRACTION = "largest retraction"  # an event: where the first link lags the hub most, before the strike
+
 OBSTACLES = ("bar", "workpart", "wire")  # what a wire touches, by name
 
 ABSENCES = {"bar not touched": "bar touch", "workpart not reached": "strike"}

@@ -144,7 +144,7 @@ def test_when_a_force_that_is_a_parabola_in_time_vanishes() -> None:
 def test_friction_on_a_single_link_acts_against_a_given_slip(rate: float, sense: int | None) -> None:
     """The tip of a rod at 0.7 slips by its rate times cos 0.7; at rest it has no sense."""
     contact = Sustained(WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5))
-    contact.look_up_slip(Gaps(ROD), State(0.0, (0.7,), (rate,)))
+    contact.look_up_slip(Gaps(ROD), State(0.0, (0.7,), (rate,)), 1e-6)
     assert contact.slip == sense
 
 

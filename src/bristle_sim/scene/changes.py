@@ -95,7 +95,7 @@ class Changes:
         if length <= instant:
             return None
         right, sign = function.value(interval.end), self.signs.get(function.name)
-        noise = max(self.noise, DIFFERENCE / length)
+        noise = max(self.noise, DIFFERENCE / length) if function.difference else self.noise
         if abs(right) > noise:
             self.signs[function.name] = math.copysign(1.0, right)
         if sign is None or sign * right >= 0.0 or abs(right) <= noise:

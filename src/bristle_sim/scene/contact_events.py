@@ -165,7 +165,7 @@ def _parting(forces: ContactForces, index: int) -> EventFunction:
     def push(at: Advance) -> float:
         return forces.normal(at.totals)[index] if at.totals else math.nan
 
-    return EventFunction(f"force of {_label(obstacle)}", push, falling=True, act=partial(Release, (obstacle,)))
+    return EventFunction(f"force of {_label(obstacle)}", push, True, act=partial(Release, (obstacle,)), difference=True)
 
 
 def _sticking(forces: ContactForces, index: int) -> EventFunction:
@@ -177,7 +177,7 @@ def _sticking(forces: ContactForces, index: int) -> EventFunction:
     def act() -> Change:
         return Slip(forces.obstacles[index], forces.driven(forces.reached, index))
 
-    return EventFunction(f"stick of {_label(forces.obstacles[index])}", spare, falling=True, act=act)
+    return EventFunction(f"stick of {_label(forces.obstacles[index])}", spare, True, act=act, difference=True)
 
 
 def _label(obstacle: Obstacle) -> str:

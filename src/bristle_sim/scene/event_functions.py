@@ -60,6 +60,7 @@ class EventFunction:
         exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
         act: returns what the event changes about the contacts; None if it changes nothing.
         wire: number of the wire whose event it is.
+        difference: whether the value is made of a difference of rates over a step, and carries its rounding.
     """
 
     name: str
@@ -70,6 +71,7 @@ class EventFunction:
     exact: Callable[[State], float] | None = None
     act: Callable[[], Change | None] | None = None
     wire: int = 0
+    difference: bool = False
 
 
 def in_flight(scene: Scene) -> list[EventFunction]:
@@ -81,7 +83,9 @@ def in_flight(scene: Scene) -> list[EventFunction]:
     for wire in range(scene.mechanism.wires):
         exact = partial(acceleration, scene, link=wire)
         value = partial(_acceleration, wire)
-        found.append(EventFunction(f"{event} of wire {wire}", value, True, event, exact=exact, wire=wire))
+        found.append(
+            EventFunction(f"{event} of wire {wire}", value, True, event, exact=exact, wire=wire, difference=True)
+        )
     return found
 
 

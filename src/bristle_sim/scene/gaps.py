@@ -124,6 +124,20 @@ def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None
     return State(state.time, (angle,), (rate,))
 
 
+MOMENT = 1e-6
+"""Time, in the scene's unit, after which the piece that touches is looked up again, and the slip of a single link."""
+
+
+def slip_acceleration(gaps: Gaps, obstacle: Obstacle, state: State) -> float:
+    """Return the tangential acceleration of the contact point of a single link that stays on an obstacle."""
+    slips = []
+    for time in (0.0, MOMENT):
+        angles = tuple(angle + time * rate for angle, rate in zip(state.angles, state.rates, strict=True))
+        placed = set_back(gaps, [obstacle], State(state.time + time, angles, state.rates))
+        slips.append(gaps.touch(obstacle, placed).velocity[1])
+    return (slips[1] - slips[0]) / MOMENT
+
+
 def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
     """Return how fast two contacts of a link that turns about its joint leave it free between them, whatever its rate.
 

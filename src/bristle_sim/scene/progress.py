@@ -116,6 +116,11 @@ class Progress:
         """Speed below which the rest of an approach or of a rebound is not followed."""
         return CAPTURE * self.mechanism.speed_bound(self.state)
 
+    @property
+    def slip_error(self) -> float:
+        """Error that a slip velocity may have by now: of a sense that is no more than this nothing is known."""
+        return max(self.plan.accuracy, self.recording.error) * self.mechanism.speed_bound(self.state)
+
     def touches(self, obstacle: Obstacle) -> bool:
         """Whether a link is on an obstacle, but for rounding."""
         return abs(self.gaps.gap(obstacle, self.state)) <= GAP_ROUNDING

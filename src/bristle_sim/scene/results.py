@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,7 +15,7 @@ from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.plan import Recording
 from bristle_sim.scene.time_scales import motion_scale
 from bristle_sim.scene.units import Units
-from bristle_sim.stop_reason import ABSENCES, StopReason
+from bristle_sim.stop_reason import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, InnerSamples, Trajectory
 
 
@@ -59,11 +60,35 @@ def trajectory_in_si(
 
 def _events(recording: Recording, scene: Scene, wire: int) -> list[Event]:
     """Return a wire's events, and by name what never happened."""
-    found = [event for event, wires in recording.events if wire in wires]
+    found = _with_largest_retraction(recording, scene, wire)
     names = {event.name for event in found}
     parts = {each.name for each in scene.effects.obstacles}
     absent = [name for name, event in ABSENCES.items() if name.split()[0] in parts and event not in names]
     return found + [Event(name, recording.states[-1].time) for name in absent]
+
+
+def _with_largest_retraction(recording: Recording, scene: Scene, wire: int) -> list[Event]:
+    """Return a wire's events with its largest retraction up to the strike, or of the run, as the only one of its name.
+
+    A retraction that is larger at either end of that time than at every turn in between is no event. One that the run
+    stops at stays.
+    """
+    found = [event for event, wires in recording.events if wire in wires]
+    turns = [event for event in found if event.name == LARGEST_RETRACTION]
+    strike = min((event.time for event in found if event.name == "strike"), default=math.inf)
+    mechanism, link = scene.mechanism, wire * scene.mechanism.wire_links
+    lags = [
+        (mechanism.root_angle(link, each.time) - each.angles[link], each.time)
+        for each in recording.states
+        if each.time <= strike
+    ]
+    at_turns = [lag for lag in lags if any(lag[1] == event.time for event in turns)]
+    largest, time = max(at_turns, default=(0.0, math.nan))
+    if largest <= 0.0 or largest < max(lags[0][0], lags[-1][0]):
+        time = math.nan
+    if recording.stop_reason is StopReason.EVENT and turns and turns[-1].time == recording.states[-1].time:
+        time = turns[-1].time
+    return [event for event in found if event.name != LARGEST_RETRACTION or event.time == time]
 
 
 def _contacts(recording: Recording, mechanism: Mechanism, wire: int) -> Iterator[ContactRecord]:

@@ -54,7 +54,7 @@ class SmoothMotion:
         self.limit = limit
         self.contacts: SustainedContacts | None = None
         for each in self.sustained:
-            each.look_up_slip(progress.gaps, progress.state)
+            each.look_up_slip(progress.gaps, progress.state, progress.slip_error)
         self._extremes, self._contact_events = extremes(progress, self.sustained), list[EventFunction]()
         progress.changes.begin(progress.state, [*self._extremes, *limits(self.progress)])
         if self.sustained:

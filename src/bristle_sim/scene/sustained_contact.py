@@ -12,7 +12,7 @@ from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact_forces import EngineForces, SolvedForces
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
 from bristle_sim.scene.event_functions import Slip
-from bristle_sim.scene.gaps import Gaps, contact_row, set_back
+from bristle_sim.scene.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration
 from bristle_sim.scene.mechanism import Link, Pose, State, Vector, cross
 from bristle_sim.scene.obstacles import Held, Obstacle
 from bristle_sim.trajectory import ContactRecord
@@ -20,8 +20,8 @@ from bristle_sim.trajectory import ContactRecord
 STILL = 1e-9
 """Slip below this fraction of the scene's unit is rest: friction then has no direction."""
 
-MOMENT = 1e-6
-"""Time after which the piece that touches is looked up again, in the scene's unit."""
+LEAST_ACCELERATION = 1e-7
+"""Acceleration of slip, in the scene's unit, below which it is rounding of its difference over ``MOMENT``."""
 
 MOST_GRIP = 1.99
 """With more, each iteration of the engine's solver overshoots twofold."""
@@ -54,14 +54,22 @@ class Sustained:
         self.start = self.start or state
         self.force, self.vanishes_in = None, math.inf
 
-    def look_up_slip(self, gaps: Gaps, state: State) -> None:
-        """Find the sense of slip that friction acts against; a single link that does not slip is at rest."""
+    def look_up_slip(self, gaps: Gaps, state: State, error: float) -> None:
+        """Find the sense of slip that friction acts against.
+
+        A slip velocity within the run's error has no sense. Several links then stick until friction does not suffice. A
+        single link slips the way that its contact point is accelerated, which follows from geometry and hub alone; where
+        that is zero too the link is at rest.
+        """
         if self.slip is None and self.obstacle.friction:
-            slip = gaps.touch(self.obstacle, state).velocity[1]
-            if abs(slip) > STILL:
-                self.slip = int(math.copysign(1.0, slip))
-            elif len(state.angles) > 1:
+            slip, least = gaps.touch(self.obstacle, state).velocity[1], max(STILL, error)
+            if abs(slip) <= least and len(state.angles) > 1:
                 self.slip = 0
+                return
+            if abs(slip) <= least:
+                slip, least = slip_acceleration(gaps, self.obstacle, state), LEAST_ACCELERATION
+            if abs(slip) > least:
+                self.slip = int(math.copysign(1.0, slip))
 
     def turn(self, sense: int) -> None:
         """Slip in another sense, or stick, from now on."""

@@ -1,0 +1,63 @@
+"""Sustained contacts: friction opposes slip from the first instant, and a release is located to the requested accuracy."""
+
+from __future__ import annotations
+
+import pytest
+
+import bristle_sim as bs
+
+ACCURACIES = (1e-3, 1e-4, 1e-6, 1e-9)
+
+
+def drags(tool: bs.Tool, accuracy: float) -> tuple[bs.Trajectory, list[tuple[float, float]]]:
+    run = bs.simulate(tool, bs.Settings(accuracy=accuracy))
+    lasting = [each for each in run.contacts if each.law == "sustained"]
+    # Coulomb friction takes energy; rounding of a work is far below 1e-12 of the strike's 10 mJ.
+    assert all(each.compressive_work[1] <= 1e-14 for each in lasting)
+    return run, [each.impulse for each in lasting]
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_a_drag_that_begins_without_slip_is_rubbed_against_its_acceleration(accuracy: float):
+    """e* = 0, a critically damped wire that no bar has touched: model, drag impulse (3.349, -1.038) mN s, to its digits."""
+    tool = bs.Tool(bar=None, belt=bs.Belt(damping_ratio=1.0), workpart=bs.Workpart(friction=0.31, restitution=0.0))
+    run, ((normal, tangential),) = drags(tool, accuracy)
+    assert run.stop_reason == "end of the planned time"
+    # The printed digits, and the errors of the drag's ten intervals or so.
+    assert (1e3 * normal, 1e3 * tangential) == pytest.approx((3.349, -1.038), rel=2e-4 + 10.0 * accuracy)
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES)
+def test_stiction_of_a_radial_strike_is_no_jam(accuracy: float):
+    """mu = 0.6 > tan(23.4 deg): the strike does not rebound; the reference drags on to the end."""
+    tool = bs.Tool(bar=None, workpart=bs.Workpart(friction=0.6))
+    run, ((normal, tangential),) = drags(tool, accuracy)
+    assert run.stop_reason == "end of the planned time"
+    # The reference's impulse, integrated at 1e-10; the scene's sum over the drag has the error of its last interval, 1e-4.
+    assert (normal, tangential) == pytest.approx((1.0516e-3, -6.3096e-4), rel=2e-4 + 10.0 * accuracy)
+
+
+def test_a_release_over_the_wires_end_is_where_the_contact_passes_it():
+    """The force jumps below zero where the bar passes from the flank to the wire's end: 2.722468766417335 ms, in closed form."""
+    bristle = bs.Bristle(0.032889167757901405, 0.00029612070505255847, 0.001215294931018804)
+    bar = bs.Bar(0.0020542860355168184, 0.0747134429170983, 0.011478158629806539, 0.26996925711305286, 0.0)
+    tool = bs.Tool(
+        hub=bs.Hub(142.81187342154342, 0.045641125392908044),
+        belt=bs.Belt(0.012111023738675635),
+        bristle=bristle,
+        bar=bar,
+        workpart=bs.Workpart(penetration=0.0036757717105358285, friction=0.4054280176822556, restitution=0.0),
+    )
+    for accuracy in (1e-7, 3e-9, 1.5e-9, 1e-9):
+        run = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="bar release")
+        # An angle is right to the accuracy at 394.82 rad/s.
+        assert run.event_time("bar release") == pytest.approx(0.002722468766417335, abs=accuracy / 394.82)
+
+
+def test_the_largest_retraction_is_the_only_event_of_its_name():
+    """A bent wire swings to 38.94 degrees first, and to 47 degrees before the strike."""
+    run = bs.simulate(bs.Tool(bristle=bs.Bristle(knee_angle_deg=-30.0)))
+    time = [event.time for event in run.events if event.name == "largest retraction"]
+    before = run.retraction[run.time <= run.event_time("strike")]
+    assert len(time) == 1
+    assert float(run.at(time[0]).retraction) == pytest.approx(before.max(), rel=1e-9)
