@@ -11,10 +11,13 @@ import pytest
 
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
-from bristle_sim.scene import contact_laws, time_scales, touch_search, transitions
 from bristle_sim.scene import tool as scene_tool
-from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene import transitions
+from bristle_sim.scene.contact import laws as contact_laws
+from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.events import touch_search
+from bristle_sim.scene.integrate import time_scales
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.impact import energetic_impact
 from stability.cases.budget import budget

@@ -5,8 +5,8 @@ import math
 import pytest
 
 from bristle_sim.parameters import Belt, Hub, Tool
-from bristle_sim.scene.acceleration import acceleration
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.integrate.acceleration import acceleration
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.tool import build_tool
 

@@ -11,9 +11,9 @@ from scipy.linalg import eigh, expm
 
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.contact.obstacles import BarObstacle, WorkpartObstacle
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
 from bristle_sim.scene.tool import build_tool
 
 ROD = Link.rod(1.0, 1.0)

@@ -5,12 +5,12 @@ from functools import partial
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.changes import Changes
-from bristle_sim.scene.event_functions import EventFunction
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.events.changes import Changes
+from bristle_sim.scene.events.functions import EventFunction
+from bristle_sim.scene.events.touch_search import Interval
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.touch_search import Interval
 
 
 def reached(time: float) -> Advance:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.scene import compliant
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.compliant import CompliantLaw
-from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.contact import compliant
+from bristle_sim.scene.contact.compliant import CompliantLaw
+from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import WorkpartObstacle
 from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactHistory, ContactRecord

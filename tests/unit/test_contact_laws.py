@@ -5,7 +5,7 @@ import math
 import pytest
 
 from bristle_sim.parameters import Contact, Surface
-from bristle_sim.scene.contact_laws import Coefficients, EngineLaw
+from bristle_sim.scene.contact.laws import Coefficients, EngineLaw
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.strike import Chain, build_strike, strike
 from bristle_sim.settings import Settings

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.scene.contact_samples import with_samples_between
+from bristle_sim.scene.contact.contact_samples import with_samples_between
 
 MASS = np.array([[2.0, -0.5], [-0.5, 3.0]])
 STIFFNESS, FRICTION = 5.0, 0.4

@@ -8,7 +8,8 @@ import pytest
 from bristle_sim.contact_space import engine_calls
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Tool
-from bristle_sim.scene import arbiters, engine
+from bristle_sim.scene import engine
+from bristle_sim.scene.contact import arbiters
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 

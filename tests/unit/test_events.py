@@ -5,10 +5,10 @@ from collections.abc import Callable
 
 import pytest
 
-from bristle_sim.scene import events
-from bristle_sim.scene.events import first_touch, guess, interpolate, locate, settle
+from bristle_sim.scene.events import search as events
+from bristle_sim.scene.events.search import first_touch, guess, interpolate, locate, settle
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import Advance
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 

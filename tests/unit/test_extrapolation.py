@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bristle_sim.scene import repetitions
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact_laws import EnergeticLaw
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.contact.laws import EnergeticLaw
+from bristle_sim.scene.integrate import repetitions
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.run import run
-from bristle_sim.scene.stepping import Advance
 from unit.test_stepping import Tally, carried, oscillator
 
 

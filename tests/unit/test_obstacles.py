@@ -7,8 +7,8 @@ import numpy as np
 import pymunk
 import pytest
 
+from bristle_sim.scene.contact.obstacles import MARGIN, BarObstacle, WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
-from bristle_sim.scene.obstacles import MARGIN, BarObstacle, WorkpartObstacle
 
 STRAIGHT = Link.rod(1.0, 1.0)
 KNEES = (0.05, -0.4), (-0.1, -0.7)

@@ -92,7 +92,7 @@ class TestNoticed:
         def wrong(inverse_mass, velocity, friction, restitution, *others):  # type: ignore[no-untyped-def]
             return right(inverse_mass, velocity, friction, 0.9 * restitution, *others)
 
-        monkeypatch.setattr("bristle_sim.scene.contact_laws.energetic_impact", wrong)
+        monkeypatch.setattr("bristle_sim.scene.contact.laws.energetic_impact", wrong)
         rows = {row.name: row for row in whole_pass(Tool(), SETTINGS).quantities}
         assert rows["restitution_work_error"].ok is False
 

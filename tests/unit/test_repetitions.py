@@ -2,8 +2,8 @@
 
 import pytest
 
-from bristle_sim.scene import repetitions
-from bristle_sim.scene.repetitions import Repetitions
+from bristle_sim.scene.integrate import repetitions
+from bristle_sim.scene.integrate.repetitions import Repetitions
 
 
 class TestRepetitions:

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
-from bristle_sim.scene.contact_laws import EnergeticLaw
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.contact.laws import EnergeticLaw
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.tool import simulate, tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason

@@ -7,11 +7,11 @@ import pytest
 
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact_laws import Coefficients
+from bristle_sim.scene.contact.laws import Coefficients
+from bristle_sim.scene.contact.obstacles import ClosestApproach
+from bristle_sim.scene.contact.spring import Plane, Spring, SpringLoad, time_at_unit_stiffness
+from bristle_sim.scene.integrate.stepping import PlainSteps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import ClosestApproach
-from bristle_sim.scene.spring import Plane, Spring, SpringLoad, time_at_unit_stiffness
-from bristle_sim.scene.stepping import PlainSteps
 from bristle_sim.theory.impact import energetic_impact
 
 BENT = Link(1.0, 0.1, (0.15, -0.4), (0.1, -1.0))

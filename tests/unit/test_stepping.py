@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.stepping import PlainSteps, Stepper
 
 ROD = Link.rod(1.0, 1.0)
 

@@ -5,13 +5,13 @@ import math
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact_events import elbow, locking
-from bristle_sim.scene.contact_forces import EngineForces, SolvedForces
-from bristle_sim.scene.gaps import Gaps, set_back
+from bristle_sim.scene.contact.forces import EngineForces, SolvedForces
+from bristle_sim.scene.contact.gaps import Gaps, set_back
+from bristle_sim.scene.contact.obstacles import BarObstacle, WorkpartObstacle
+from bristle_sim.scene.contact.sustained import Sustained, SustainedContacts
+from bristle_sim.scene.events.contact_events import elbow, locking
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import BarObstacle, WorkpartObstacle
-from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import Sustained, SustainedContacts
 from bristle_sim.stop_reason import StopReason
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))

@@ -8,9 +8,9 @@ import pytest
 
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
+from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw, contact_at
+from bristle_sim.scene.contact.wire_pair import WirePair, wire_pairs
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.wire_pair import WirePair, wire_pairs
 from bristle_sim.theory.impact import energetic_impact
 
 ROW = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)), hub_radius=1.0, hub_speed=0.3, wires=2, pitch=0.4)

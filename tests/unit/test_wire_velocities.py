@@ -9,11 +9,11 @@ import pytest
 from bristle_sim.contact_space.projection import close_joints
 from bristle_sim.parameters import Belt, Bristle, Tool, Workpart
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.gaps import Gaps, contact_row
+from bristle_sim.scene.contact.gaps import Gaps, contact_row
+from bristle_sim.scene.contact.obstacles import BarObstacle, Held, WorkpartObstacle
+from bristle_sim.scene.contact.wire_steps import WireSteps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import BarObstacle, Held, WorkpartObstacle
 from bristle_sim.scene.tool import build_tool
-from bristle_sim.scene.wire_steps import WireSteps
 
 BENT = Link(0.7, 0.02, (0.05, -0.2), (0.1, -0.45), ((0.0, -0.2),))
 LINKS = (Link.rod(1.0, 0.4), Link.rod(0.3, 0.5), BENT)

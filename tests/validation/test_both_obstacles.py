@@ -11,11 +11,11 @@ import pytest
 from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.contact_laws import contact_at
-from bristle_sim.scene.gaps import Gaps, opening_rate
+from bristle_sim.scene.contact.gaps import Gaps, opening_rate
+from bristle_sim.scene.contact.laws import contact_at
+from bristle_sim.scene.contact.obstacles import ClosestApproach
+from bristle_sim.scene.contact.sustained import SustainedContacts
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import ClosestApproach
-from bristle_sim.scene.sustained_contact import SustainedContacts
 from bristle_sim.scene.tool import build_tool, simulate, tool_units
 from bristle_sim.settings import Settings
 from stability.cases.touching import contact_work, deepest, wedge_closes

@@ -10,9 +10,9 @@ import pytest
 
 from bristle_sim.benchmarks.hard_cases.motion import THINNEST, TIP, first_bar_touch, with_bar_at
 from bristle_sim.parameters import Belt, Hub, Tool
-from bristle_sim.scene.events import turns
+from bristle_sim.scene.contact.obstacles import LEAST_REACH, BarObstacle
+from bristle_sim.scene.events.search import turns
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import LEAST_REACH, BarObstacle
 from bristle_sim.scene.tool import START, simulate, tool_units
 from bristle_sim.settings import Settings
 

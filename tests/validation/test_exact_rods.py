@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings

@@ -22,8 +22,8 @@ from bristle_sim.dissertation.impact_figures import (
 )
 from bristle_sim.dissertation.pendulum_figures import friction_panel, rate_panel
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel
-from bristle_sim.scene.compliant import PLAIN_ACCURACY, CompliantLaw
-from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EngineLaw
+from bristle_sim.scene.contact.compliant import PLAIN_ACCURACY, CompliantLaw
+from bristle_sim.scene.contact.laws import Coefficients, ContactLaw, EngineLaw
 from bristle_sim.scene.strike import build_strike
 from bristle_sim.studies.impacts import COMPLIANT_TOLERANCE, Impacts
 from bristle_sim.studies.strike_point import contact_quantities

@@ -20,15 +20,15 @@ import pymunk
 from numpy.linalg import eigvalsh
 
 from bristle_sim.contact_space.jacobian import Connected
-from bristle_sim.scene.contact_shapes import ContactShapes
+from bristle_sim.scene.contact.obstacles import MARGIN, Held, Obstacle
+from bristle_sim.scene.contact.shapes import ContactShapes
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
 from bristle_sim.scene.mechanism import Link, Mechanism
-from bristle_sim.scene.obstacles import MARGIN, Held, Obstacle
 from bristle_sim.scene.placement import Placement
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.wire_steps import WireSteps
-    from bristle_sim.scene.wire_velocities import WireVelocities
+    from bristle_sim.scene.contact.solver import WireVelocities
+    from bristle_sim.scene.contact.wire_steps import WireSteps
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,11 +168,11 @@ def _engine_steps(
     """Return what takes the engine's steps: of several links with what solves for their joints, their damping and contacts."""
     if len(links) == 1:
         return EngineSteps(space, hub, links, joints)
-    from bristle_sim.scene.wire_steps import WireSteps
+    from bristle_sim.scene.contact.wire_steps import WireSteps
 
     def solver() -> WireVelocities:
         """Return what solves for the joints, with SciPy, which is imported where it is needed only."""
-        from bristle_sim.scene.wire_velocities import WireVelocities
+        from bristle_sim.scene.contact.solver import WireVelocities
 
         belt = effects.damping if effects.stiffness is not None else 0.0
         hinges = effects.hinges or ((0.0, 0.0),) * len(links)

@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.changes import Changes
-from bristle_sim.scene.compliant import CompliantLaw
-from bristle_sim.scene.contact_laws import ContactLaw
-from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
+from bristle_sim.scene.contact.compliant import CompliantLaw
+from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps
+from bristle_sim.scene.contact.laws import ContactLaw
+from bristle_sim.scene.contact.obstacles import Obstacle, WorkpartObstacle
+from bristle_sim.scene.events.changes import Changes
+from bristle_sim.scene.integrate.stepping import Stepper
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.obstacles import Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan, Recording
-from bristle_sim.scene.stepping import Stepper
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord, Event
 

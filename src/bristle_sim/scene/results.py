@@ -11,9 +11,9 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Effects, Scene
+from bristle_sim.scene.integrate.time_scales import motion_scale
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.plan import Recording
-from bristle_sim.scene.time_scales import motion_scale
 from bristle_sim.scene.units import Units
 from bristle_sim.stop_reason import ABSENCES, LARGEST_RETRACTION, StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, InnerSamples, Trajectory

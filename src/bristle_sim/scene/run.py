@@ -12,11 +12,11 @@ from __future__ import annotations
 import time as clock
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_laws import ContactLaw
+from bristle_sim.scene.contact.laws import ContactLaw
+from bristle_sim.scene.integrate.stepping import Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.progress import Progress
-from bristle_sim.scene.stepping import Stepper
 from bristle_sim.scene.transitions import contact_at_end, end, enter, first_motion
 from bristle_sim.stop_reason import StopReason
 

@@ -10,14 +10,20 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from bristle_sim.scene.contact_events import extremes, inner_states, limits, sustained_contact_events, until_release
-from bristle_sim.scene.event_functions import Change, EventFunction, Release, Slip, Touch
-from bristle_sim.scene.gaps import GAP_ROUNDING
-from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.contact.gaps import GAP_ROUNDING
+from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.contact.sustained import Sustained, SustainedContacts
+from bristle_sim.scene.events.contact_events import (
+    extremes,
+    inner_states,
+    limits,
+    sustained_contact_events,
+    until_release,
+)
+from bristle_sim.scene.events.functions import Change, EventFunction, Release, Slip, Touch
+from bristle_sim.scene.events.touch_search import SHORTEST_INTERVAL, Interval, first_touch_of_all
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.progress import GROWTH, Progress
-from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import Sustained, SustainedContacts
-from bristle_sim.scene.touch_search import SHORTEST_INTERVAL, Interval, first_touch_of_all
 from bristle_sim.stop_reason import StopReason
 
 LONGEST = 1.0

@@ -11,9 +11,9 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact_laws import Coefficients, ContactLaw, EnergeticLaw
+from bristle_sim.scene.contact.laws import Coefficients, ContactLaw, EnergeticLaw
+from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.obstacles import WorkpartObstacle
 from bristle_sim.scene.results import contact_in_si
 from bristle_sim.scene.tool import contact_law
 from bristle_sim.scene.units import Units

@@ -8,18 +8,18 @@ from collections.abc import Iterator
 
 from bristle_sim.parameters import Contact, Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.compliant import CompliantLaw
-from bristle_sim.scene.contact_laws import ContactLaw, EnergeticLaw, EngineLaw
+from bristle_sim.scene.contact.compliant import CompliantLaw
+from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, EngineLaw
+from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle
+from bristle_sim.scene.contact.wire_pair import wire_pairs
+from bristle_sim.scene.integrate.time_scales import longest_interval, stepper_for, time_scale
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.plan import Plan
 from bristle_sim.scene.results import trajectory_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.starts import LONE, RETRACTION_LIMIT, Row, Start, StartRelativeToHub, check_start
-from bristle_sim.scene.time_scales import longest_interval, stepper_for, time_scale
 from bristle_sim.scene.units import Units
 from bristle_sim.scene.wire_links import wire_hinges, wire_links
-from bristle_sim.scene.wire_pair import wire_pairs
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Trajectory

@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.event_functions import Change, HandOver, Slip, Touch
-from bristle_sim.scene.gaps import opening_rate
-from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.contact.gaps import opening_rate
+from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.contact.sustained import STILL, Sustained
+from bristle_sim.scene.contact.wire_joints import at_joint
+from bristle_sim.scene.events.functions import Change, HandOver, Slip, Touch
 from bristle_sim.scene.progress import Progress, Rebound
 from bristle_sim.scene.smooth_motion import SmoothMotion
-from bristle_sim.scene.sustained_contact import STILL, Sustained
-from bristle_sim.scene.wire_joints import at_joint
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactAtEnd, ContactRecord
 

@@ -6,8 +6,8 @@ import itertools
 import math
 
 from bristle_sim.parameters import Bristle
+from bristle_sim.scene.contact.obstacles import ClosestApproach
 from bristle_sim.scene.mechanism import Link, Mechanism, State, Vector, cross
-from bristle_sim.scene.obstacles import ClosestApproach
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 

@@ -9,7 +9,7 @@ from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, ro
 from bristle_sim.benchmarks.hard_cases.measures import Start, agrees_in_time, is_finite, struck
 from bristle_sim.parameters import Hub, Tool, Workpart
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.compliant import LEAST_DURATION
+from bristle_sim.scene.contact.compliant import LEAST_DURATION
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings

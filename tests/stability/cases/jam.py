@@ -27,7 +27,7 @@ from bristle_sim.benchmarks.hard_cases.measures import (
 )
 from bristle_sim.parameters import Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.compliant import LEAST_DURATION
+from bristle_sim.scene.contact.compliant import LEAST_DURATION
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings

@@ -10,7 +10,7 @@ from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase, all_of, ro
 from bristle_sim.benchmarks.hard_cases.impacts import ANGLES, ROUNDING
 from bristle_sim.benchmarks.hard_cases.measures import rate_difference, struck
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain
 from bristle_sim.theory.pendulums import DoublePendulumImpact, double_pendulum_impact

@@ -9,9 +9,9 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, StrikeCase, state_at_strike
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.compliant import PLAIN_ACCURACY, CompliantLaw
-from bristle_sim.scene.contact_laws import Coefficients
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.contact.compliant import PLAIN_ACCURACY, CompliantLaw
+from bristle_sim.scene.contact.laws import Coefficients
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.strike import build_strike, strike
 from bristle_sim.scene.tool import build_tool, simulate

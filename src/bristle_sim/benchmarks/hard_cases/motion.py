@@ -20,7 +20,7 @@ from bristle_sim.benchmarks.hard_cases.measures import (
     spends_budget,
 )
 from bristle_sim.parameters import Bar, Belt, Hub, Tool
-from bristle_sim.scene.obstacles import LEAST_REACH
+from bristle_sim.scene.contact.obstacles import LEAST_REACH
 from bristle_sim.scene.tool import START, simulate, tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.theory.cueing import centrifugal_stiffness

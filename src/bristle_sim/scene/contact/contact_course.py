@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact_samples import with_samples_between
+from bristle_sim.scene.contact.contact_samples import with_samples_between
 from bristle_sim.scene.mechanism import State
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 

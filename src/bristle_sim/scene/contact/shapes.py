@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 
 import pymunk
 
-from bristle_sim.scene.arbiters import ImpulseRecord, impulse_record
+from bristle_sim.scene.contact.arbiters import ImpulseRecord, impulse_record
+from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.mechanism import Mechanism, Vector
-from bristle_sim.scene.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 
 FAST_SLIP = 10.0
 """Surface velocity, in the scene's units, that keeps the sense of the slip that the engine sees: more than slip changes by within

@@ -14,16 +14,16 @@ from collections.abc import Callable
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_integration import ContactIntegration
-from bristle_sim.scene.contact_laws import Coefficients, EnergeticLaw, contact_at
-from bristle_sim.scene.contact_motion import SAMPLES, ContactMotion, Expectation
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.contact.contact_integration import ContactIntegration
+from bristle_sim.scene.contact.contact_motion import SAMPLES, ContactMotion, Expectation
+from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw, contact_at
+from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.contact.spring import SpringLoad, time_at_unit_stiffness
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.repetitions import CLOSE, WIDE
+from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
+from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.repetitions import CLOSE, WIDE
-from bristle_sim.scene.spring import SpringLoad, time_at_unit_stiffness
-from bristle_sim.scene.stepping import PlainSteps, Stepper
-from bristle_sim.scene.time_scales import damped_interval
 from bristle_sim.scene.wire_links import rigid_stiffness
 from bristle_sim.trajectory import ContactRecord
 

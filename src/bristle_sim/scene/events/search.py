@@ -10,8 +10,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.stepping import Advance
 
 CUBIC_ERROR = 0.01
 """Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from bristle_sim.scene.acceleration import acceleration
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.events import turns
+from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.events.search import turns
+from bristle_sim.scene.integrate.acceleration import acceleration
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.stepping import Advance
 from bristle_sim.stop_reason import StopReason
 
 

@@ -10,8 +10,8 @@ from typing import Protocol
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import ClosestApproach, Obstacle
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from bristle_sim.scene.gaps import GAP_ROUNDING
+from bristle_sim.scene.contact.gaps import GAP_ROUNDING
+from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import Obstacle
 
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress

@@ -11,10 +11,10 @@ import math
 import numpy as np
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
+from bristle_sim.scene.integrate.repetitions import LEAST_NOISE
+from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.repetitions import LEAST_NOISE
-from bristle_sim.scene.stepping import PlainSteps, Stepper
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 

@@ -12,9 +12,9 @@ import math
 from operator import mul
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.integrate.repetitions import lagrange_weights
+from bristle_sim.scene.integrate.time_scales import damping_rate
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.repetitions import lagrange_weights
-from bristle_sim.scene.time_scales import damping_rate
 
 REACH = 0.3
 """Longest of the steps, in the scene's time units and time constants of the engine's damping. Measured: rounding and what

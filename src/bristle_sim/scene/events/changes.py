@@ -7,11 +7,11 @@ import math
 from collections.abc import Mapping, Sequence
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.event_functions import EventFunction
-from bristle_sim.scene.events import guess, locate, settle
+from bristle_sim.scene.events.functions import EventFunction
+from bristle_sim.scene.events.search import guess, locate, settle
+from bristle_sim.scene.events.touch_search import Interval
+from bristle_sim.scene.integrate.stepping import Advance, Stepper
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.stepping import Advance, Stepper
-from bristle_sim.scene.touch_search import Interval
 
 NOISE = 1e-10
 """Rates, accelerations and forces of a scene's units below this have no sign, however accurate the stepper is."""

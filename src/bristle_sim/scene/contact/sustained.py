@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_forces import EngineForces, SolvedForces
+from bristle_sim.scene.contact.forces import EngineForces, SolvedForces
+from bristle_sim.scene.contact.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration
+from bristle_sim.scene.contact.obstacles import Held, Obstacle
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
-from bristle_sim.scene.event_functions import Slip
-from bristle_sim.scene.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration
+from bristle_sim.scene.events.functions import Slip
 from bristle_sim.scene.mechanism import Link, Pose, State, Vector, cross
-from bristle_sim.scene.obstacles import Held, Obstacle
 from bristle_sim.trajectory import ContactRecord
 
 STILL = 1e-9

@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
 from bristle_sim.arrays import Array
+from bristle_sim.scene.contact.obstacles import ClosestApproach, Held, Obstacle
 from bristle_sim.scene.engine import placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
-from bristle_sim.scene.obstacles import ClosestApproach, Held, Obstacle
 
 DEPENDENT = 1e-12
 """Singular values below this fraction of the largest belong to contacts that repeat what joints or others say."""

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bristle_sim.scene.arbiters import pushes
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.obstacles import Obstacle
+from bristle_sim.scene.contact.arbiters import pushes
+from bristle_sim.scene.contact.obstacles import Obstacle
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.sustained_contact import Sustained
+    from bristle_sim.scene.contact.sustained import Sustained
 
 PULL = 1e-14
 """Impulse of a step, in the scene's unit, below which a pull is rounding."""

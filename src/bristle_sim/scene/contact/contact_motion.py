@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.events import guess, interpolate, locate
+from bristle_sim.scene.contact.spring import Spring, SpringLoad
+from bristle_sim.scene.events.search import guess, interpolate, locate
+from bristle_sim.scene.integrate.stepping import Advance, Stepper
 from bristle_sim.scene.mechanism import State, Vector
-from bristle_sim.scene.spring import Spring, SpringLoad
-from bristle_sim.scene.stepping import Advance, Stepper
 
 OPENED = 1e-5
 """A contact is over with less than this fraction of its spring's way out left where slip starts or stops: 1e-10 of its

@@ -7,8 +7,12 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from bristle_sim.scene.contact_forces import ContactForces
-from bristle_sim.scene.event_functions import (
+from bristle_sim.scene.contact.forces import ContactForces
+from bristle_sim.scene.contact.gaps import Gaps
+from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.contact.sustained import Sustained, SustainedContacts
+from bristle_sim.scene.contact.wire_joints import neighbour
+from bristle_sim.scene.events.functions import (
     Change,
     EventFunction,
     HandOver,
@@ -19,13 +23,9 @@ from bristle_sim.scene.event_functions import (
     in_flight,
     retraction,
 )
-from bristle_sim.scene.events import interpolate
-from bristle_sim.scene.gaps import Gaps
+from bristle_sim.scene.events.search import interpolate
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.sustained_contact import Sustained, SustainedContacts
-from bristle_sim.scene.wire_joints import neighbour
 from bristle_sim.stop_reason import StopReason
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import pymunk
 
+from bristle_sim.scene.contact.obstacles import Held
 from bristle_sim.scene.engine import EngineSteps
-from bristle_sim.scene.obstacles import Held
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.wire_velocities import WireVelocities
+    from bristle_sim.scene.contact.solver import WireVelocities
 
 
 LINKS_OF_A_STEP = 32

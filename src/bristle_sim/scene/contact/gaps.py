@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.events import interpolate
+from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
+from bristle_sim.scene.events.search import interpolate
 from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
-from bristle_sim.scene.obstacles import ClosestApproach, Obstacle
 
 GAP_ROUNDING = 1e-11
 """A gap of the scene's unit below this is closed."""

@@ -7,13 +7,13 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
-from bristle_sim.scene.event_functions import Touch
-from bristle_sim.scene.events import first_touch, guess, interpolate, locate, settle
-from bristle_sim.scene.gaps import GAP_ROUNDING, Gaps
+from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps
+from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.contact.wire_joints import behind_joint
+from bristle_sim.scene.events.functions import Touch
+from bristle_sim.scene.events.search import first_touch, guess, interpolate, locate, settle
+from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.obstacles import Obstacle
-from bristle_sim.scene.stepping import Advance
-from bristle_sim.scene.wire_joints import behind_joint
 
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress

@@ -14,9 +14,9 @@ from collections import deque
 from operator import mul
 
 from bristle_sim.scene.build import Scene
+from bristle_sim.scene.integrate.repetitions import CLOSE, EVEN, LEAST_ROWS, Repetitions
+from bristle_sim.scene.integrate.stepping import Advance, Load, unpack
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.repetitions import CLOSE, EVEN, LEAST_ROWS, Repetitions
-from bristle_sim.scene.stepping import Advance, Load, unpack
 
 CUT_SHORT = 0.25
 """Fraction of a proposed interval; growth by a factor of four at most leads back from here."""

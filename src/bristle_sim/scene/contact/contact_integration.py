@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import partial
 
-from bristle_sim.scene.contact_course import ContactCourse, CourseMark
-from bristle_sim.scene.contact_motion import ContactMotion, Saved, Turn
+from bristle_sim.scene.contact.contact_course import ContactCourse, CourseMark
+from bristle_sim.scene.contact.contact_motion import ContactMotion, Saved, Turn
 
 SAME = 1e-5
 """Slip and compression of one degree of freedom stop together: with less than this fraction of the approach left."""

@@ -7,8 +7,8 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from bristle_sim.scene.contact.obstacles import ClosestApproach
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
-from bristle_sim.scene.obstacles import ClosestApproach
 
 Line = tuple[Vector, Vector]
 

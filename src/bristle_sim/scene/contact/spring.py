@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact_laws import Coefficients
+from bristle_sim.scene.contact.laws import Coefficients
+from bristle_sim.scene.contact.obstacles import ClosestApproach
 from bristle_sim.scene.engine import point_reader, pusher
 from bristle_sim.scene.mechanism import Vector
-from bristle_sim.scene.obstacles import ClosestApproach
 from bristle_sim.theory.impact import Impact
 
 

@@ -1,0 +1,1 @@
+"""Contacts of links with what they can touch: geometry, impacts, sustained contacts, and what solves for them."""

@@ -1,0 +1,1 @@
+"""Smooth motion: engine steps extrapolated to the requested accuracy, and how fast a scene moves by itself."""
