@@ -41,6 +41,13 @@ def minimum(session: nox.Session) -> None:
 
 
 @nox.session(default=False)
+def docs(session: nox.Session) -> None:
+    """Build the site with warnings as errors; every example on it runs."""
+    session.install("-e", ".[docs]")
+    session.run("python", "-m", "sphinx", "-W", "--keep-going", "-b", "html", "docs", "build/docs")
+
+
+@nox.session(default=False)
 def package(session: nox.Session) -> None:
     """Build the source distribution and the wheel, and check both."""
     session.install("build", "check-wheel-contents", "validate-pyproject[all]")

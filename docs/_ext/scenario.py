@@ -1,0 +1,109 @@
+"""The directive ``{scenario}``: run a scenario while the site is built, and show its command, its answer, its picture and its table.
+
+    ```{scenario} cue_and_impact
+    :set: friction=0.4 hub_speed=3000rpm
+    :show: command answer table picture
+    ```
+
+A scenario that takes longer than a build may is shown from the files in ``docs/kept``, which ``python docs/keep.py`` makes anew.
+"""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+SECONDS = 90
+"""A scenario that takes longer belongs to docs/kept."""
+
+
+def run_scenario(name: str, assignments: list[str], folder: Path, *, picture: bool) -> dict[str, Any]:
+    """Run a scenario in a folder and return its JSON, with its printed table and its picture's file.
+
+    Raises:
+        RuntimeError: if the scenario refuses its input.
+    """
+    stem = "_".join([name, *assignments]).replace("=", "_").replace("/", "_")
+    options = [part for each in assignments for part in ("--set", each)]
+    options += ["--json", f"{stem}.json"] + (["--plot", f"{stem}.png"] if picture else [])
+    done = subprocess.run(
+        [sys.executable, "-m", "bristle_sim", name, *options],
+        cwd=folder, capture_output=True, text=True, timeout=SECONDS, check=False,
+    )  # fmt: skip
+    if done.returncode == 2:
+        raise RuntimeError(done.stderr.strip())
+    found: dict[str, Any] = json.loads((folder / f"{stem}.json").read_text(encoding="utf-8"))
+    return found | {"printed": done.stdout, "picture": f"{stem}.png" if picture else None, "status": done.returncode}
+
+
+class ScenarioDirective(SphinxDirective):
+    """Shows a scenario as it was run for this page."""
+
+    required_arguments = 1
+    option_spec = {  # noqa: RUF012 - docutils reads it from the class
+        "set": directives.unchanged,
+        "show": directives.unchanged,
+        "alt": directives.unchanged,
+        "kept": directives.flag,
+    }
+
+    def run(self) -> list[nodes.Node]:
+        """Return the requested parts."""
+        name = self.arguments[0]
+        assignments = self.options.get("set", "").split()
+        parts = self.options.get("show", "command answer picture table").split()
+        target = Path(self.env.app.outdir).parent / "scenarios"
+        target.mkdir(parents=True, exist_ok=True)
+        if "kept" in self.options:
+            kept = Path(self.env.srcdir) / "kept"
+            found = json.loads((kept / f"{name}.json").read_text(encoding="utf-8"))
+            found |= {"picture": f"{name}.png", "printed": (kept / f"{name}.txt").read_text(encoding="utf-8")}
+            target = kept
+        else:
+            key = (name, *assignments)
+            known = self.env.app.scenarios  # type: ignore[attr-defined]
+            if key not in known or ("picture" in parts and not known[key]["picture"]):
+                known[key] = run_scenario(name, assignments, target, picture="picture" in parts)
+            found = known[key]
+        shown = {"command": self._command, "answer": self._answer, "picture": self._picture, "table": self._table}
+        return [shown[part](name, assignments, found, target) for part in parts]
+
+    def _command(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+        del found, target
+        text = " ".join(["bristle-sim", name, *(f"--set {each}" for each in assignments)])
+        return nodes.literal_block(text, text, language="console")
+
+    def _answer(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+        del name, assignments, target
+        return nodes.paragraph(text=found.get("answer", "(no answer)"), classes=["answer"])
+
+    def _picture(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+        del assignments
+        path = target / found["picture"]
+        # Sphinx takes a picture's place relative to the sources.
+        place = Path("/") / path.relative_to(self.env.srcdir) if path.is_relative_to(self.env.srcdir) else None
+        if place is None:
+            copied = Path(self.env.srcdir) / "_made" / path.name
+            copied.parent.mkdir(exist_ok=True)
+            copied.write_bytes(path.read_bytes())
+            place = Path("/_made") / path.name
+        uri = self.env.relfn2path(str(place))[0]
+        self.env.note_dependency(uri)
+        return nodes.image(uri=f"/{uri}", alt=self.options.get("alt", f"Picture of {name}: {found.get('answer', '')}"))
+
+    def _table(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+        del name, assignments, target
+        return nodes.literal_block(found["printed"], found["printed"].rstrip(), language="text")
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register the directive; each run is made once for all pages."""
+    app.scenarios = {}  # type: ignore[attr-defined]
+    app.add_directive("scenario", ScenarioDirective)
+    return {"parallel_read_safe": False}
