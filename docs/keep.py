@@ -20,7 +20,7 @@ def keep(name: str, folder: Path) -> None:
     Raises:
         CalledProcessError: if it refuses its input.
     """
-    plot = [] if name in ("hard_cases", "dissertation_audit") else ["--plot", f"{name}.png"]
+    plot = [] if name in ("hard_cases", "dissertation_audit", "dissertation_figures") else ["--plot", f"{name}.png"]
     options = [*KEPT[name], "--json", f"{name}.json", *plot]
     command = [sys.executable, "-m", "bristle_sim", name, *options]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
