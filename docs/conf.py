@@ -9,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
 project = "bristle_sim"
 author = "The bristle_sim developers"
-copyright = "2026, the bristle_sim developers"  # noqa: A001 - the name that Sphinx reads
+copyright = "2026, the bristle_sim developers"
 version = release = bristle_sim.__version__
 
 extensions = [

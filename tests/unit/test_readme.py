@@ -27,31 +27,22 @@ SHELL = [
 ]
 COMMANDS = [line for line in SHELL if line.startswith("bristle-sim")]
 
-SLOW = ("accuracy_cost", "flexible_wire", "hard_cases")
-"""Scenarios that take minutes, or whose figure takes a quarter of one; their own tests run them."""
+SLOW = ("accuracy_cost", "hard_cases")
+"""Scenarios that take minutes; their own tests run them."""
 
 
-def test_the_python_examples_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """One after the other, as in a notebook."""
-    pytest.importorskip("xarray")
-    pytest.importorskip("distributed")
-    monkeypatch.chdir(tmp_path)
+def test_the_python_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, Any] = {}
     for block in PYTHON:
         exec(compile(block, "README.md", "exec"), names)
-    first = names["impacts"][0]
-    assert first.outcome_name == "rebound"
-    assert first.energy_change < 0.0
-    assert first.phases[0] == "compression slip"
-    assert names["found"]["impulse"].shape == (3, 2)
-    assert names["on_cores"].load().identical(names["found"])
-    assert names["on_cluster"].identical(names["found"])
-    assert {path.name for path in tmp_path.iterdir()} == {"own.csv", "pass.npz", "tool.toml", "passes"}
-    said = capsys.readouterr().out.splitlines()
-    assert said[0].startswith("rebound at ")
-    assert said[-1].startswith("rebound (")
+    outcome, rate = capsys.readouterr().out.splitlines()
+    assert outcome.startswith("rebound at ")
+    assert float(rate.split()[-2]) == pytest.approx(names["strike"].rates_before[0], abs=0.05)
+
+
+def test_a_front_page_has_two_pages() -> None:
+    assert len(README.split()) <= 1000
+    assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").split()) <= 900
 
 
 @pytest.mark.parametrize("line", COMMANDS)
@@ -131,5 +122,6 @@ def test_named_files_and_headings_exist() -> None:
     }
     for link in links:
         assert link[1:] in headings if link.startswith("#") else (ROOT / link).exists(), link
-    pictures = {link for link in links if link.startswith("media/")}
+    pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
+    pictures = {link for link in links if link.startswith("media/")} | set(re.findall(r"media/[\w.]+", pages))
     assert pictures == {word for line in SHELL for word in line.split() if re.match(r"media/.*(?<!\.py)$", word)}
