@@ -218,7 +218,7 @@ PROMISES = {
             "force_envelope_high",
         ),
         (
-            *(*TOOL, *WIRE, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy"),
+            *(*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy"),
             *("bristles", "load_cell_bandwidth"),
         ),
         strikes=False,
