@@ -177,7 +177,7 @@ class EnergeticContact:
 def _not_negative(name: str, value: Any, most: float, unit: str) -> float:
     """Return a number from 0 to ``most`` as a float, or raise ValueError."""
     try:
-        number = float(value) if isinstance(value, Real) and not isinstance(value, bool) else math.nan
+        number = math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
     except OverflowError:
         number = math.inf
     if not 0.0 <= number <= most:
