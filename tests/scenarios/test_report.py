@@ -20,7 +20,6 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool, Workpart
 from bristle_sim.render.report import answer, motion_data, write_report
 from bristle_sim.scene.tool import simulate
-from bristle_sim.trajectory.sampled_motion import SampledMotion
 from bristle_sim.units import Choice, Range
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -178,13 +177,13 @@ def test_the_slider_moves_the_wire(browser: Any, page: Path):
     Far from events both cubics have the same ends; beside one the page keeps the side of the instant it shows.
     """
     tab, said, _ = opened(browser, page)
-    motion = SampledMotion(simulate(Tool(workpart=Workpart(friction=0.3))))
+    run = simulate(Tool(workpart=Workpart(friction=0.3)))
     seen = set()
     for microseconds in (0, 1000, 2500, 4000, 4529, 4540, 6000, 8000):
         move_to(tab, microseconds)
         seen.add(picture(tab))
         shown = [float(each) for each in tab.locator("#tip").inner_text().removesuffix(" mm").split(",")]
-        np.testing.assert_allclose(shown, 1e3 * motion.centre_line(1e-6 * microseconds)[-1], rtol=0.0, atol=0.00501)
+        np.testing.assert_allclose(shown, 1e3 * run.at(1e-6 * microseconds).tip, rtol=0.0, atol=0.00501)
     assert len(seen) == 8
     assert said == []
 

@@ -22,7 +22,6 @@ from bristle_sim.render.story import key_events
 from bristle_sim.render.tool_films import PassFilm
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.trajectory.sampled_motion import SampledMotion
 from swinging_bristle import END, artist, make_trajectory
 
 
@@ -55,7 +54,7 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
         for wire in figure.findobj(lambda each, number=number: each.get_gid() == f"wire {number}"):
             shown = wire.get_xydata()
             # A wire that ends an interval is a sample; the others lie between two: Hermite's cubic, as above.
-            assert shown == pytest.approx(1e3 * SampledMotion(odd).centre_line(event.time), abs=1e-9)
+            assert shown == pytest.approx(1e3 * odd.at(event.time).centre_line, abs=1e-9)
     path = np.concatenate([artist(figure, name).get_xydata() for name in ("tip path", "tip path after the strike")])
     for sample in 1e3 * odd.tip:
         assert np.hypot(*(path - sample).T).min() < 1e-9  # mm: every recorded tip is on the path
@@ -69,7 +68,6 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
 
 
 WIRE_DRAWINGS = (
-    "trajectory/sampled_motion",
     "render/drawing",
     "render/pass_figure",
     "render/tool_films",
@@ -106,7 +104,7 @@ def test_a_bent_wire_touches_the_bar_and_strikes_the_workpart_in_the_picture(ben
     speed = math.hypot(*run.first_contact("workpart").velocity_before)
     written = "\n".join(each.get_text() for each in figure.findobj(Text))
     assert f"tip arrives at {speed:.2f} m/s" in written
-    assert SampledMotion(run).tip_speed(math.nextafter(run.time[-1], 0.0)) == pytest.approx(speed, rel=1e-9)
+    assert run.at(run.event_time("strike"), side="before").tip_speed == pytest.approx(speed, rel=1e-9)
 
 
 def _distance(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> float:
@@ -121,12 +119,12 @@ def test_the_bent_wire_is_as_long_as_it_is_and_moves_as_it_is_drawn(bent):
     pieces = np.diff(run.centre_line, axis=1)
     lengths = np.hypot(pieces[..., 0], pieces[..., 1])
     assert lengths.sum(axis=1) == pytest.approx(np.full(run.time.size, tool.bristle.length), rel=1e-12)
-    motion, step = SampledMotion(run), 1e-8
+    step = 1e-8
     longest = int(np.diff(run.time).argmax())
     time = 0.5 * (run.time[longest] + run.time[longest + 1])
-    ends = [motion.centre_line(time + shift)[-1] for shift in (-step, step)]
+    ends = [run.at(time + shift).tip for shift in (-step, step)]
     # The central difference of a cubic is off by h^2 and rounding, 1e-17 m / 1e-8 s of 20 m/s.
-    assert motion.tip_speed(time) == pytest.approx(np.hypot(*(ends[1] - ends[0])) / (2.0 * step), rel=1e-7)
+    assert run.at(time).tip_speed == pytest.approx(np.hypot(*(ends[1] - ends[0])) / (2.0 * step), rel=1e-7)
 
 
 def test_scene_and_reference_agree_on_the_centre_line():
@@ -143,7 +141,7 @@ def test_scene_and_reference_agree_on_the_centre_line():
 
 
 def test_close_up_holds_wire_bar_and_surface_at_the_aspect_asked_for(run):
-    tool, course = Tool(), SampledMotion(run).course()
+    tool, course = Tool(), run.course()
     view = close_up(course.centre_line, tool, 1.5)
     assert (view.right - view.left) / (view.top - view.bottom) == pytest.approx(1.5)
     assert view.left < 1e3 * min(run.tip[:, 0].min(), -tool.bar.horizontal - tool.bar.radius)

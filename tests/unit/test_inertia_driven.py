@@ -170,7 +170,7 @@ def test_film_of_both_tools():
     scene = InertiaFilm(
         inertia_driven(Tool(), Settings(accuracy=1e-6), with_reference=False).subject, width=96, height=48, duration=1.0
     )
-    ends = [scene.cued.centre_line(scene.ends[0])[0], scene._without_bar(scene.ends[1])[0]]
+    ends = [scene.cued(scene.ends[0]).centre_line[0], scene._without_bar(scene.ends[1])[0]]
     assert ends[0] == pytest.approx(ends[1], abs=1e-9)
     entered, before = scene._without_bar(0.0), scene._without_bar(-1e-4)
     assert entered - before == pytest.approx(np.tile(entered[0] - before[0], (2, 1)), abs=1e-15)

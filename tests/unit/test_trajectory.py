@@ -10,9 +10,8 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Contact, Hub, Tool
+from bristle_sim.parameters import Bar, Tool
 from bristle_sim.scene.tool import simulate
-from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
@@ -116,92 +115,6 @@ def run() -> Trajectory:
     return simulate(Tool())
 
 
-def test_motion_between_samples_is_as_accurate_as_the_samples(run: Trajectory):
-    """Compared with a run of the same accuracy, 1e-6, that is sampled ten times as closely."""
-    fine = simulate(Tool(), Settings(samples_per_period=10 * Settings().samples))
-    time = np.random.default_rng(1).uniform(0.0, fine.time[-1], 1000)
-    found, expected = run.at(time), fine.at(time)
-    np.testing.assert_allclose(found.angles, expected.angles, atol=1e-6)
-    np.testing.assert_allclose(found.tip, expected.tip, atol=1e-6 * Tool().bristle.length * 2.0)  # two radii
-    np.testing.assert_allclose(found.rates, expected.rates, atol=1e-6 * np.abs(run.rates).max())
-    np.testing.assert_allclose(found.relative_angle, expected.relative_angle, atol=1e-6)
-    np.testing.assert_allclose(found.hub_angle, -0.5 * np.pi + 261.8 * time, rtol=1e-14, atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    "tool",
-    [Tool(hub=Hub(speed=400.0)), Tool(bristle=dataclasses.replace(Tool().bristle, length=0.03))],
-    ids=["fast hub", "bar passes the wire's end"],
-)
-def test_motion_between_samples_is_that_of_a_run_stopped_there(tool: Tool):
-    """Both have accuracy 1e-6: of rates relative to the largest, of angles relative to a radian."""
-    run = simulate(tool)
-    strike = run.event_time("strike")
-    assert strike is not None
-    release = run.event_time("bar release", last=True, before=strike)
-    assert release is not None
-    close = np.random.default_rng(2).uniform(release - 3e-4, release, 8)
-    for time in (*close, 0.5 * release, release + 2e-5, 0.5 * (release + strike), strike - 1e-7, strike + 1e-7):
-        stopped = simulate(tool, Settings(hub_turn=tool.hub.speed * time))
-        found = run.at(stopped.time[-1])
-        np.testing.assert_allclose(found.angles, stopped.angles[-1], rtol=0.0, atol=1e-6)
-        np.testing.assert_allclose(found.rates, stopped.rates[-1], rtol=0.0, atol=1e-6 * np.abs(run.rates).max())
-        size = np.abs(run.centre_line).max()
-        np.testing.assert_allclose(found.centre_line, stopped.centre_line[-1], rtol=0.0, atol=1e-6 * size)
-
-
-def test_motion_at_an_impact_has_two_sides(run: Trajectory):
-    strike = run.first_contact("workpart")
-    assert strike is not None
-    before, after = run.at(strike.time, side="before"), run.at(strike.time)
-    # Rounding of units and of the polynomial.
-    assert before.rates[0] == pytest.approx(strike.rates_before[0], rel=1e-12)
-    assert after.rates[0] == pytest.approx(strike.rates_after[0], rel=1e-12)
-    assert before.angles[0] == pytest.approx(strike.angles[0], rel=1e-12)
-    assert before.angles == pytest.approx(after.angles, rel=1e-12)
-    # The tip's normal velocity is vertical.
-    assert before.tip_velocity == pytest.approx([strike.velocity_before[1], strike.velocity_before[0]], rel=1e-9)
-
-
-def test_motion_at_the_samples_is_the_samples(run: Trajectory):
-    for side, rows in (("before", slice(0, 1)), ("after", slice(-1, None))):
-        assert run.at(run.time[rows], side=side).angles == pytest.approx(run.angles[rows], rel=1e-14)
-    assert run.at([[0.0, 1e-3], [2e-3, 3e-3]]).centre_line.shape == (2, 2, *run.centre_line.shape[1:])
-
-
-def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
-    """Whose record tells the tip's velocity in the contact, at instants between the samples of the other run."""
-    tool = Tool(contact=Contact("compliant", 1e-4))
-    run, fine = simulate(tool), simulate(tool, Settings(accuracy=1e-9), stop_after="strike")
-    own, strike = run.first_contact("workpart"), fine.first_contact("workpart")
-    assert own is not None
-    assert strike is not None
-    history = strike.history
-    assert history is not None
-    time = history.time + (own.time - strike.time)
-    inside = slice(1, -1)
-    during = run.at(time[inside])
-    speed = np.hypot(*strike.velocity_before)
-    # Both have accuracy 1e-6 or better, relative to the approach and to the depth.
-    np.testing.assert_allclose(during.tip_velocity[:, 1], history.normal_velocity[inside], rtol=0.0, atol=1e-6 * speed)
-    np.testing.assert_allclose(
-        during.tip_velocity[:, 0], history.tangential_velocity[inside], rtol=0.0, atol=1e-6 * speed
-    )
-    depth = during.tip[:, 1] - run.at(own.time).tip[1]
-    np.testing.assert_allclose(-depth, history.penetration[inside], rtol=0.0, atol=1e-6 * history.penetration.max())
-
-
-@pytest.mark.parametrize("time", [-1e-9, 1.0, np.nan, [0.0, np.inf]])
-def test_motion_outside_the_run_is_refused(run: Trajectory, time):
-    with pytest.raises(ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"):
-        run.at(time)
-
-
-def test_a_side_must_be_one_of_two(run: Trajectory):
-    with pytest.raises(ValueError, match=r"^side = 'left': must be before or after$"):
-        run.at(0.0, side="left")
-
-
 def test_a_run_is_summarized_in_five_lines(run: Trajectory):
     lines = repr(run).splitlines()
     assert [line.split(":")[0] for line in lines] == ["Trajectory", "strike", "events", "stopped", "cost"]
@@ -281,7 +194,7 @@ def test_the_first_cell_of_a_notebook():
 
 
 def test_a_run_is_filmed(run: Trajectory, tmp_path: Path):
-    film = run.animate(tmp_path / "pass.gif", duration=0.2, fps=10, width=160, height=120)
+    film = run.animate(tmp_path / "pass.gif", duration=0.2, fps=10, size=(160, 120))
     assert film.read_bytes().startswith(b"GIF8")
 
 

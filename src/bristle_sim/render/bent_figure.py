@@ -15,7 +15,6 @@ from bristle_sim.render.panels import add_panel, say
 from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, blank_figure, styled
 from bristle_sim.studies.bent_bristles import BentBristles, Slide, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
-from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
 
@@ -68,15 +67,16 @@ def bent_figure(bent: BentBristles) -> Figure:
 def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
     """Draw the wire at the strike, and the tip's path from before it to after it."""
     run, color = bent.trajectories[shape], SHAPES[shape]
-    motion, end = SampledMotion(run), contact.time + contact.duration
+    end = contact.time + contact.duration
     origin = run.tip[np.searchsorted(run.time, contact.time)]
-    wire = MILLIMETRES * (motion.centre_line(contact.time) - origin)
+    wire = MILLIMETRES * (run.at(contact.time).centre_line - origin)
     wires.plot(*wire.T, color=color, linewidth=1.8, gid=f"wire {shape}")
     for first, last, mark in (
         (contact.time - BEFORE, contact.time, "path before touch"),
         (end, end + AFTER, "after touch"),
     ):
-        tips = motion.centre_line(np.linspace(first, last, 120))[:, -1]
+        shown = np.linspace(max(first, run.time[0]), min(last, run.time[-1]), 120)
+        tips = run.at(shown).tip
         paths.plot(*(MILLIMETRES * (tips - origin)).T, color=color, gid=f"path {shape}", **MARKS[mark])
     if contact.history is not None:
         along, above = slide_path(contact.history), -contact.history.penetration

@@ -11,7 +11,6 @@ from bristle_sim.render.colours import BLUE, GREY, VERMILION
 from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import blank_figure, styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
-from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 
 @styled()
@@ -27,10 +26,9 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
         end = f"{driven.radial.tip_speed:.1f} m/s when radial"
         runs.append((driven.radial.trajectory, VERMILION, "thrown by its inertia", end))
     for run, color, name, words in runs:
-        motion = SampledMotion(run)
-        course = motion.course()
-        retraction, speed = np.degrees(course.retraction), course.relative_speed
-        turned = np.degrees(motion.hub_angle(course.time) - run.hub_angle[0])
+        course = run.course()
+        retraction, speed = np.degrees(course.retraction), course.relative_rate
+        turned = np.degrees(course.hub_angle - run.hub_angle[0])
         for axes, x, y in ((turn, turned, retraction), (phase, retraction, speed)):
             axes.plot(x, y, color=color, label=name)
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)

@@ -15,7 +15,6 @@ from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, to
 from bristle_sim.render.panels import add_panel, note, say
 from bristle_sim.render.style import MILLIMETRES, QUANTITIES, blank_figure, styled
 from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
-from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 BESIDE = 0.02
 """How far beside a least pitch the strike is computed, deg."""
@@ -81,7 +80,7 @@ def instants(row: Row) -> list[tuple[str, float]]:
 
 
 def _draw_row(axes: Axes, row: Row, time: float) -> None:
-    lines = [SampledMotion(run).centre_line(time) for run in row.bristles]
+    lines = [run.at(time).centre_line for run in row.bristles]
     draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
     for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):
         WireDrawing(axes, row.tool, color=color).place(line)

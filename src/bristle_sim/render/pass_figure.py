@@ -19,8 +19,7 @@ from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE,
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.render.story import CARRIED, key_events, story_end
 from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
-from bristle_sim.trajectory import Event, Trajectory
-from bristle_sim.trajectory.sampled_motion import Course, SampledMotion
+from bristle_sim.trajectory import Event, Motion, Trajectory
 
 DRAWING, PANEL = (8.7, 6.6), (13.4, 2.9)
 """Width and height of the drawing of the tool and of a panel over time, cm."""
@@ -49,30 +48,29 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     Raises:
         ValueError: if the trajectory has fewer than two instants.
     """
-    motion = SampledMotion(trajectory)
-    course = motion.course(story_end(trajectory) if until is None else until)
+    course = trajectory.course(story_end(trajectory) if until is None else until)
     marks = _marks(trajectory, float(course.time[-1]))
     figure = blank_figure(16.0, 20.0)
     path = axes_at(figure, 1.4, 13.0, *DRAWING)
     _draw_path(path, course, tool, trajectory.event_time("strike"))
-    _draw_ghosts(path, tool, motion, marks)
+    _draw_ghosts(path, tool, trajectory, marks)
     handles = [
         *path.get_legend_handles_labels()[0],
         Line2D([], [], color=GREY, linewidth=3.0, label="wire, in the colour of its instant"),
         Line2D([], [], color=GREEN, linestyle="none", marker="o", markersize=4.5, label="root in the belt"),
     ]
     figure.legend(handles=handles, loc="center", bbox_to_anchor=(0.5, 0.57), ncols=len(handles), columnspacing=1.6)
-    _draw_table(axes_at(figure, 10.25, 13.0, 5.6, 6.6), motion, marks, trajectory)
+    _draw_table(axes_at(figure, 10.25, 13.0, 5.6, 6.6), marks, trajectory)
     potential = "belt" if tool.gravity == 0.0 else "belt and gravity"
     energies: dict[str, tuple[Array, dict[str, Any]]] = {
-        "sum": (trajectory.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
-        "bristle, kinetic": (trajectory.kinetic_energy, {"color": BLUE}),
-        potential: (trajectory.potential_energy, {"color": GREEN}),
+        "sum": (course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
+        "bristle, kinetic": (course.kinetic_energy, {"color": BLUE}),
+        potential: (course.potential_energy, {"color": GREEN}),
     }
     rows: tuple[tuple[str, dict[str, tuple[Array, dict[str, Any]]]], ...] = (
         ("retraction (°)", {"retraction": (np.degrees(course.retraction), {"color": BLUE})}),
-        ("relative\nspeed (rad/s)", {"relative speed": (course.relative_speed, {"color": BLUE})}),
-        ("energy (mJ)", {name: (1e3 * motion.along(course.time, at), look) for name, (at, look) in energies.items()}),
+        ("relative\nspeed (rad/s)", {"relative speed": (course.relative_rate, {"color": BLUE})}),
+        ("energy (mJ)", {name: (1e3 * at, look) for name, (at, look) in energies.items()}),
     )
     panels: list[Axes] = []
     for (label, lines), bottom in zip(rows, (7.5, 4.3, 1.1), strict=True):
@@ -136,7 +134,7 @@ def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
         _badge(axes, (place, 1.12), mark, above)
 
 
-def _draw_path(axes: Axes, course: Course, tool: Tool, strike: float | None) -> None:
+def _draw_path(axes: Axes, course: Motion, tool: Tool, strike: float | None) -> None:
     view = close_up(course.centre_line, tool, DRAWING[0] / DRAWING[1])
     axes.grid(visible=False)
     draw_tool(axes, tool, view)
@@ -154,16 +152,19 @@ def _draw_path(axes: Axes, course: Course, tool: Tool, strike: float | None) -> 
     name_parts(axes, tool, 7.0)
 
 
-def _draw_ghosts(axes: Axes, tool: Tool, motion: SampledMotion, marks: Sequence[_Mark]) -> None:
+def _draw_ghosts(axes: Axes, tool: Tool, run: Trajectory, marks: Sequence[_Mark]) -> None:
     """Draw the wire at the first touch, the release and the strike, numbered at its root."""
     ghosts = [mark for mark in marks if mark.color != GREY]
     height = float(np.ptp(axes.get_ylim()))
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * height, 0.0)
-    roots = motion.hub_angle([mark.event.time for mark in ghosts])
-    for mark, place in zip(ghosts, spread(roots, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf), strict=True):
+    shown = run.at([mark.event.time for mark in ghosts])
+    roots = shown.hub_angle
+    for mark, line, place in zip(
+        ghosts, shown.centre_line, spread(roots, 0.065 * height / max(radius, 1e-9), -np.inf, np.inf), strict=True
+    ):
         ghost = WireDrawing(axes, tool, color=mark.color, alpha=0.75)
         ghost.wire.set_gid(f"wire {mark.number}")
-        ghost.place(motion.centre_line(mark.event.time))
+        ghost.place(line)
         _badge(axes, radius * toward(place), mark)
 
 
@@ -175,14 +176,14 @@ def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | Non
     axes.text(x, y, str(mark.number), color=mark.color, transform=transform or axes.transData, **look)
 
 
-def _draw_table(axes: Axes, motion: SampledMotion, marks: Sequence[_Mark], trajectory: Trajectory) -> None:
+def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> None:
     """List the numbered instants, and below them the strike's speeds, or why there is none."""
     axes.set_axis_off()
     axes.set(xlim=(0.0, 1.0), ylim=(-14.5, 1.0))
     for x, heading in {0.08: "event", 0.765: "time\n(ms)", 1.0: "retraction\n(°)"}.items():
         axes.text(x, 0.4, heading, ha="left" if x < 0.5 else "right", va="center", fontsize=7.0, color=GREY)
     for row, mark in enumerate(marks, start=1):
-        retraction = float(np.degrees(motion.retraction(mark.event.time)))
+        retraction = float(np.degrees(trajectory.at(mark.event.time).retraction))
         _badge(axes, (0.03, 0.12 - row), mark)
         axes.text(0.08, -row, mark.event.name, fontsize=7.0)
         axes.text(0.765, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")

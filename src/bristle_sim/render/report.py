@@ -158,3 +158,8 @@ def _shown(value: Any) -> str:
     if isinstance(value, float) and math.isfinite(value):
         return f"{value:.6g}"
     return "none" if value is None else str(value)
+
+
+def view_page(run: Trajectory) -> str:
+    """Return a page of the motion alone, with its slider."""
+    raise NotImplementedError

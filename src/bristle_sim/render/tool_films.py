@@ -15,8 +15,7 @@ from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, to
 from bristle_sim.render.film import HEADER, Film, slow_motion
 from bristle_sim.render.story import Phase, phase_at, phases, story_end
 from bristle_sim.render.style import MILLIMETRES, signed, styled
-from bristle_sim.trajectory import Trajectory
-from bristle_sim.trajectory.sampled_motion import SampledMotion
+from bristle_sim.trajectory import Interpolation, Trajectory
 
 if TYPE_CHECKING:
     from bristle_sim.studies.inertia_driven import InertiaDriven
@@ -44,11 +43,11 @@ class PassFilm(Film):
         slower: float = 4.0,
         until: float | None = None,
     ) -> None:
-        self.motion = SampledMotion(trajectory)
+        self.motion = Interpolation(trajectory)
         course = self.motion.course(story_end(trajectory) if until is None else until)
         strike = trajectory.event_time("strike")
         focus = () if strike is None else (strike,)
-        warp = slow_motion(self.motion.start, float(course.time[-1]), duration, focus, slower=slower)
+        warp = slow_motion(float(trajectory.time[0]), float(course.time[-1]), duration, focus, slower=slower)
         super().__init__(warp, width, height, (BLACK, BLACK))
         shown = 0.0 if strike is None else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
         self._phases = phases(trajectory, shown)
@@ -57,7 +56,7 @@ class PassFilm(Film):
             axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
             view = close_up(course.centre_line, tool, width / (height * (1.0 - HEADER)), margin=0.04)
             draw_film_tool(axes, tool, view, 0.75 * self.letters)
-            struck = self.motion.centre_line(self.motion.end if strike is None else strike)[-1:] * MILLIMETRES
+            struck = self.motion(trajectory.time[-1] if strike is None else strike).tip[None] * MILLIMETRES
             (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
             self.wire = WireDrawing(axes, tool, details=True)
             (self.mark,) = axes.plot(*struck.T, "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
@@ -65,13 +64,13 @@ class PassFilm(Film):
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wire and path to an instant, s; a star marks the strike while it is new."""
-        centre_line, caption = self.motion.centre_line(time), phase_at(self._phases, time).caption
+        now, caption = self.motion(time), phase_at(self._phases, time).caption
         past = self._trail[: np.searchsorted(self._trail_time, time, side="right")]
-        self.wire.place(centre_line)
-        self.trail.set_data(*np.vstack([past, centre_line[-1] * MILLIMETRES]).T)
+        self.wire.place(now.centre_line)
+        self.trail.set_data(*np.vstack([past, now.tip * MILLIMETRES]).T)
         self.mark.set_visible(caption == "strike")
-        retraction = math.degrees(float(self.motion.retraction(time)))
-        return caption, f"retraction {signed(retraction, 1, 6)}°", f"tip speed {self.motion.tip_speed(time):5.1f} m/s"
+        retraction = math.degrees(float(now.retraction))
+        return caption, f"retraction {signed(retraction, 1, 6)}°", f"tip speed {now.tip_speed:5.1f} m/s"
 
 
 SLOWER = 10.0
@@ -85,8 +84,8 @@ class RowFilm(Film):
     """The drawing that a film of a row shows, at any film time."""
 
     def __init__(self, row: Row, width: int = 640, height: int = 480, duration: float = 12.0) -> None:
-        self.motions = [SampledMotion(run) for run in row.bristles]
-        strike, end = row.bristles[-1].event_time("strike"), self.motions[-1].end
+        self.motions = [Interpolation(run) for run in row.bristles]
+        strike, end = row.bristles[-1].event_time("strike"), float(row.bristles[-1].time[-1])
         begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
         until = end if strike is None else min(end, strike + AFTER * (strike - begin))
         touches = [each for each in row.touches if begin <= each <= until]
@@ -98,7 +97,7 @@ class RowFilm(Film):
         with styled():
             axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
             times = np.linspace(begin, until, 200)
-            paths = np.concatenate([motion.centre_line(times) for motion in self.motions])
+            paths = np.concatenate([motion(times).centre_line for motion in self.motions])
             view = close_up(paths, row.tool, width / (height * (1.0 - HEADER)), margin=0.08)
             draw_film_tool(axes, row.tool, view, 0.75 * self.letters)
             self.wires = [WireDrawing(axes, row.tool, color=color) for color in colors]
@@ -107,11 +106,12 @@ class RowFilm(Film):
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires to an instant, s, and rings to where they touch."""
-        lines = [motion.centre_line(time) for motion in self.motions]
+        now = [motion(time) for motion in self.motions]
+        lines = [each.centre_line for each in now]
         for wire, line in zip(self.wires, lines, strict=True):
             wire.place(line)
         self.ring.set_data(*touch_places(lines, self._diameter).T)
-        retraction = math.degrees(float(self.motions[-1].retraction(time)))
+        retraction = math.degrees(float(now[-1].retraction))
         return phase_at(
             self._phases, time
         ).caption, f"retraction of bristle {len(self.wires)} {signed(retraction, 1, 6)}°"
@@ -144,14 +144,14 @@ class InertiaFilm(Film):
             raise ValueError(
                 "film of both tools: the bristle must strike with the bar, and come back to radial without"
             )
-        self.cued, self.thrown = SampledMotion(driven.pass_with_bar), SampledMotion(radial.trajectory)
+        self.cued, self.thrown = Interpolation(driven.pass_with_bar), Interpolation(radial.trajectory)
         self.ends, speed = (contact.time, radial.time), driven.tool.hub.speed
-        touch = self.cued.centre_line(contact.time)[0]
-        root = self.thrown.centre_line(radial.time)[0]
+        touch = self.cued(contact.time).centre_line[0]
+        root = self.thrown(radial.time).centre_line[0]
         # Without gravity the pulley may be entered anywhere: where the bristle is radial at the other one's strike.
         turn = math.atan2(touch[1], touch[0]) - math.atan2(root[1], root[0])
         self._turn = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
-        entered = self._turn @ self.thrown.centre_line(0.0)[0]
+        entered = self._turn @ self.thrown(0.0).centre_line[0]
         self._belt = speed * np.array([-entered[1], entered[0]])
         super().__init__(slow_motion(-contact.time, 0.0, duration), width, height, (BLUE, VERMILION))
         with styled():
@@ -168,15 +168,15 @@ class InertiaFilm(Film):
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move both wires to an instant, s; the one without a bar translates on its belt until it enters the pulley."""
-        cued, thrown = (time + end for end in self.ends)
-        self.wires[0].place(self.cued.centre_line(cued))
+        cued, thrown = self.cued(max(time + self.ends[0], 0.0), "before"), time + self.ends[1]
+        self.wires[0].place(cued.centre_line)
         self.wires[1].place(self._without_bar(thrown))
         on_belt = thrown < 0.0
-        speed = float(np.hypot(*self._belt)) if on_belt else float(self.thrown.tip_speed(thrown))
+        speed = float(np.hypot(*self._belt)) if on_belt else float(self.thrown(thrown).tip_speed)
         place = "still on the straight belt" if on_belt else "round the pulley"
-        bar, without = f"bar-cued tip {self.cued.tip_speed(cued):5.1f} m/s", f"thrown by inertia {speed:5.1f} m/s"
+        bar, without = f"bar-cued tip {cued.tip_speed:5.1f} m/s", f"thrown by inertia {speed:5.1f} m/s"
         return f"with the bar, and without it, {place}", bar, without
 
     def _without_bar(self, time: float) -> Array:
-        line = self.thrown.centre_line(max(time, 0.0)) @ self._turn.T
+        line = self.thrown(max(time, 0.0)).centre_line @ self._turn.T
         return np.asarray(line + min(time, 0.0) * self._belt)

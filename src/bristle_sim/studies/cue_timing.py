@@ -27,7 +27,6 @@ from bristle_sim.studies.strike_point import from_radial, full_pass, ran, requir
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory
-from bristle_sim.trajectory.sampled_motion import SampledMotion
 
 UNITS = {
     "cue_time": "s",
@@ -92,8 +91,8 @@ class CueTiming:
         if self.bends:
             angle, rate = from_radial(self.trajectory, self.tool.bristle)
             return self.trajectory.time, -angle, rate
-        course = SampledMotion(self.trajectory).course()
-        return course.time, course.retraction, course.relative_speed
+        course = self.trajectory.course()
+        return course.time, course.retraction, course.relative_rate
 
     @property
     def wires(self) -> tuple[Array, Array]:

@@ -14,8 +14,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
-from bristle_sim.trajectory import Trajectory
-from bristle_sim.trajectory.sampled_motion import SampledMotion
+from bristle_sim.trajectory import Interpolation, Trajectory
 
 PITCH_STEP = math.radians(0.25)
 """Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
@@ -35,11 +34,12 @@ class LonePass:
 
     def __init__(self, trajectory: Trajectory) -> None:
         self.trajectory = trajectory
-        self._motion = SampledMotion(trajectory)
+        self._motion = Interpolation(trajectory)
 
     def centre_line(self, time: Array) -> Array:
         """Return root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
-        line, start = self._motion.centre_line(time), self._motion.start
+        start, end = self.trajectory.time[[0, -1]]
+        line = self._motion(np.clip(time, start, end)).centre_line
         turned = self.trajectory.hub_speed * (time - np.maximum(time, start))
         cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
         x, y = line[..., 0], line[..., 1]

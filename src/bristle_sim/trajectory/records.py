@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -43,7 +44,15 @@ class Motion(EqualByValue):
         centre_line: corners of the wire's centre line from the root over knees and joints to the tip, (x, y) from the
             hub's centre, shape (..., corners, 2), m; pictures draw these points.
         centre_line_velocity: of the same corners, shape (..., corners, 2), m/s.
+        kinetic_energy, potential_energy: of the links; of belt, hinges and gravity, J.
+        normal_force: sum over the contacts that last, N; zero in flight and at the instant of an impact.
+        hub_speed: angular velocity of the hub, rad/s.
     """
+
+    SAMPLED: ClassVar[tuple[str, ...]] = (
+        "hub_angle", "angles", "rates", "centre_line", "centre_line_velocity", "kinetic_energy", "potential_energy",
+        "normal_force",
+    )  # fmt: skip
 
     time: Array
     hub_angle: Array
@@ -51,6 +60,10 @@ class Motion(EqualByValue):
     rates: Array
     centre_line: Array
     centre_line_velocity: Array
+    kinetic_energy: Array
+    potential_energy: Array
+    normal_force: Array
+    hub_speed: float
 
     @property
     def tip(self) -> Array:
@@ -63,6 +76,11 @@ class Motion(EqualByValue):
         return self.centre_line_velocity[..., -1, :]
 
     @property
+    def tip_speed(self) -> Array:
+        """Speed of the tip over the workpart, m/s."""
+        return np.asarray(np.hypot(self.tip_velocity[..., 0], self.tip_velocity[..., 1]))
+
+    @property
     def relative_angle(self) -> Array:
         """Angle of the first link relative to the radial direction, alpha; negative when it lags (retraction), rad."""
         return np.asarray(self.angles[..., 0] - self.hub_angle)
@@ -71,6 +89,16 @@ class Motion(EqualByValue):
     def retraction(self) -> Array:
         """Angle by which the first link lags the radial direction, positive when it lags, rad; minus relative_angle."""
         return np.asarray(self.hub_angle - self.angles[..., 0])
+
+    @property
+    def relative_rate(self) -> Array:
+        """Rate of the first link relative to the hub, rad/s."""
+        return np.asarray(self.rates[..., 0] - self.hub_speed)
+
+    @property
+    def total_energy(self) -> Array:
+        """Kinetic plus potential energy, J; the hub's drive may change it."""
+        return np.asarray(self.kinetic_energy + self.potential_energy)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -5,18 +5,23 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
-from bristle_sim.trajectory.interpolation import motion_at
-from bristle_sim.trajectory.pictures import animate, plot, summary, summary_page
+from bristle_sim.trajectory.interpolation import Interpolation
+from bristle_sim.trajectory.pictures import Html, drawn_by
 from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
 from bristle_sim.trajectory.storage import read, write
+from bristle_sim.trajectory.summary import summary
 from bristle_sim.trajectory.tables import to_dataframe, to_xarray
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 NOTABLE = 0.01  # extremes of the relative motion below this fraction of the largest are not worth a mention
 
@@ -28,10 +33,7 @@ class Trajectory(Motion):
     At an impact two samples share one instant: before and after it.
 
     Attributes:
-        time, hub_angle, angles, rates, centre_line, centre_line_velocity: see Motion.
-        kinetic_energy, potential_energy: of the links; of belt, hinges and gravity, J.
-        normal_force: sum over the sustained contacts, N; zero in flight and in impacts, resolved in time or not.
-        hub_speed: angular velocity of the hub, rad/s.
+        time, hub_angle, angles, ..., normal_force, hub_speed: see Motion; arrays of n samples.
         events, contacts: in order of time.
         stop_reason: why the run stopped; its ``advice`` says what would let it go further.
         cost: see Cost.
@@ -41,10 +43,6 @@ class Trajectory(Motion):
         inner_samples: of contacts that last, for ``at``; None where there are none, and of the reference.
     """
 
-    kinetic_energy: Array
-    potential_energy: Array
-    normal_force: Array
-    hub_speed: float
     events: tuple[Event, ...]
     contacts: tuple[ContactRecord, ...]
     stop_reason: StopReason
@@ -53,16 +51,6 @@ class Trajectory(Motion):
     contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     stop_detail: str = ""
     inner_samples: InnerSamples | None = None
-
-    @property
-    def relative_rate(self) -> Array:
-        """Rate of the first link relative to the hub, rad/s."""
-        return np.asarray(self.rates[:, 0] - self.hub_speed)
-
-    @property
-    def total_energy(self) -> Array:
-        """Kinetic plus potential energy, J; the hub's drive may change it."""
-        return np.asarray(self.kinetic_energy + self.potential_energy)
 
     def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
         """Return the time of the first (or last) event of that name at or before an instant, s; None if there is none.
@@ -114,8 +102,12 @@ class Trajectory(Motion):
             **{f"rate_{link + 1} (rad/s)": self.rates[:, link] for link in links},
             "relative_angle (rad)": self.relative_angle,
             "relative_rate (rad/s)": self.relative_rate,
+            "retraction (rad)": self.retraction,
             "tip_x (m)": self.tip[:, 0],
             "tip_y (m)": self.tip[:, 1],
+            "tip_velocity_x (m/s)": self.tip_velocity[:, 0],
+            "tip_velocity_y (m/s)": self.tip_velocity[:, 1],
+            "tip_speed (m/s)": self.tip_speed,
             "kinetic_energy (J)": self.kinetic_energy,
             "potential_energy (J)": self.potential_energy,
             "normal_force (N)": self.normal_force,
@@ -131,14 +123,45 @@ class Trajectory(Motion):
         except (KeyError, TypeError) as error:
             raise ValueError(f"parameters: must describe the tool that was simulated ({error})") from error
 
-    # Each in the file of its concern; a function of the run is its method.
-    at = motion_at
+    def at(self, time: ArrayLike, *, side: str = "after") -> Motion:
+        """Return the motion at one instant or several, between samples too; see Interpolation for its accuracy.
+
+        Args:
+            time: s, of any shape.
+            side: ``before`` or ``after``, which of the two states at the instant of an impact.
+
+        Raises ValueError for an instant outside the run, another side, or a run of one instant.
+        """
+        return Interpolation(self)(time, side)
+
+    def course(self, until: float = math.inf, points: int = 1500) -> Motion:
+        """Return the motion up to an instant at every sample and at ``points`` further instants, evenly spaced, to draw it.
+
+        Two entries share the instant of an impact. Raises ValueError if ``until`` (s) is not after the run's start.
+        """
+        return Interpolation(self).course(until, points)
+
+    def plot(self, *, until: float | None = None) -> Figure:
+        """Draw tool, tip path, retraction, speed and energy; ``until`` is the last instant shown, s."""
+        return drawn_by().plot(self, until)
+
+    def animate(
+        self, path: str | Path, *, fps: float = 30.0, size: tuple[int, int] = (640, 480), **options: Any
+    ) -> Path:
+        """Film the run to an mp4 or gif file of a size in px; options are those of ``bristle_sim.render.film_of_tool.ToolFilm``."""
+        return drawn_by().film(self, path, fps, size, options)
+
+    def show(self) -> Html:
+        """Return the motion with a slider, which a notebook shows."""
+        return drawn_by().view(self)
+
+    def _repr_html_(self) -> str:
+        return drawn_by().summary_page(self)
+
+    # A function of the run, in the file of its concern, is its method.
     to_dataframe = to_dataframe
     to_xarray = to_xarray
-    plot = plot
-    animate = animate
     __repr__ = summary
-    _repr_html_ = summary_page
     save = write
 
     @classmethod

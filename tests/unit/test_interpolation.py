@@ -1,0 +1,170 @@
+"""The motion between samples: of a run in closed form, of runs sampled more closely, stopped there, or more accurate."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Contact, Hub, Tool
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Motion, Trajectory
+from swinging_bristle import AMPLITUDE, FREQUENCY, HUB_START, STRIKE, make_trajectory, swing
+
+
+@pytest.fixture(scope="module")
+def swung() -> Trajectory:
+    """A run in closed form."""
+    return make_trajectory()
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    """A whole pass of the default tool."""
+    return simulate(Tool())
+
+
+def test_motion_between_samples_is_the_polynomial_that_theory_bounds(swung: Trajectory):
+    """Hermite's polynomial through n samples and slopes is off by |f^(2n)|/(2n)! times the squared product of the distances.
+
+    From the ends inwards those are least for n = 8 samples, h, 2h, ...; with n = 4 alone it would be below 1e-9 rad.
+    """
+    time = np.linspace(0.0, STRIKE, 1001)[1:-1]
+    found = swung.at(time)
+    assert np.abs(found.retraction + swing(time)[0][0]).max() < 1e-13 * 10.0  # rounding of angles near 1, of 15 terms
+    assert np.abs(found.relative_rate - swing(time)[0][1]).max() < 1e-9 * AMPLITUDE * FREQUENCY
+    assert np.abs(found.hub_angle - (HUB_START + 261.8 * time)).max() < 1e-12  # linear: rounding alone
+
+
+def test_energies_between_samples_are_as_smooth_as_the_motion():
+    """Belt energy (k A^2/4)(1 + cos 2wt): a cubic spline is off by 5/384 h^4 (2w)^4 of its half size (de Boor 2001)."""
+    run = make_trajectory(samples=24)
+    time = np.linspace(0.0, STRIKE, 800)
+    size, step = 0.5 * Tool().belt.stiffness * AMPLITUDE**2, STRIKE / 23.0
+    # At its ends the not-a-knot condition leaves some ten times that.
+    bound = 10.0 * 5.0 / 384.0 * (2.0 * FREQUENCY * step) ** 4 * 0.5 * size
+    found = run.at(time, side="before").potential_energy
+    assert np.abs(found - size * np.cos(FREQUENCY * time) ** 2).max() < bound
+
+
+def test_forces_and_energies_have_their_kinks_where_contacts_begin_and_end():
+    """A ramp that sets in with a sustained contact is met exactly by splines that end there; a force is none outside."""
+    run = make_trajectory()
+    begin, end = run.time[[20, 40]]
+    held = dataclasses.replace(run.contacts[0], time=begin, duration=end - begin, law="sustained")
+    ramp = np.clip(run.time - begin, 0.0, end - begin)
+    run = dataclasses.replace(run, contacts=(held,), potential_energy=ramp, normal_force=1.0 + ramp)
+    time = np.setdiff1d(np.linspace(*run.time[[0, -1]], 700), run.time)
+    found, inside = run.at(time), (time > begin) & (time < end)
+    assert np.abs(found.potential_energy - np.clip(time - begin, 0.0, end - begin)).max() < 1e-15  # rounding of 1e-3 s
+    assert found.normal_force[inside] == pytest.approx(1.0 + time[inside] - begin, rel=1e-14)
+    assert not found.normal_force[~inside].any()
+
+
+def test_a_course_keeps_every_sample_and_both_sides_of_an_impact(swung: Trajectory):
+    course = swung.course(points=500)
+    assert (np.diff(course.time) >= 0.0).all()
+    for name in ("time", *Motion.SAMPLED):
+        at_samples = getattr(course, name)[np.isin(course.time, swung.time)]
+        np.testing.assert_allclose(at_samples, getattr(swung, name), rtol=1e-12, atol=1e-15, err_msg=name)
+    assert swung.course(until=1e-3).time[-1] <= 1e-3
+    for until in (0.0, np.nan):
+        with pytest.raises(ValueError, match="until = "):
+            swung.course(until=until)
+
+
+def test_motion_needs_two_instants(swung: Trajectory):
+    single = {name: getattr(swung, name)[:1] for name in ("time", *Motion.SAMPLED)}
+    with pytest.raises(ValueError, match="must have samples of two different instants"):
+        dataclasses.replace(swung, **single, contacts=()).at(0.0)
+
+
+def test_motion_between_samples_is_as_accurate_as_the_samples(run: Trajectory):
+    """Compared with a run of the same accuracy, 1e-6, that is sampled ten times as closely."""
+    fine = simulate(Tool(), Settings(samples_per_period=10 * Settings().samples))
+    time = np.random.default_rng(1).uniform(0.0, fine.time[-1], 1000)
+    found, expected = run.at(time), fine.at(time)
+    np.testing.assert_allclose(found.angles, expected.angles, atol=1e-6)
+    np.testing.assert_allclose(found.tip, expected.tip, atol=1e-6 * Tool().bristle.length * 2.0)  # two radii
+    np.testing.assert_allclose(found.rates, expected.rates, atol=1e-6 * np.abs(run.rates).max())
+    np.testing.assert_allclose(found.relative_angle, expected.relative_angle, atol=1e-6)
+    np.testing.assert_allclose(found.hub_angle, -0.5 * np.pi + 261.8 * time, rtol=1e-14, atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    "tool",
+    [Tool(hub=Hub(speed=400.0)), Tool(bristle=dataclasses.replace(Tool().bristle, length=0.03))],
+    ids=["fast hub", "bar passes the wire's end"],
+)
+def test_motion_between_samples_is_that_of_a_run_stopped_there(tool: Tool):
+    """Both have accuracy 1e-6: of rates relative to the largest, of angles relative to a radian."""
+    run = simulate(tool)
+    strike = run.event_time("strike")
+    assert strike is not None
+    release = run.event_time("bar release", last=True, before=strike)
+    assert release is not None
+    close = np.random.default_rng(2).uniform(release - 3e-4, release, 8)
+    for time in (*close, 0.5 * release, release + 2e-5, 0.5 * (release + strike), strike - 1e-7, strike + 1e-7):
+        stopped = simulate(tool, Settings(hub_turn=tool.hub.speed * time))
+        found = run.at(stopped.time[-1])
+        np.testing.assert_allclose(found.angles, stopped.angles[-1], rtol=0.0, atol=1e-6)
+        np.testing.assert_allclose(found.rates, stopped.rates[-1], rtol=0.0, atol=1e-6 * np.abs(run.rates).max())
+        size = np.abs(run.centre_line).max()
+        np.testing.assert_allclose(found.centre_line, stopped.centre_line[-1], rtol=0.0, atol=1e-6 * size)
+
+
+def test_motion_at_an_impact_has_two_sides(run: Trajectory):
+    strike = run.first_contact("workpart")
+    assert strike is not None
+    before, after = run.at(strike.time, side="before"), run.at(strike.time)
+    # Rounding of units and of the polynomial.
+    assert before.rates[0] == pytest.approx(strike.rates_before[0], rel=1e-12)
+    assert after.rates[0] == pytest.approx(strike.rates_after[0], rel=1e-12)
+    assert before.angles[0] == pytest.approx(strike.angles[0], rel=1e-12)
+    assert before.angles == pytest.approx(after.angles, rel=1e-12)
+    # The tip's normal velocity is vertical.
+    assert before.tip_velocity == pytest.approx([strike.velocity_before[1], strike.velocity_before[0]], rel=1e-9)
+
+
+def test_motion_at_the_samples_is_the_samples(run: Trajectory):
+    for side, rows in (("before", slice(0, 1)), ("after", slice(-1, None))):
+        assert run.at(run.time[rows], side=side).angles == pytest.approx(run.angles[rows], rel=1e-14)
+    assert run.at([[0.0, 1e-3], [2e-3, 3e-3]]).centre_line.shape == (2, 2, *run.centre_line.shape[1:])
+
+
+def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
+    """Whose record tells the tip's velocity in the contact, at instants between the samples of the other run."""
+    tool = Tool(contact=Contact("compliant", 1e-4))
+    run, fine = simulate(tool), simulate(tool, Settings(accuracy=1e-9), stop_after="strike")
+    own, strike = run.first_contact("workpart"), fine.first_contact("workpart")
+    assert own is not None
+    assert strike is not None
+    history = strike.history
+    assert history is not None
+    time = history.time + (own.time - strike.time)
+    inside = slice(1, -1)
+    during = run.at(time[inside])
+    speed = np.hypot(*strike.velocity_before)
+    # Both have accuracy 1e-6 or better, relative to the approach and to the depth.
+    np.testing.assert_allclose(during.tip_velocity[:, 1], history.normal_velocity[inside], rtol=0.0, atol=1e-6 * speed)
+    np.testing.assert_allclose(
+        during.tip_velocity[:, 0], history.tangential_velocity[inside], rtol=0.0, atol=1e-6 * speed
+    )
+    np.testing.assert_allclose(
+        during.normal_force, history.normal_force[inside], rtol=0.0, atol=1e-6 * history.normal_force.max()
+    )
+    depth = during.tip[:, 1] - run.at(own.time).tip[1]
+    np.testing.assert_allclose(-depth, history.penetration[inside], rtol=0.0, atol=1e-6 * history.penetration.max())
+
+
+@pytest.mark.parametrize("time", [-1e-9, 1.0, np.nan, [0.0, np.inf]])
+def test_motion_outside_the_run_is_refused(run: Trajectory, time):
+    with pytest.raises(ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"):
+        run.at(time)
+
+
+def test_a_side_must_be_one_of_two(run: Trajectory):
+    with pytest.raises(ValueError, match=r"^side = 'left': must be before or after$"):
+        run.at(0.0, side="left")
