@@ -187,7 +187,7 @@ def _cells(each: Quantity, digits: int) -> list[str]:
     difference = _relative(each.relative_difference, "+")
     difference += "" if difference == "-" else f" {each.judge_name}"
     ok = {True: "yes", False: "NO", None: "-"}[each.ok]
-    return [each.label, "" if unit == "1" else unit, *numbers, difference, _relative(each.tolerance), ok]
+    return [each.label, "-" if unit == "1" else unit, *numbers, difference, _relative(each.tolerance), ok]
 
 
 def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:

@@ -81,7 +81,7 @@ def bar_gap(tool, run):
 def least_gap(tool, run):
     gaps = [] if tool.bar is None else [bar_gap(tool, run).min()]
     if tool.workpart is not None:
-        gaps.append((run.tip[:, 1] + tool.workpart_depth).min())
+        gaps.append((run.centre_line[:, 1:, 1] + tool.workpart_depth).min())
     return min(gaps)
 
 
@@ -229,6 +229,19 @@ class TestOperatingPoint:
         assert cued.event_time("strike") == pytest.approx(4.5300e-3, abs=5e-8)
         assert cued.relative_rate[-2] == pytest.approx(877.09, abs=5e-3)
         assert np.degrees(cued.relative_angle[-1]) == pytest.approx(-2.743, abs=5e-4)
+
+    def test_release_over_the_wires_end_is_at_the_instant_of_geometry(self):
+        """The force jumps to zero where the bar's foot passes the wire's end: root and bar are sqrt(L^2 + reach^2) apart.
+
+        The foot is located to 1e-13 of the length, and moves at more than 1 m/s.
+        """
+        bar = Bar(radius=0.002, horizontal=0.075, vertical=0.0115, friction=0.27)
+        tool = Tool(Hub(143.0, 0.0456), Belt(0.012), Bristle(0.033, 3e-4, 1.2e-3), bar, None)
+        run = simulate_reference(tool, accuracy=1e-12, hub_turn=1.0)
+        distance, apart = math.hypot(0.075, 0.0115), math.hypot(0.033, tool.bar_reach)
+        between = math.acos((distance**2 + 0.0456**2 - apart**2) / (2.0 * distance * 0.0456))
+        expected = (math.pi / 2 - math.atan2(0.075, 0.0115) + between) / 143.0
+        assert run.event_time("bar release", last=True) == pytest.approx(expected, rel=0.0, abs=1e-13 * 0.033 / 1.0)
 
     def test_restitution_of_the_bar_gives_two_taps(self):
         run = simulate_reference(with_bar(restitution=0.42), stop_after="strike")
@@ -716,6 +729,31 @@ class TestKnee:
             assert bar[-3:] == [("sustained", "bar"), ("energetic", "no rebound"), ("sustained", "release")]
         # Rounding, as for a straight bristle.
         assert runs[0].event_time("strike") == pytest.approx(runs[1].event_time("strike"), rel=1e-10)
+
+    @pytest.mark.parametrize(("links", "position"), [(1, 0.9), (1, 0.6), (2, 0.6), (2, 0.75)])
+    def test_a_knee_strikes_the_workpart_before_the_tip_does(self, links, position):
+        """Without a bar a reverse bent wire on a stiff belt turns with the hub until its knee meets the surface.
+
+        The shank is then (r_h + p L) cos(psi) = depth from the surface's normal, but for the belt's twist under the
+        centrifugal moment, m r_h omega^2 L/k = 7e-7 rad, and as much of its hinge.
+        """
+        bristle = Bristle(knee_angle_deg=-80.0, knee_position=position, links=links, modulus=1e15)
+        tool = replace(operating_point(), bar=None, bristle=bristle, belt=Belt(stiffness=100.0), hub=Hub(speed=30.0))
+        turn = math.acos(tool.workpart_depth / (tool.hub.radius + position * bristle.length))
+        run = simulate_reference(tool, start_hub_angle=-turn - 0.02, stop_after="strike", accuracy=1e-8)
+        assert run.event_time("strike") == pytest.approx(0.02 / 30.0, rel=0.0, abs=2e-6 / 30.0 / math.tan(turn))
+
+    @pytest.mark.parametrize(("angle", "position"), [(-80.0, 0.6), (-90.0, 0.9)])
+    @pytest.mark.parametrize("stiffness", [None, 1e5])
+    def test_a_knee_does_not_sink_into_the_workpart(self, angle, position, stiffness):
+        """By less than 1e-13 of 54.5 mm a touch, or as deep as a spring yields to the wire's whole energy."""
+        tool = bent(angle, position)
+        run = simulate_reference(tool, contact_stiffness=stiffness, accuracy=1e-7, hub_turn=2.0)
+        deepest = -(run.centre_line[:, 1:, 1] + tool.workpart_depth).min()
+        energy = np.ptp(run.kinetic_energy) + np.ptp(run.potential_energy)
+        assert deepest < (
+            math.sqrt(2.0 * energy / stiffness) if stiffness else 1e-13 * 0.0545 * (len(run.contacts) + 1)
+        )
 
     def test_hold_on_the_workpart_keeps_the_tip_on_it(self):
         tool = bent(40.0, bar=None, workpart=Workpart(restitution=0.0, friction=0.1))

@@ -22,7 +22,11 @@ MOST_TYPES = (1 << 64) - 1
 
 def refusal(name: str, value: Any, rule: str) -> ValueError:
     """Return the error, in one line, for a value that breaks a rule."""
-    return ValueError(f"{name} = {' '.join(reprlib.repr(value).split())[:100]}: {rule}")
+    try:
+        shown = " ".join(reprlib.repr(value).split())[:100]
+    except ValueError:  # a whole number of thousands of digits, which Python does not write out
+        shown = f"<{type(value).__name__}>"
+    return ValueError(f"{name} = {shown}: {rule}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ approaches takes the impulse of an impact law, Stronge's by default, on all bodi
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from numbers import Real
 from typing import Any
@@ -175,10 +176,13 @@ class EnergeticContact:
 
 def _not_negative(name: str, value: Any, most: float, unit: str) -> float:
     """Return a number from 0 to ``most`` as a float, or raise ValueError."""
-    is_number = isinstance(value, Real) and not isinstance(value, bool)
-    if not (is_number and 0.0 <= value <= most):
+    try:
+        number = math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
+    except OverflowError:
+        number = math.inf
+    if not 0.0 <= number <= most:
         raise refusal(name, value, f"must be a finite number with 0 <= {name} <= {most:g} (in {unit})")
-    return float(value)
+    return number + 0.0
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:

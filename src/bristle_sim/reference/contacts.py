@@ -154,27 +154,26 @@ class Bar:
 
 @dataclass(frozen=True, slots=True)
 class Workpart:
-    """The half-plane y < -depth, which the wire's end touches."""
+    """The half-plane y < -depth, which the wire's end and its knees touch."""
 
     depth: float
     surface: Surface
     name: str = "workpart"
 
     def gaps(self, chain: Chain | Row, motion: Kinematics) -> Array:
-        """Return the height of each wire's end above the surface, m, shape (..., wires)."""
-        return np.asarray(self._tips(chain, motion).imag + self.depth)
+        """Return the height above the surface of each corner of ``chain.corners``, m, shape (..., corners)."""
+        links, starts, directions, lengths = _columns(chain.pieces)
+        which = list(chain.corners)
+        ends = (starts + lengths * directions)[which]
+        return np.asarray((motion.joint[..., links[which]] + ends * motion.turn[..., links[which]]).imag + self.depth)
 
     def touch(self, chain: Chain | Row, motion: Kinematics, point: Point) -> Touch:
-        """Return the kinematics of the wire's end at the surface."""
-        link = chain.pieces[point.piece].link
-        tip = complex(self._tips(chain, motion)[chain.tips.index(point.piece)])
-        moving = motion.velocity[link] + 1j * motion.rates[link] * (tip - motion.joint[link])
-        return touch_of(chain, motion, link, tip.imag + self.depth, 1j, tip, 0.0, complex(moving))
-
-    @staticmethod
-    def _tips(chain: Chain | Row, motion: Kinematics) -> Complexes:
-        links = [chain.pieces[each].link for each in chain.tips]
-        return np.asarray(motion.joint[..., links] + chain.ends[links] * motion.turn[..., links])
+        """Return the kinematics of a corner at the surface."""
+        piece = chain.pieces[point.piece]
+        arm = complex(piece.end * motion.turn[piece.link])
+        corner = complex(motion.joint[piece.link]) + arm
+        moving = complex(motion.velocity[piece.link] + 1j * motion.rates[piece.link] * arm)
+        return touch_of(chain, motion, piece.link, corner.imag + self.depth, 1j, corner, 0.0, moving)
 
 
 @lru_cache(maxsize=64)

@@ -32,7 +32,7 @@ def _place(system: System, name: str, piece: int, state: State) -> Point:
     """Return where a piece is touched: on its flank, on the corner at its end, or on the corner before it."""
     pieces = system.chain.pieces
     if isinstance(system.obstacles[name], Workpart):
-        return Point(name, system.chain.tips[piece], True)
+        return Point(name, system.chain.corners[piece], True)
     if isinstance(system.obstacles[name], WirePairs):
         return Point(name, piece, False)
     foot = float(system.at(state).feet[piece])

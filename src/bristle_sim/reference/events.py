@@ -28,7 +28,7 @@ from bristle_sim.stop_reason import StopReason
 
 Follow = Callable[[State], State]  # what follows an event: the state before it -> the state after it
 INSIDE = 1e-13  # overlap at which a touch is located, as a fraction of hub radius and length: 100 roundings of a gap
-PAST = 1e-9  # a contact has passed a corner by this fraction of the length, so that rounding does not bring it back
+PAST = 1e-13  # a contact has passed a corner by this fraction of the length: rounding does not bring it back
 ROUNDING = 1e-13  # rounding of an event function, as a fraction of its size
 IDLE = 1e-12  # a highest relative rate below this fraction of the fastest one is no motion
 
@@ -65,7 +65,7 @@ def events_of(system: System, log: Log, state: State) -> list[Event]:
     for number, each in enumerate(system.sustained):
         found += _force_events(system, log, state, number)
         if isinstance(system.obstacles[each.point.obstacle], Bar):
-            found += _place_events(system, each)
+            found += _place_events(system, state, each)
     return found
 
 
@@ -100,7 +100,7 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
     points = [each.point for each in system.sustained if each.point.obstacle == obstacle]
     chain = system.chain
     if isinstance(system.obstacles[obstacle], Workpart):
-        return any(point.piece == chain.tips[piece] for point in points)
+        return any(point.piece == chain.corners[piece] for point in points)
     before = piece - 1 if follows(chain, piece) else None
     return any(point.piece == piece or (point.corner and point.piece == before) for point in points)
 
@@ -183,23 +183,25 @@ def _spring_events(system: System, log: Log, each: Sustained, spring: Spring) ->
     ]
 
 
-def _place_events(system: System, each: Sustained) -> list[Event]:
+def _place_events(system: System, state: State, each: Sustained) -> list[Event]:
     """A contact with the bar passes from a flank to a corner or back."""
-    (name, index, corner), pieces, past = each.point, system.chain.pieces, PAST * system.chain.length
-    length = pieces[index].length
+    (name, index, corner), pieces, feet = each.point, system.chain.pieces, system.at(state).feet
+    length, past = pieces[index].length, PAST * system.chain.length
 
-    def event(piece: int, level: float, direction: int, point: Point) -> Event:
+    def event(piece: int, end: float, direction: int, point: Point) -> Event:
+        # From the far side of the end by rounding, the contact passes it only as it moves on.
+        level = direction * (max(direction * end, direction * float(feet[piece])) + past)
         foot = lambda instant: float(instant.feet[piece]) - level  # noqa: E731
         return Event(foot, direction, ROUNDING * system.chain.length, partial(move_contact, system, each, point))
 
     if corner:
-        found = [event(index, length - past, -1, Point(name, index, False))]
+        found = [event(index, length, -1, Point(name, index, False))]
         if follows(system.chain, index + 1):
-            found.append(event(index + 1, past, 1, Point(name, index + 1, False)))
+            found.append(event(index + 1, 0.0, 1, Point(name, index + 1, False)))
         return found
-    found = [event(index, length + past, 1, Point(name, index, True))]
+    found = [event(index, length, 1, Point(name, index, True))]
     if follows(system.chain, index):
-        found.append(event(index, -past, -1, Point(name, index - 1, True)))
+        found.append(event(index, 0.0, -1, Point(name, index - 1, True)))
     return found
 
 

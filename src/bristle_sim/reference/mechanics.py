@@ -133,6 +133,13 @@ class Chain:
         """Return the pieces that end at a wire's tip: the last one."""
         return (len(self.pieces) - 1,)
 
+    @property
+    def corners(self) -> tuple[int, ...]:
+        """Return the pieces whose end can touch a flat surface: those before a knee, and the last one."""
+        directions = [each.direction for each in self.pieces]
+        bends = [number for number, pair in enumerate(itertools.pairwise(directions)) if pair[0] != pair[1]]
+        return (*bends, *self.tips)
+
     def hub_angle(self, time: Any) -> Any:
         """Return the hub's angle, psi_0 + omega t, rad."""
         return self.start_hub_angle + self.speed * time

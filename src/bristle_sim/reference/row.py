@@ -50,6 +50,11 @@ class Row:
         """Return the pieces that end at a bristle's tip: all."""
         return tuple(range(self.links))
 
+    @property
+    def corners(self) -> tuple[int, ...]:
+        """Return the pieces whose end can touch a flat surface: all."""
+        return self.tips
+
     def mass_matrix(self, turn: Complexes) -> Array:
         """Return the mass matrix, kg m^2."""
         return np.diag(self._all.mass_matrix(turn[:, None])[:, 0, 0])

@@ -69,9 +69,8 @@ def strike_reference(
             f"angles = {angles[-1]:g}: must bring the wire's end to the workpart, approaching it; its height is"
             f" {touch.gap:g} m, its normal velocity {touch.velocity[0]:g} m/s (in rad)"
         )
-    run = Run(
-        system, log, close_contact(system, log, "workpart", 0, start), longest, accuracy / 100.0, most_evaluations
-    )
+    begun = close_contact(system, log, "workpart", len(chain.corners) - 1, start)
+    run = Run(system, log, begun, longest, accuracy / 100.0, most_evaluations)
     reason = run.run()
     if reason is StopReason.STEP_BUDGET:
         raise TooStiffError(f"stiffness = {stiffness:g}: must be less for the independent solution (in N/m)")

@@ -33,25 +33,25 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
 
 
 def _one_bristle(axes: Axes, whole: WholeTool) -> None:
-    turned, begin, turn = np.degrees(whole.tool.hub.speed), whole.turn.begin, 360.0 * whole.turn.turns
+    turned = np.degrees(whole.tool.hub.speed)
     impulses = axes.twinx()
     impulses.grid(visible=False)
     impulses.spines["right"].set_visible(True)
-    for each in (each for each in whole.forces if each.obstacle == "workpart"):
+    for each in (each for each in whole.forces[-1] if each.obstacle == "workpart"):
         if isinstance(each, SampledForce):
             time = np.linspace(each.begin, each.end, 200)
-            force, angle = each.course(time)[:, 0], turned * (time - begin)
+            force, angle = each.course(time)[:, 0], turned * time
             axes.fill_between(angle, force, color=SKY, linewidth=0.0)
             axes.plot([angle[0], *angle], [0.0, *force], color=BLUE)
         else:
-            angle = 2 * [turned * (each.time - begin)]
+            angle = 2 * [turned * each.time]
             impulses.plot(angle, [0.0, 1e3 * each.integral[0]], color=VERMILION, linewidth=1.4)
     for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN s)", VERMILION)):
         scale.set_ylabel(label, color=color)
         scale.set_ylim(0.0, 1.15 * max(scale.get_ylim()[1], 1e-9))
         scale.yaxis.set_visible(bool(scale.lines))
     axes.axhline(0.0, color=GREY, linewidth=0.6)
-    axes.set(xlabel="turn of the hub (°)", xlim=(0.0, turn), xticks=np.linspace(0.0, turn, 13))
+    axes.set(xlabel="turn of the hub (°)", xlim=(0.0, 360.0), xticks=np.linspace(0.0, 360.0, 13))
 
 
 def _load_cell(axes: Axes, whole: WholeTool) -> None:

@@ -1,4 +1,4 @@
-"""The turn that a bristle repeats: run turn after turn until its motion comes back to where it was a turn before.
+"""The turn that a bristle repeats: turn after turn is simulated until the motion ends as it began.
 
 After a sustained contact only one motion is possible, since on the obstacle the bristle's angle follows from the hub's whatever came
 before. Each turn after the first one with a sustained contact is therefore the same, with a damped belt and without. Only
@@ -11,23 +11,15 @@ import dataclasses
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.resume import resume
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.studies.strike_point import require_result
-from bristle_sim.trajectory import ContactRecord, Trajectory
-
-TURN = 2.0 * math.pi
+from bristle_sim.studies.strike_point import require_result, start_angle
+from bristle_sim.trajectory import Trajectory
 
 MOST_TURNS = 24
 """Turns after which a motion counts as one that does not repeat; a flight loses exp(-2 pi zeta) of its swing a period."""
-
-WIRE_TURNS = 2
-"""Turns of a wire that bends, of which the last counts: each takes seconds, and what vibrates need not repeat."""
 
 REPEATED = 1e-9
 """Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn."""
@@ -42,23 +34,15 @@ class TurnNotCompleted(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class PeriodicTurn:
-    """A run of whole turns, the first of which starts at rest relative to the hub; the last repeats the one before.
+    """The turns that count: the last one, which repeats the one before, or the later half of those that do not repeat.
 
-    The turns that count, from ``begin`` to ``end``, s, are the last one, or the later half of those that do not repeat.
-    ``changes`` of the state, rad, are those from the end of the turn before to the end of each; the first is from the start.
+    Each is a run that starts in the state in which the one before ended. ``changes`` of the state, rad, are those over
+    each turn from the first on, which starts radial and at rest relative to the hub.
     """
 
-    trajectory: Trajectory
-    begin: float
-    end: float
-    turns: int
+    runs: tuple[Trajectory, ...]
     changes: tuple[float, ...]
     repeats: bool
-
-    @property
-    def contacts(self) -> tuple[ContactRecord, ...]:
-        """Contacts of the turns that count."""
-        return tuple(each for each in self.trajectory.contacts if each.time >= self.begin)
 
 
 def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
@@ -70,36 +54,30 @@ def periodic_turn(tool: Tool, settings: Settings) -> PeriodicTurn:
     """
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no turn is made (in rad/s)")
-    least, rate = max(REPEATED, MAGNIFIED * settings.accuracy), _natural_rate(tool)
-    if tool.bristle.links > 1:
-        run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=WIRE_TURNS * TURN)), settings)
-        found = run.at(np.linspace(0.0, run.time[-1], WIRE_TURNS + 1))
-        lags, rates = (each - each[0] for each in (found.angles - found.hub_angle[:, np.newaxis], found.rates / rate))
-        moved = np.abs(np.diff(np.hstack([lags, rates]), axis=0)).max(axis=1)
-        return PeriodicTurn(run, float(found.time[-2]), float(found.time[-1]), 1, tuple(moved.tolist()), False)
-    run = _completed(simulate(tool, dataclasses.replace(settings, hub_turn=TURN)), settings)
-    states, ends, changes = [np.zeros(2)], [0.0], list[float]()
-    while True:
-        states.append(np.array([run.relative_angle[-1], run.relative_rate[-1] / rate]))
-        ends.append(float(run.time[-1]))
-        changes.append(float(np.abs(states[-1] - states[-2]).max()))
-        if changes[-1] <= least or len(states) > MOST_TURNS:
-            break
-        longer = dataclasses.replace(settings, hub_turn=len(states) * TURN)
-        run = _completed(resume(run, longer), settings)
-    repeats = changes[-1] <= least
-    turns = 1 if repeats else MOST_TURNS // 2
-    return PeriodicTurn(run, ends[-1 - turns], ends[-1], turns, tuple(changes), repeats)
+    least, natural_rate = max(REPEATED, MAGNIFIED * settings.accuracy), _natural_rate(tool)
+    settings = dataclasses.replace(settings, hub_turn=2.0 * math.pi)
+    start = -0.5 * math.pi if tool.bar is None else start_angle(tool)
+    runs, changes, angle, rate = list[Trajectory](), list[float](), 0.0, 0.0
+    while len(runs) < MOST_TURNS:
+        run = simulate(tool, settings, start_hub_angle=start, start_relative_angle=angle, start_relative_rate=rate)
+        _require_completed(run, settings, len(runs))
+        after = float(run.relative_angle[-1]), float(run.relative_rate[-1])
+        changes.append(max(abs(after[0] - angle), abs(after[1] - rate) / natural_rate))
+        runs.append(run)
+        angle, rate = after
+        if changes[-1] <= least:
+            return PeriodicTurn((run,), tuple(changes), repeats=True)
+    return PeriodicTurn(tuple(runs[MOST_TURNS // 2 :]), tuple(changes), repeats=False)
 
 
-def _completed(run: Trajectory, settings: Settings) -> Trajectory:
+def _require_completed(run: Trajectory, settings: Settings, turns: int) -> None:
     require_result(run, settings)
     if run.stop_reason is not StopReason.END:
+        after = "" if not turns else f" of turn {turns + 1}"
         raise TurnNotCompleted(
-            f"the bristle completes no turn: {run.stop_reason} at {1e3 * run.time[-1]:.4f} ms, after"
+            f"the bristle completes no turn: {run.stop_reason} at {1e3 * run.time[-1]:.4f} ms{after}, after"
             f" {math.degrees(run.hub_speed * run.time[-1]):.0f} deg of the hub's turn"
         )
-    return run
 
 
 def _natural_rate(tool: Tool) -> float:

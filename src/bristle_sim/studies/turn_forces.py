@@ -21,9 +21,8 @@ from scipy.interpolate import CubicSpline
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.periodic_turn import PeriodicTurn
 from bristle_sim.studies.wire_contact import corners, levers, nearest, right, touched
-from bristle_sim.trajectory import ContactRecord
+from bristle_sim.trajectory import ContactRecord, Trajectory
 
 Impact = tuple[float, float]
 """Time in s and impulse in N s."""
@@ -112,56 +111,50 @@ class SampledForce:
         return np.asarray(self.course.integrate(self.begin, self.end) + np.array([0.0, 0.0, self.missed]))
 
 
-def turn_forces(tool: Tool, turn: PeriodicTurn) -> list[Impulse | SampledForce]:
-    """Return all forces of the turns that count, in order of time."""
-    found: list[Impulse | SampledForce] = []
-    for contact in turn.contacts:
-        found += _sustained(tool, turn, contact) if contact.law == "sustained" else [_impulse(tool, turn, contact)]
-    return found
+Force = Impulse | SampledForce
 
 
-def dissipated(tool: Tool, turn: PeriodicTurn, breaks: Iterable[float]) -> float:
-    """Return the energy that impacts, friction and the belt's damping take in the turns that count, J.
+def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
+    """Return all forces of bar and workpart on a rigid bristle in a turn, in order of time."""
+    found: list[Force] = []
+    for contact in run.contacts:
+        found += _sustained(tool, run, contact) if contact.law == "sustained" else [_impulse(tool, run, contact)]
+    return tuple(found)
+
+
+def dissipated(tool: Tool, run: Trajectory) -> float:
+    """Return the energy that impacts, friction and the belt's damping take in a turn, J.
 
     Works of impacts are the impact law's, those of friction in sustained contacts the scene's sums; damping is the
     integral of c alpha'^2, by splines between the instants at which the acceleration jumps.
     """
-    lost = 0.0
-    for contact in turn.contacts:
-        for work in (contact.compressive_work, contact.restitutive_work):
-            lost -= 0.0 if work is None else sum(work)
+    lost = -sum(sum(work) for each in run.contacts for work in (each.compressive_work, each.restitutive_work) if work)
     if not tool.belt_damping:
         return lost
-    run = turn.trajectory
-    rows = np.flatnonzero(run.time >= turn.begin)
-    time, power = run.time[rows], tool.belt_damping * run.relative_rate[rows] ** 2
-    edges = np.unique([turn.begin, *breaks, turn.end])
-    for begin, end in itertools.pairwise(edges):
+    breaks = [edge for each in turn_forces(tool, run) for edge in each.edges]
+    power = tool.belt_damping * run.relative_rate**2
+    for begin, end in itertools.pairwise(np.unique([run.time[0], *breaks, run.time[-1]])):
         # Of two samples at the instant of an impact the later one begins an interval, the earlier one ends it.
-        first, last = np.searchsorted(time, begin, "right") - 1, np.searchsorted(time, end, "left")
+        first, last = np.searchsorted(run.time, begin, "right") - 1, np.searchsorted(run.time, end, "left")
         if last > first:
-            lost += float(CubicSpline(time[first : last + 1], power[first : last + 1]).integrate(begin, end))
+            lost += float(CubicSpline(run.time[first : last + 1], power[first : last + 1]).integrate(begin, end))
     return lost
 
 
-def _impulse(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> Impulse:
-    run = turn.trajectory
-    lines = corners(tool, np.array([run.hub_angle[0] + run.hub_speed * contact.time]), np.array(contact.angles[-1:]))
-    if tool.bristle.links > 1:
-        lines = run.centre_line[[abs(run.time - contact.time).argmin()]]
-    (arms,) = levers(*touched(tool, contact.obstacle, lines))
+def _impulse(tool: Tool, run: Trajectory, contact: ContactRecord) -> Impulse:
+    hub_angle = np.array([run.hub_angle[0] + run.hub_speed * contact.time])
+    (arms,) = levers(*touched(tool, contact.obstacle, corners(tool, hub_angle, np.array(contact.angles))))
     return Impulse(contact.obstacle, contact.time, np.array([*contact.impulse, arms @ contact.impulse]))
 
 
-def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[SampledForce]:
+def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[SampledForce]:
     """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
 
     The sample at such an instant holds the force before it, so that each spline begins one sample later and is
-    extrapolated to its beginning. Of a wire that bends, which slips and sticks in turns, force and friction are scaled to the
-    scene's sums.
+    extrapolated to its beginning.
     """
     # But for the rounding of the sum, by which the sample at the end could be missed.
-    run, end = turn.trajectory, (contact.time + contact.duration) * (1.0 - 1e-15)
+    end = (contact.time + contact.duration) * (1.0 - 1e-15)
     rows = np.arange(np.searchsorted(run.time, contact.time, "right") - 1, np.searchsorted(run.time, end, "left") + 1)
     rows = rows[rows < len(run.time)]
     time, hub_angle, angle, rate = run.time[rows], run.hub_angle[rows], run.angles[rows, -1], run.rates[rows, -1]
@@ -173,9 +166,6 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
     part = tool.workpart if contact.obstacle == "workpart" else tool.bar
     assert part is not None
     rubs = -part.friction * slips
-    if tool.bristle.links > 1:
-        lines, jumps = run.centre_line[rows], jumps[:0]
-        rubs = np.full(len(slips), contact.impulse[1] / contact.impulse[0])
     arms = levers(*touched(tool, contact.obstacle, lines))
     if contact.outcome == "release":
         force[-1] = 0.0
@@ -184,10 +174,7 @@ def _sustained(tool: Tool, turn: PeriodicTurn, contact: ContactRecord) -> list[S
         own = _spaced(time, first, last)
         forces = np.stack([force[own], rubs[first] * force[own]], axis=-1)
         values = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)])
-        course = _course(time[own], values)
-        if tool.bristle.links > 1:
-            course.c *= contact.impulse[0] / course.integrate(time[first], time[last])[0]
-        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), course))
+        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
     # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
     short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
     found[-1] = dataclasses.replace(found[-1], missed=float(arms[-1] @ short))

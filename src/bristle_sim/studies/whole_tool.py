@@ -1,14 +1,13 @@
 """The whole tool: forces of bristles that do not touch each other, on the workpart, the drive and a load cell.
 
 Such bristles are shifted copies of one: with N of them the mean of a force is N omega/(2 pi) times its integral over the
-turn that one bristle repeats. The drive's torque is found from the moments of the forces on the bristle, and, apart from
-that, from the energy that a turn loses.
+turn that one bristle repeats. The drive's torque is the moment of the forces on the bristle, and in a second way the energy that a turn loses over its angle.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,7 +18,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
 from bristle_sim.studies.strike_point import ran
-from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, load_cell_response, turn_forces
+from bristle_sim.studies.turn_forces import Force, Impulse, SampledForce, dissipated, load_cell_response, turn_forces
 from bristle_sim.units import Declared, count, quantity
 
 LEAST_TOLERANCE = 1e-6
@@ -39,14 +38,14 @@ BAND = (5.0, 95.0)
 """Percentiles of the force behind the load cell, per cent of the time."""
 
 UNITS = {
-    "impact_rate": "1/s",
-    "mean_normal_force": "N",
-    "mean_tangential_force": "N",
-    "mean_torque": "N m",
-    "mean_hand_torque": "N m",
-    "drive_power": "W",
-    "force_envelope_low": "N",
-    "force_envelope_high": "N",
+    "impact_rate": ("strikes of all bristles", "1/s"),
+    "mean_normal_force": ("mean normal force", "N"),
+    "mean_tangential_force": ("mean tangential force", "N"),
+    "mean_torque": ("mean torque of the drive", "N m"),
+    "mean_hand_torque": ("mean torque on the hand", "N m"),
+    "drive_power": ("power of the drive", "W"),
+    "force_envelope_low": ("load cell's 5 % percentile", "N"),
+    "force_envelope_high": ("load cell's 95 % percentile", "N"),
 }
 
 
@@ -76,17 +75,12 @@ class Assembly(Declared):
 
 @dataclass(frozen=True, slots=True)
 class WholeTool:
-    """The tool, its assembly, the turn that a bristle repeats, and the forces on it in that turn."""
+    """The tool, its assembly, the turn that a bristle repeats, and the forces on it in each turn that counts."""
 
     tool: Tool
     assembly: Assembly
     turn: PeriodicTurn
-    forces: tuple[Impulse | SampledForce, ...]
-
-    @property
-    def duration(self) -> float:
-        """Length of the turns that count, s."""
-        return self.turn.end - self.turn.begin
+    forces: tuple[tuple[Force, ...], ...]
 
     @property
     def period(self) -> float:
@@ -95,32 +89,48 @@ class WholeTool:
 
 
 def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
-    """Sum the forces of all bristles, and compare their means with the impulses and with the energy balance.
+    """Sum the forces of all bristles, and compare torque and power with the energy that a turn loses.
 
     Forces are on the workpart: normal into it, tangential in the direction in which the tips travel. The drive's torque
     carries the bar's forces too; the hand that holds hub and bar together bears the workpart's moment alone.
 
     Raises:
-        ValueError: if the hub stands still, there is no workpart, or a run is not computed within the settings' steps.
+        ValueError: if the hub stands still, there is no workpart, the wire bends, or a run is not computed within the
+            settings' steps.
     """
     if tool.workpart is None:
         raise ValueError("workpart = None: must be a Workpart, whose forces are requested")
+    if tool.bristle.links > 1:
+        raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, a rigid bristle (dimensionless)")
     fine = Settings(
         accuracy=settings.accuracy, maximum_steps=settings.maximum_steps, samples_per_period=SAMPLES_PER_PERIOD
     )
     try:
         turn = periodic_turn(tool, fine)
     except TurnNotCompleted as reason:
-        return Report(None, rows(UNITS, {}), remarks=(str(reason),))
-    found = WholeTool(tool, assembly, turn, tuple(turn_forces(tool, turn)))
-    events = ((each.name, each.time - turn.begin) for each in turn.trajectory.events if each.time >= turn.begin)
+        return Report(None, rows(UNITS, {}), answer=f"There is no mean force: {reason}.")
+    found = WholeTool(tool, assembly, turn, tuple(turn_forces(tool, run) for run in turn.runs))
+    quantities = _quantities(found, max(LEAST_TOLERANCE, MAGNIFIED * settings.accuracy))
     return Report(
         outcome=None,
-        quantities=_quantities(found, max(LEAST_TOLERANCE, MAGNIFIED * settings.accuracy)),
-        **{**ran(turn.trajectory), "events": tuple(events)},
-        remarks=_remarks(turn, bends=tool.bristle.links > 1),
+        quantities=quantities,
+        **ran(turn.runs[-1]),
+        remarks=(_settled(turn), "theory: the energy that a turn loses"),
         extra={"changes_from_turn_to_turn": list(turn.changes), "repeats": turn.repeats},
         subject=found,
+        answer=_answer(found, {each.name: each.simulated or 0.0 for each in quantities}),
+    )
+
+
+def _answer(whole: WholeTool, found: Mapping[str, float]) -> str:
+    if not found["impact_rate"]:
+        return "The hand holds against nothing: no bristle touches the workpart."
+    return (
+        f"The hand presses with {found['mean_normal_force']:.3g} N and holds back"
+        f" {abs(found['mean_tangential_force']):.3g} N along the workpart and"
+        f" {abs(found['mean_hand_torque']):.3g} N m; the drive gives {found['drive_power']:.4g} W; behind"
+        f" {whole.assembly.bandwidth:g} Hz a load cell sees {found['force_envelope_low']:.3g} to"
+        f" {found['force_envelope_high']:.3g} N for 90 % of the time."
     )
 
 
@@ -133,58 +143,51 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
     if whole is None:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
     times = whole.period * np.arange(INSTANTS) / INSTANTS
-    pushes = [each for each in whole.forces if isinstance(each, Impulse) and each.obstacle == "workpart"]
-    impacts = [(each.time, float(each.integral[0])) for each in pushes]
-    rigid = whole.tool.bristle.links == 1
+    pushes = [each for turn in whole.forces for each in turn if each.obstacle == "workpart"]
+    impacts = [(each.time, float(each.integral[0])) for each in pushes if isinstance(each, Impulse)]
     intervals = [
-        (begin, end, lambda at, course=each.course: course(at)[:, 0])
-        for each in whole.forces
-        if isinstance(each, SampledForce) and each.obstacle == "workpart"
-        # Stick and slip of a wire that bends change its force from one node of the spline to the next.
-        for begin, end in itertools.pairwise(each.edges if rigid else [each.begin, *each.course.x[1:]])
+        (each.begin, each.end, lambda at, course=each.course: course(at)[:, 0])
+        for each in pushes
+        if isinstance(each, SampledForce)
     ]
     shown = load_cell_response(impacts, intervals, whole.period, whole.assembly.bandwidth, times)
-    return {"time (s)": times, "normal_force (N)": shown / whole.turn.turns}
+    return {"time (s)": times, "normal_force (N)": shown / len(whole.forces)}
 
 
 def _quantities(whole: WholeTool, tolerance: float) -> tuple[Quantity, ...]:
-    tool, speed = whole.tool, whole.tool.hub.speed
-    rate = whole.assembly.bristles / whole.duration
-    means = rate * _integral(whole, "workpart")
-    drive = 0.0 - (means[2] + rate * _integral(whole, "bar")[2])
-    records = [each for each in whole.turn.contacts if each.obstacle == "workpart"]
-    normal, tangential = rate * np.sum([each.impulse for each in records] or [(0.0, 0.0)], axis=0)
-    power = None
-    if whole.turn.repeats:
-        power = rate * dissipated(tool, whole.turn, [edge for each in whole.forces for edge in each.edges])
-    low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
-    struck = len({math.floor((each.time - whole.turn.begin) / whole.duration * whole.turn.turns) for each in records})
-    simulated = (rate * struck, means[0], 0.0 - means[1], drive, 0.0 - means[2], drive * speed, float(low), float(high))
-    torque = None if power is None else power / speed
+    tool, runs, speed = whole.tool, whole.turn.runs, whole.tool.hub.speed
     turns = whole.assembly.bristles * speed / (2.0 * math.pi)
-    theory = (turns, normal, 0.0 - tangential, torque, None, power, None, None)
-    one, other = (dict(zip(UNITS, side, strict=True)) for side in (simulated, theory))
-    judged: tuple[str, ...] = ("mean_normal_force", "mean_tangential_force", "mean_torque", "drive_power")
-    if tool.bristle.links > 1:
-        other, judged = {"impact_rate": turns}, ()
-    return rows(UNITS, one, other, tolerance=lambda name: tolerance if name in judged else None)
+    rate = turns / len(runs)
+    pressed = [[each for each in run.contacts if each.obstacle == "workpart"] for run in runs]
+    normal, tangential = rate * np.sum([(0.0, 0.0), *(each.impulse for run in pressed for each in run)], axis=0)
+    hand = 0.0 - rate * _moment(whole, "workpart")
+    drive = hand - rate * _moment(whole, "bar")
+    low, high = np.percentile(load_cell_series(whole)["normal_force (N)"], BAND)
+    struck = rate * sum(map(bool, pressed))
+    simulated = (struck, normal, 0.0 - tangential, drive, hand, drive * speed, float(low), float(high))
+    theory: dict[str, float] = {"impact_rate": turns}
+    if whole.turn.repeats:
+        power = rate * dissipated(tool, runs[-1])
+        theory |= {"mean_torque": power / speed, "drive_power": power}
+    judged = ("mean_torque", "drive_power")
+    return rows(
+        UNITS,
+        dict(zip(UNITS, simulated, strict=True)),
+        theory,
+        tolerance=lambda name: tolerance if name in judged else None,
+    )
 
 
-def _integral(whole: WholeTool, obstacle: str) -> Array:
-    """Return normal and tangential impulse, N s, and their moment, N m s, over the turns that count."""
-    own = [each.integral for each in whole.forces if each.obstacle == obstacle]
-    return np.asarray(np.sum([np.zeros(3), *own], axis=0))
+def _moment(whole: WholeTool, obstacle: str) -> float:
+    """Return the moment about the hub of an obstacle's impulses over the turns that count, N m s."""
+    return float(sum(each.integral[2] for turn in whole.forces for each in turn if each.obstacle == obstacle))
 
 
-def _remarks(turn: PeriodicTurn, *, bends: bool) -> tuple[str, ...]:
+def _settled(turn: PeriodicTurn) -> str:
     last, count = turn.changes[-1], len(turn.changes)
-    settled = f"turn {count} repeats the one before, but for {last:.0e} rad"
-    if not turn.repeats:
-        settled = (
-            f"no turn of {count} repeats the one before (the last one differs by {last:.1e} rad):"
-            f" means over {turn.turns} turns, without an energy balance"
-        )
-    theory = "theory: impulses' sum for the forces; energy lost in a turn for torque and power"
-    if bends:
-        theory = "theory: none for a wire that bends, whose forces are scaled to the impulses' sum"
-    return settled, theory
+    if turn.repeats:
+        return f"turn {count} repeats the one before, but for {last:.0e} rad"
+    return (
+        f"no turn of {count} repeats the one before (the last one differs by {last:.1e} rad):"
+        f" means over {len(turn.runs)} turns, without an energy balance"
+    )
