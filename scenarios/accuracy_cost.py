@@ -6,17 +6,35 @@ times, all methods in turn. The table compares our CPU time (simulated) with the
 """
 
 import sys
+from typing import TYPE_CHECKING
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effort
 from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure, study
+from bristle_sim.comparison import Report
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def run(effort: Effort) -> Report:
+    """Measure error and CPU time of every method at every setting."""
+    from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
+
+    return accuracy_cost(effort)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the error over the CPU time."""
+    from bristle_sim.render.cost_figure import cost_figure
+
+    return cost_figure(report.subject)
+
 
 SCENARIO = Scenario(
     name="accuracy_cost",
     question="What does accuracy cost in time?",
-    parts=(Effort,),
-    run=study("benchmarks.accuracy_cost.study.accuracy_cost"),
-    plot=figure("cost_figure"),
+    run=run,
+    plot=plot,
 )
 
 if __name__ == "__main__":

@@ -7,21 +7,37 @@ contact stiffness that would keep the rigid bristle in touch for contact_duratio
 """
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure, study
+from bristle_sim.cli import Columns, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Workpart
+from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def series(report: Report) -> dict[str, Any]:
-    """The three motions, one after the other."""
+
+def run(tool: Tool, settings: Settings) -> Report:
+    """Simulate the passes of the three shapes."""
+    from bristle_sim.studies.bent_bristles import bent_bristles
+
+    return bent_bristles(tool, settings)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the three tips in touch."""
+    from bristle_sim.render.bent_figure import bent_figure
+
+    return bent_figure(report.subject)
+
+
+def series(report: Report) -> Columns:
+    """Return the three motions, one after the other."""
     runs = report.subject.trajectories
     columns: dict[str, Any] = {"shape": [shape for shape, run in runs.items() for _ in run.time]}
-    for run in runs.values():
-        for name, values in run.columns().items():
+    for motion in runs.values():
+        for name, values in motion.columns().items():
             columns.setdefault(name, []).extend(values.tolist())
     return columns
 
@@ -29,10 +45,10 @@ def series(report: Report) -> dict[str, Any]:
 SCENARIO = Scenario(
     name="bent_bristles",
     question="Reverse bent, straight, forward bent: which tip slides, which retracts at once?",
-    parts=(Hub, Belt, Bristle, Bar, Workpart, Contact, Settings),
-    run=study("studies.bent_bristles.bent_bristles"),
-    plot=figure("bent_figure"),
+    run=run,
+    plot=plot,
     series=series,
+    without=("gravity",),
     highest={"wire_links": (4, "at most 4, of which three passes take 8 s")},
     defaults={
         "hub_speed": (272.27, "Zhang 2020, fig. 1.4: 2600 rpm"),

@@ -5,21 +5,45 @@ gives force, path and energy of one event, and from them depths that can be comp
 """
 
 import sys
+from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure, series_of_contact, study
-from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub
-from bristle_sim.parameters.experiments import Crater
+from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import SHAPE_KEYS, Bristle, Crater, Hub
 from bristle_sim.settings import Settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def run(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
+    """Estimate the crater's depth by chapter 4 and from the simulated contact."""
+    from bristle_sim.studies.crater_study import crater_study
+
+    return crater_study(hub, bristle, crater, settings)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the depths by both estimates and from the simulated contact."""
+    from bristle_sim.render.crater_figure import crater_figure
+
+    return crater_figure(report.subject)
+
+
+def series(report: Report) -> Columns:
+    """Return the contact resolved in time."""
+    if report.subject.contact is None:
+        raise ValueError(report.subject.no_contact)
+    return dict(report.subject.contact.record.columns())
+
 
 SCENARIO = Scenario(
     name="crater_depth",
     question="How deep is the crater by chapter 4, and by the simulated contact?",
-    parts=(Hub, Bristle, Crater, Settings),
-    run=study("studies.crater_study.crater_study"),
-    plot=figure("crater_figure"),
-    series=series_of_contact,
-    without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
+    run=run,
+    plot=plot,
+    series=series,
+    without=("wire_diameter", *SHAPE_KEYS, "hub_turn"),
 )
 
 if __name__ == "__main__":

@@ -5,20 +5,52 @@ strike and rebound are simulated and compared with the dissertation's formulas f
 """
 
 import sys
+from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure, film, series_of_pass, study
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Contact, Hub, Tool, Workpart
+from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import Comparison, Tool
 from bristle_sim.settings import Settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from bristle_sim.render.tool_films import PassFilm
+
+
+def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
+    """Simulate the pass, and compare it with the formulas."""
+    from bristle_sim.studies.whole_pass import whole_pass
+
+    return whole_pass(tool, settings, with_reference=compared.with_reference)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the motion, and the retraction over time."""
+    from bristle_sim.render.pass_figure import pass_figure
+
+    return pass_figure(report.subject.trajectory, report.subject.tool)
+
+
+def film(report: Report, **size: int) -> "PassFilm":
+    """Film the pass."""
+    from bristle_sim.render.tool_films import PassFilm
+
+    return PassFilm(report.subject.trajectory, report.subject.tool, **size)
+
+
+def series(report: Report) -> Columns:
+    """Return the simulated motion."""
+    return dict(report.subject.trajectory.columns())
+
 
 SCENARIO = Scenario(
     name="cue_and_impact",
     question="From bar to rebound: does the cued tool do what the formulas say?",
-    parts=(Hub, Belt, Bristle, Bar, Workpart, Contact, Tool, Settings, Comparison),
-    run=study("studies.whole_pass.whole_pass"),
-    plot=figure("pass_figure", "trajectory", "tool"),
-    video=film("tool_films.PassFilm", "trajectory", "tool"),
-    series=series_of_pass,
+    run=run,
+    plot=plot,
+    film=film,
+    series=series,
     highest={"wire_links": (16, "at most 16; the strike of more is beyond the 500,000 engine steps of a run")},
 )
 

@@ -6,34 +6,47 @@ formula and its printed position.
 """
 
 import sys
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import study
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Tool, Workpart
+from bristle_sim.parameters import SHAPE_KEYS, Comparison, MapGrid, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.cue_map import MapGrid
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
-def plot(report: Report, path: Path) -> None:
+def run(tool: Tool, settings: Settings, compared: Comparison, grid: MapGrid) -> Report:
+    """Search the directions of the bar, and compare them with the formula and with print."""
+    from bristle_sim.studies.cue_map import cue_map
+
+    return cue_map(tool, settings, grid, with_reference=compared.with_reference)
+
+
+def plot(report: Report) -> "Figure":
     """Draw maps of lag, tip speed, normal work and crater depth over the bar's position."""
     from bristle_sim.render.map_figure import map_figure
-    from bristle_sim.render.style import save_figure
     from bristle_sim.studies.cue_map import position_map
 
     found = report.subject
-    save_figure(map_figure(found, position_map(found.tool, found.settings, found.grid)), path)
+    return map_figure(found, position_map(found.tool, found.settings, found.grid))
+
+
+def tool(report: Report) -> Tool:
+    """Return the tool with its bar where the bristle strikes radially."""
+    from bristle_sim.studies.bar_search import placed
+
+    return placed(report.subject.tool, report.subject.radial.direction)
 
 
 SCENARIO = Scenario(
     name="cue_map",
     question="Where must the bar stand for a radial strike, and where for the fastest tip?",
-    parts=(Hub, Belt, Bristle, Bar, Workpart, Tool, Settings, Comparison, MapGrid),
-    run=study("studies.cue_map.cue_map"),
+    run=run,
     plot=plot,
-    without=("knee_position", "knee_angle_deg"),
-    highest={"wire_links": (2, "at most 2, with which the directions alone take 24 s and 40 passes")},
+    tool=tool,
+    without=(*SHAPE_KEYS, "contact", "contact_duration"),
     defaults={
         "reference": ("yes", "chosen: the roots are found a second time in the independent solution"),
         "accuracy": (1e-9, "chosen: the roots are found to 1e-6"),

@@ -9,12 +9,18 @@ import sys
 from pathlib import Path
 
 from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import study
 from bristle_sim.comparison import Report
 from bristle_sim.dissertation.figures import Selection
 
 
-def plot(report: Report, target: Path) -> None:
+def run(selection: Selection) -> Report:
+    """Compute the figures' curves and the simulated points on them."""
+    from bristle_sim.dissertation.figures import figures_report
+
+    return figures_report(selection)
+
+
+def plots(report: Report, target: Path) -> None:
     """Draw one picture a figure, named after its number, or one page a figure."""
     from bristle_sim.render.dissertation_figures import save_figures
 
@@ -24,10 +30,8 @@ def plot(report: Report, target: Path) -> None:
 SCENARIO = Scenario(
     name="dissertation_figures",
     question="Do simulated impacts and printed equations lie on the dissertation's curves?",
-    parts=(Selection,),
-    run=study("dissertation.figures.figures_report"),
-    plot=plot,
-    plot_is_folder=True,
+    run=run,
+    plots=plots,
     options=("only",),
 )
 

@@ -5,26 +5,53 @@ the rigid bristle in touch for contact_duration; a strike of 50 us is over befor
 """
 
 import sys
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import film, study
+from bristle_sim.cli import Columns, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, Comparison, ContactStiffness, Hub, Strike, Surface
 from bristle_sim.settings import Settings
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def plot(report: Report, path: Path) -> None:
+    from bristle_sim.render.wire_film import WireFilm
+
+
+def run(
+    hub: Hub,
+    belt: Belt,
+    bristle: Bristle,
+    strike: Strike,
+    surface: Surface,
+    stiffness: ContactStiffness,
+    settings: Settings,
+    compared: Comparison,
+) -> Report:
+    """Strike once with a wire of links, and compare it with the beam and with the rigid bristle."""
+    from bristle_sim.studies.flexible_wire import flexible_wire
+
+    return flexible_wire(
+        hub, belt, bristle, strike, surface, stiffness, settings, with_reference=compared.with_reference
+    )
+
+
+def plot(report: Report) -> "Figure":
     """Draw the force over time, and what contact stiffness and number of links change."""
-    from bristle_sim.render.style import save_figure
     from bristle_sim.render.wire_figure import wire_figure
     from bristle_sim.studies.flexible_wire import wire_study
 
-    save_figure(wire_figure(report.subject, wire_study(report.subject.strike)), path)
+    return wire_figure(report.subject, wire_study(report.subject.strike))
 
 
-def series(report: Report) -> dict[str, Any]:
+def film(report: Report, **size: int) -> "WireFilm":
+    """Film the wave that bends the wire."""
+    from bristle_sim.render.wire_film import WireFilm
+
+    return WireFilm(report.subject, **size)
+
+
+def series(report: Report) -> Columns:
     """Return the contact in time."""
     return dict(report.subject.wire.contact.columns())
 
@@ -32,12 +59,11 @@ def series(report: Report) -> dict[str, Any]:
 SCENARIO = Scenario(
     name="flexible_wire",
     question="One strike of a wire that bends: what does the rigid bristle overstate?",
-    parts=(Hub, Belt, Bristle, Strike, Surface, ContactStiffness, Settings, Comparison),
-    run=study("studies.flexible_wire.flexible_wire"),
+    run=run,
     plot=plot,
-    video=film("wire_film.WireFilm"),
+    film=film,
     series=series,
-    without=("knee_position", "knee_angle_deg", "step", "hub_turn"),
+    without=("knee_position", "knee_angle_deg", "hub_turn"),
     highest={"wire_links": (32, "at most 32, whose strike takes 2 s; a strike of 64 does not finish")},
     defaults={
         "wire_links": (8, "chosen: impulse and peak force are within 0.3 % of those of more links"),

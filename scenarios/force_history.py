@@ -7,21 +7,47 @@ above any zero, units are read from headings, ``time_column`` and ``force_column
 """
 
 import sys
+from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure, series_of_contact, study
-from bristle_sim.parameters import WIRE_KEYS, Bristle, Hub, Surface
-from bristle_sim.parameters.experiments import ForceHistory, Measurement
+from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import SHAPE_KEYS, Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def run(
+    hub: Hub, bristle: Bristle, surface: Surface, history: ForceHistory, measurement: Measurement, settings: Settings
+) -> Report:
+    """Compare the simulated contact force with the curve of chapter 3, or with one that was measured."""
+    from bristle_sim.studies.force_comparison import force_comparison
+
+    return force_comparison(hub, bristle, surface, history, measurement, settings)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the forces over time."""
+    from bristle_sim.render.force_figure import force_figure
+
+    return force_figure(report.subject)
+
+
+def series(report: Report) -> Columns:
+    """Return the contact resolved in time."""
+    if report.subject.contact is None:
+        raise ValueError(report.subject.no_contact)
+    return dict(report.subject.contact.record.columns())
+
 
 SCENARIO = Scenario(
     name="force_history",
     question="Does a simulated contact push as the force curve of chapter 3 assumes?",
-    parts=(Hub, Bristle, Surface, ForceHistory, Measurement, Settings),
-    run=study("studies.force_comparison.force_comparison"),
-    plot=figure("force_figure"),
-    series=series_of_contact,
-    without=("wire_diameter", "knee_position", "knee_angle_deg", *WIRE_KEYS, "step", "hub_turn"),
+    run=run,
+    plot=plot,
+    series=series,
+    without=("wire_diameter", *SHAPE_KEYS, "hub_turn"),
 )
 
 if __name__ == "__main__":

@@ -8,13 +8,20 @@ import sys
 
 from bristle_sim.benchmarks.hard_cases.report import HardCaseChoice
 from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import study
+from bristle_sim.comparison import Report
+
+
+def run(chosen: HardCaseChoice) -> Report:
+    """Try the cases, and compare what was reached with what is promised."""
+    from bristle_sim.benchmarks.hard_cases.report import hard_cases
+
+    return hard_cases(chosen)
+
 
 SCENARIO = Scenario(
     name="hard_cases",
     question="Does it stay stable where it is hard?",
-    parts=(HardCaseChoice,),
-    run=study("benchmarks.hard_cases.report.hard_cases"),
+    run=run,
 )
 
 if __name__ == "__main__":

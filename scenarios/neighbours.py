@@ -5,27 +5,43 @@ workpart. Bristles that touch no other one are copies of a single pass, from whi
 """
 
 import sys
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import film, study
+from bristle_sim.cli import Columns, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Comparison, Hub, Neighbours, Workpart
+from bristle_sim.parameters import SHAPE_KEYS, Comparison, Neighbours, Tool
 from bristle_sim.settings import Settings
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
-def plot(report: Report, path: Path) -> None:
+    from bristle_sim.render.tool_films import RowFilm
+
+
+def run(tool: Tool, row: Neighbours, settings: Settings, compared: Comparison) -> Report:
+    """Simulate the row, and search the least pitches."""
+    from bristle_sim.studies.neighbours import neighbours
+
+    return neighbours(tool, row, settings, with_reference=compared.with_reference)
+
+
+def plot(report: Report) -> "Figure":
     """Draw the row at its first touch, and the strike over the pitch with the least pitches."""
     from bristle_sim.render.neighbours_figure import neighbours_figure, pitches_to_draw
-    from bristle_sim.render.style import save_figure
     from bristle_sim.studies.neighbours import over_pitch
 
     pitches = pitches_to_draw(report.subject)
-    save_figure(neighbours_figure(report.subject, pitches, over_pitch(report.subject, pitches)), path)
+    return neighbours_figure(report.subject, pitches, over_pitch(report.subject, pitches))
 
 
-def series(report: Report) -> dict[str, Any]:
+def film(report: Report, **size: int) -> "RowFilm":
+    """Film the row."""
+    from bristle_sim.render.tool_films import RowFilm
+
+    return RowFilm(report.subject, **size)
+
+
+def series(report: Report) -> Columns:
     """Return the motion of every bristle."""
     from bristle_sim.studies.neighbours import row_series
 
@@ -35,13 +51,11 @@ def series(report: Report) -> dict[str, Any]:
 SCENARIO = Scenario(
     name="neighbours",
     question="From what pitch do bristles of one plane touch each other, and what does a touch do?",
-    parts=(Hub, Belt, Bristle, Bar, Workpart, Neighbours, Settings, Comparison),
-    run=study("studies.neighbours.neighbours"),
+    run=run,
     plot=plot,
-    video=film("tool_films.RowFilm"),
+    film=film,
     series=series,
-    without=("knee_position", "knee_angle_deg", "step"),
-    highest={"wire_links": (4, "at most 4, of which two bristles take 15 s, and minutes to find the pitches")},
+    without=(*SHAPE_KEYS, "contact", "contact_duration", "gravity"),
 )
 
 if __name__ == "__main__":

@@ -5,21 +5,55 @@ reaches the tangent of the impact angle.
 """
 
 import sys
+from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure_of_impact, film_of_impact, series_of_impact, study
+from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.settings import Settings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from bristle_sim.render.impact_film import ImpactFilm
+
+
+def run(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
+    """Let the rod strike, and compare the impact with the closed form."""
+    from bristle_sim.studies.impacts import single_pendulum
+
+    return single_pendulum(pendulum, surface, contact, settings)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the impact and the families that it belongs to, whose points are simulated for the picture."""
+    from bristle_sim.dissertation.impact_families import impact_families
+    from bristle_sim.render.impact_figure import impact_figure
+
+    return impact_figure(report.subject, impact_families(report.subject))
+
+
+def film(report: Report, **size: int) -> "ImpactFilm":
+    """Film the impact in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
+    from bristle_sim.render.impact_film import ImpactFilm
+    from bristle_sim.studies.timed_contact import with_visible_contact
+
+    return ImpactFilm(with_visible_contact(report.subject), **size)
+
+
+def series(report: Report) -> Columns:
+    """Return the impact in time, where its law resolves it."""
+    return dict(report.subject.strikes[report.subject.law].contact.columns())
+
 
 SCENARIO = Scenario(
     name="single_pendulum",
     question="Stronge's single pendulum: does the simulated impact follow the closed form?",
-    parts=(SinglePendulum, Surface, Contact, Settings),
-    run=study("studies.impacts.single_pendulum"),
-    plot=figure_of_impact,
-    video=film_of_impact,
-    series=series_of_impact,
-    without=("step", "hub_turn"),
+    run=run,
+    plot=plot,
+    film=film,
+    series=series,
+    without=("hub_turn",),
 )
 
 if __name__ == "__main__":

@@ -6,20 +6,37 @@ of the printed inputs explains where the printed numbers differ from the compute
 """
 
 import sys
+from typing import TYPE_CHECKING
 
 from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure, study
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import SHAPE_KEYS, Sampling, Spreads, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.tolerances import Sampling, Spreads
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def run(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
+    """Simulate tools whose inputs spread, and find which input makes the strike spread."""
+    from bristle_sim.studies.tolerances import tolerances
+
+    return tolerances(tool, spreads, sampling, settings)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the spread of each output and its causes."""
+    from bristle_sim.render.tolerance_figure import tolerance_figure
+
+    return tolerance_figure(report.subject)
+
 
 SCENARIO = Scenario(
     name="tolerances",
     question="Which tolerance matters, and how far does the strike spread?",
-    parts=(Hub, Belt, Bristle, Bar, Workpart, Tool, Settings, Spreads, Sampling),
-    run=study("studies.tolerances.tolerances"),
-    plot=figure("tolerance_figure"),
-    without=("knee_position", "knee_angle_deg"),
+    run=run,
+    plot=plot,
+    without=(*SHAPE_KEYS, "contact", "contact_duration"),
 )
 
 if __name__ == "__main__":

@@ -6,29 +6,45 @@ cell of finite bandwidth is a band.
 """
 
 import sys
-from typing import Any
+from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
-from bristle_sim.cli.scenario import figure, study
+from bristle_sim.cli import Columns, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import WIRE_KEYS, Bar, Belt, Bristle, Hub, Workpart
+from bristle_sim.parameters import WIRE_KEYS, Assembly, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.whole_tool import Assembly, load_cell_series
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
-def series(report: Report) -> dict[str, Any]:
+def run(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
+    """Turn one bristle until its motion repeats, and sum the forces of all."""
+    from bristle_sim.studies.whole_tool import whole_tool
+
+    return whole_tool(tool, assembly, settings)
+
+
+def plot(report: Report) -> "Figure":
+    """Draw the force of one bristle, and of all behind the load cell."""
+    from bristle_sim.render.whole_tool_figure import whole_tool_figure
+
+    return whole_tool_figure(report.subject)
+
+
+def series(report: Report) -> Columns:
     """Return the force behind the load cell, from one bristle to the next."""
+    from bristle_sim.studies.whole_tool import load_cell_series
+
     return load_cell_series(report.subject)
 
 
 SCENARIO = Scenario(
     name="whole_tool",
     question="What does a hand hold against, and what does a load cell see?",
-    parts=(Hub, Belt, Bristle, Bar, Workpart, Assembly, Settings),
-    run=study("studies.whole_tool.whole_tool"),
-    plot=figure("whole_tool_figure"),
+    run=run,
+    plot=plot,
     series=series,
-    without=("step", "hub_turn", *WIRE_KEYS),
+    without=(*WIRE_KEYS, "contact", "contact_duration", "gravity", "hub_turn"),
     defaults={"accuracy": (1e-8, "chosen: forces and power are compared to 1e-6")},
 )
 

@@ -39,6 +39,7 @@ class Range:
         usual: smallest and largest size that draws no warning; None for those within a factor of 100 of the default.
         needs: a condition on another key without which this one has no effect, such as ``contact = compliant``.
         whole: whether it must be a whole number, which is then kept as an int.
+        mistaken: a value that is likely a mistake, and why.
     """
 
     key: str
@@ -52,6 +53,7 @@ class Range:
     usual: tuple[float, float] | None = None
     needs: str = ""
     whole: bool = False
+    mistaken: tuple[float, str] | None = None
 
     @property
     def allowed(self) -> str:
@@ -155,6 +157,39 @@ def _registry() -> Any:
     return registry
 
 
+MISTAKEN = 0.02  # a value this close to a likely mistake, relative, is taken for it
+
+
+def unusual_value(declared: Any, default: Any, value: Any, text: str = "") -> str:
+    """Return a line that says why a value is unusual, with the unit that may have been meant; empty where it is usual.
+
+    ``text`` is the value as typed; a bare number may have been meant in another unit.
+    """
+    if not isinstance(declared, Range) or value is None:
+        return ""
+    unit = "" if declared.unit == "1" else f" {declared.unit}"
+    named = f"{declared.key} = {value:.6g}{unit}"
+    if declared.mistaken is not None and math.isclose(value, declared.mistaken[0], rel_tol=MISTAKEN):
+        return f"{named} is {declared.mistaken[1]}"
+    if not declared.unusual(value, default):
+        return ""
+    ratio = f" is {value / default:.3g} times the default, {default:.6g}{unit}" if default else " is unusual"
+    return f"{named}{ratio}{_meant_unit(declared, text or repr(value), default)}"
+
+
+def _meant_unit(declared: Range, text: str, default: float | None) -> str:
+    """Suggest the unit of a bare number that would bring it within a factor of ten of the default."""
+    try:
+        number = float(text)
+    except ValueError:  # it has a unit already
+        return ""
+    for unit in TYPICAL_UNITS:
+        size = conversion(unit, declared.unit) or 1.0
+        if default and size != 1.0 and 0.1 <= abs(number * size / default) <= 10.0:
+            return f"; if it was meant in {unit}: {declared.key}='{text.strip()} {unit}'"
+    return ""
+
+
 @dataclass(frozen=True, slots=True)
 class Choice:
     """A declared word out of a few."""
@@ -207,10 +242,11 @@ def quantity(
     usual: tuple[float, float] | None = None,
     needs: str = "",
     whole: bool = False,
+    mistaken: tuple[float, str] | None = None,
 ) -> Any:
     """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` includes it.
 
-    A default of None makes the parameter optional. ``meaning``, ``usual``, ``needs`` and ``whole`` are those of
+    A default of None makes the parameter optional. ``meaning``, ``usual``, ``needs``, ``whole`` and ``mistaken`` are those of
     :class:`Range`; unit, meaning and range are the glossary's unless given.
     """
     if above is not None and at_least is not None:
@@ -219,7 +255,7 @@ def quantity(
     lowest = next(each for each in (above, at_least, known.lowest) if each is not None)
     highest = known.highest if at_most is None else at_most
     allowed = above is None and (known.lowest_allowed or at_least is not None)
-    words = (source, default is None, meaning or known.meaning, usual, needs, whole)
+    words = (source, default is None, meaning or known.meaning, usual, needs, whole, mistaken)
     return _declared(default, Range(key, unit or known.unit, lowest, highest, allowed, *words))
 
 

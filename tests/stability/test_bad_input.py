@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import importlib
 import json
 import math
@@ -111,7 +112,8 @@ TEXTS = ("True", "None", "1j", "[0.5]", "1" + 400 * "0", "-1" + 400 * "0", "\u06
 def test_no_text_gets_through(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Every key of every script refuses before anything is computed; one line, however long the text."""
 
-    def idle(_: object) -> Report:
+    @functools.wraps(scenario(path).run)
+    def idle(**_: object) -> Report:
         raise AssertionError("ran")
 
     script = dataclasses.replace(scenario(path), run=idle)

@@ -1,6 +1,6 @@
 """The command line that every scenario script shares: keys, table, JSON, CSV, picture, video and exit status."""
 
 from bristle_sim.cli.main import main
-from bristle_sim.cli.scenario import Scenario, build, build_tool
+from bristle_sim.cli.scenario import Columns, Scenario
 
-__all__ = ["Scenario", "build", "build_tool", "main"]
+__all__ = ["Columns", "Scenario", "main"]

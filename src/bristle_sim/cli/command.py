@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import bristle_sim
-from bristle_sim.cli.main import BAD_INPUT, say, tell
+from bristle_sim.cli.main import BAD_INPUT
 from bristle_sim.cli.main import main as run
+from bristle_sim.cli.output import say, tell
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.tool_file import likely_key
 

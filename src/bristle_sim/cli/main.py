@@ -1,30 +1,30 @@
-"""Run a scenario from the command line: options, order of work, table, JSON and CSV, interruption, exit status."""
+"""Run a scenario from the command line: options, order of work, interruption, exit status."""
 
 from __future__ import annotations
 
 import argparse
-import csv
-import json
-import logging
-import math
 import os
+import re
 import shlex
 import sys
-import textwrap
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from bristle_sim import __version__
 from bristle_sim.cli.ending import ending_in_order
-from bristle_sim.cli.scenario import Columns, Scenario, Values, warnings_of
-from bristle_sim.comparison import WIDTH, Report, Unfinished, finite, table
+from bristle_sim.cli.output import csv_text, document, in_words, progress, say, tell
+from bristle_sim.cli.scenario import Scenario, Values, tool_of
+from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.files import checked_target, complete_or_absent, is_special
-from bristle_sim.parameters import PARTS
+from bristle_sim.tool_file import write_tool
 
-PICTURES = (".png", ".svg", ".pdf")
-VIDEOS = (".mp4", ".gif")
+KINDS = {
+    "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "report": (".html",),
+    "write_tool": (".toml",),
+}  # fmt: skip
+"""Suffixes of the files that an option may name; none admits any."""
+
+ON_STANDARD_OUTPUT = ("json", "csv")  # options that take - for it
 
 MISSED, BAD_INPUT, INTERRUPTED = 1, 2, 130  # exit statuses; the last is a shell's after SIGINT
 
@@ -37,7 +37,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
     arguments, warnings = sys.argv[1:] if arguments is None else arguments, list[str]()
     command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
     program = program or f"{scenario.name}.py"
-    with ending_in_order(), _progress_on_a_terminal(program):
+    with ending_in_order(), progress(program):
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
@@ -49,7 +49,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 from_file, warnings = scenario.assignments_from(options.parameters)
                 options.set = [*from_file, *options.set]
             values = scenario.values_of(options.set)
-            warnings += warnings_of(scenario, options.set, values)
+            warnings += scenario.warnings_of(options.set, values)
             status = _answer(scenario, options, values, command)
         except (ValueError, OSError) as error:
             line = "; ".join([" ".join(str(error).split()), *warnings])
@@ -65,26 +65,108 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
 
 def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, command: str) -> int:
+    """Run the scenario, write the requested files, print the answer; return the exit status."""
     targets = _targets(scenario, options, values)
     try:
         report, status = _run(scenario, values, options.set), 0
     except Unfinished as interruption:
         report, status = interruption.report, INTERRUPTED
-    if not status:
-        _draw(scenario, report, targets)
-        if (page := targets["report"]) is not None:
-            from bristle_sim.render.report import write_report
-
-            shown = {name: getattr(scenario, name) for name in ("name", "question", "plot", "plot_is_folder")}
-            parameters = [(declared, values[key], default) for key, (declared, default) in scenario.keys().items()]
-            write_report(page, report, command=command, parameters=parameters, video=targets["video"], **shown)
-            tell(f"--report: wrote {page}")
-    text = document(scenario, values, report, finished=not status)
+    text = document(scenario.name, values, report, finished=not status)
+    series = "" if status else _write_files(scenario, report, values, targets, options, command)
     if (target := targets["json"]) is not None:
-        with complete_or_absent(target) as partial:
-            partial.write_text(text + "\n", encoding="utf-8")
-    say(text if options.json == "-" else in_words(report))
+        _written("json", target, lambda: _write_text(target, text + "\n"))
+    say(text if options.json == "-" else series if options.csv == "-" else in_words(report))
     return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
+
+
+def _run(scenario: Scenario, values: Values, assignments: Sequence[str]) -> Report:
+    try:
+        return scenario.answer(values)
+    except ArithmeticError as error:
+        if not assignments:
+            raise
+        raise ValueError(f"{', '.join(assignments)}: must be less extreme ({error})") from error
+
+
+def _write_files(
+    scenario: Scenario,
+    report: Report,
+    values: Values,
+    targets: dict[str, Path | None],
+    options: argparse.Namespace,
+    command: str,
+) -> str:
+    """Write all files but the JSON; return the time series, which is computed first, since it may be refused."""
+    series = csv_text(scenario.series(report)) if scenario.series is not None and options.csv is not None else ""
+
+    def make_page(path: Path) -> None:
+        from bristle_sim.render.report import write_report
+
+        write_report(
+            path,
+            report,
+            name=scenario.name,
+            question=scenario.question,
+            command=command,
+            parameters=[(declared, values[key], default) for key, (declared, default) in scenario.keys().items()],
+            plot=_draw(scenario),
+            plot_is_folder=scenario.plots is not None,
+            video=targets["video"],
+        )
+
+    def make_film(path: Path) -> None:
+        if scenario.film is not None:
+            scenario.film(report, **(options.size or {})).write(path, **({"fps": options.fps} if options.fps else {}))
+
+    def make_plot(path: Path) -> None:
+        if (draw := _draw(scenario)) is not None:
+            draw(report, path)
+
+    def make_tool(path: Path) -> None:
+        write_tool(tool_of(values) if scenario.tool is None else scenario.tool(report), path)
+
+    makers: dict[str, Callable[[Path], None]] = {
+        "plot": make_plot,
+        "video": make_film,
+        "csv": lambda path: _write_text(path, series),
+        "write_tool": make_tool,
+        "report": make_page,
+    }
+    for option, make in makers.items():
+        if (target := targets[option]) is not None:
+            _written(option, target, lambda make=make, target=target: make(target))  # type: ignore[misc]
+            tell(f"{_flag(option)}: wrote {target}")
+    return series.removesuffix("\n")
+
+
+def _draw(scenario: Scenario) -> Callable[[Report, Path], None] | None:
+    """Return the function that draws a report's figure, or figures, to a path."""
+    if (plot := scenario.plot) is None:
+        return scenario.plots
+
+    def draw(report: Report, path: Path) -> None:
+        from bristle_sim.render.style import save_figure
+
+        save_figure(plot(report), path)
+
+    return draw
+
+
+def _written(option: str, target: Path, write: Callable[[], None]) -> None:
+    """Write a file; an error names option and file."""
+    try:
+        write()
+    except OSError as error:
+        raise OSError(f"{_flag(option)} = {str(target)!r}: {error.strerror or error}") from error
+
+
+def _write_text(target: Path, text: str) -> None:
+    with complete_or_absent(target) as partial:
+        partial.write_text(text, encoding="utf-8", newline="")
+
+
+def _flag(option: str) -> str:
+    return f"--{option.replace('_', '-')}"
 
 
 def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) -> dict[str, Path | None]:
@@ -92,48 +174,32 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
 
     A device such as /dev/null may serve several options.
     """
-    folder = scenario.plot_is_folder and not (options.plot or "").lower().endswith(".pdf")
-    kinds = {"plot": PICTURES, "video": VIDEOS, "csv": (), "report": (".html",), "json": ()}
-    found: dict[str, Path | None] = {}
-    for name, suffixes in kinds.items():
+    found = dict.fromkeys(KINDS, None) | dict[str, Path | None]()
+    if options.json == options.csv == "-":
+        raise ValueError("--csv = '-': must be a file where --json is on standard output")
+    if options.video is None and (options.size or options.fps):
+        raise ValueError("--size, --fps: must be given with --video")
+    for name, suffixes in KINDS.items():
         path = getattr(options, name)
-        named = path is not None and (name, path) != ("json", "-")
-        whole = name == "plot" and folder
-        found[name] = checked_target(path, suffixes, option=f"--{name}", folder=whole) if named else None
+        if path is None or (path == "-" and name in ON_STANDARD_OUTPUT):
+            continue
+        suffix = Path(path).suffix.lower()
+        folder = name == "plot" and scenario.plots is not None and suffix != ".pdf"
+        if folder and suffix in suffixes:
+            raise ValueError(f"--plot = {path!r}: must be a folder, or a file name that ends in .pdf")
+        any_kind = suffixes if name != "csv" or not is_special(Path(path)) else ()
+        found[name] = checked_target(path, any_kind, option=_flag(name), folder=folder)
     inputs = [(key, values[key]) for key, (declared, _) in scenario.keys().items() if declared.unit == "file"]
     seen: dict[str, str] = {}
-    outputs = [(f"--{name}", path) for name, path in found.items()]
-    for option, path in [("--parameters", options.parameters), *inputs, *outputs]:
-        if path is None or is_special(Path(path)):
+    outputs = [(_flag(name), path) for name, path in found.items()]
+    for option, named in [("--parameters", options.parameters), *inputs, *outputs]:
+        if named is None or is_special(Path(named)):
             continue
-        place = os.path.realpath(path)
+        place = os.path.realpath(named)
         if place in seen:
-            raise ValueError(f"{option} = {str(path)!r}: must be another file than that of {seen[place]}")
+            raise ValueError(f"{option} = {str(named)!r}: must be another file than that of {seen[place]}")
         seen[place] = option
     return found
-
-
-def _run(scenario: Scenario, values: Values, assignments: Sequence[str]) -> Report:
-    try:
-        return scenario.run(values)
-    except ArithmeticError as error:
-        if not assignments:
-            raise
-        raise ValueError(f"{', '.join(assignments)}: must be less extreme ({error})") from error
-
-
-def _draw(scenario: Scenario, report: Report, targets: dict[str, Path | None]) -> None:
-    """Write picture, video and time series; the series is computed first, since it may be refused."""
-    target = targets["csv"]
-    columns = scenario.series(report) if scenario.series is not None and target is not None else {}
-    for option, draw in (("plot", scenario.plot), ("video", scenario.video)):
-        path = targets[option]
-        if draw is not None and path is not None:
-            draw(report, path)
-            tell(f"--{option}: wrote {path}")
-    if target is not None:
-        write_csv(target, columns)
-        tell(f"--csv: wrote {target}")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -152,22 +218,22 @@ def _parser(scenario: Scenario, program: str) -> _Parser:
     parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
     words = "override a parameter, in SI units or with a unit (27mm); the last of a key counts"
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
-    where = "FOLDER|FILE.pdf" if scenario.plot_is_folder else "FILE"
-    for name, offered, what, words in (
-        (
-            "parameters",
-            any(kinds[0] in scenario.parts for kinds in PARTS.values()),
-            "FILE.toml",
-            "read the tool from a file; --set overrides it",
-        ),
-        ("json", True, "FILE", "write the results as JSON; - for standard output"),
-        ("csv", scenario.series, "FILE", "write the time series, one row a sample"),
-        ("plot", scenario.plot, where, "draw a figure (png, svg, pdf)"),
-        ("video", scenario.video, "FILE", "render a video (mp4, gif)"),
-        ("report", True, "FILE.html", "write a page with question, answer, figures and parameters"),
-    ):
+    has_tool, pictures = "hub_speed" in scenario.keys(), scenario.plot or scenario.plots  # noqa: SIM118
+    where = "FOLDER|FILE.pdf" if scenario.plots else "FILE"
+    options: tuple[tuple[str, Any, str, str, Any], ...] = (
+        ("parameters", has_tool, "FILE.toml", "read the tool from a file; --set overrides it", str),
+        ("json", True, "FILE", "write the results as JSON; - for standard output", str),
+        ("csv", scenario.series, "FILE.csv", "write the time series, one row a sample; - for standard output", str),
+        ("plot", pictures, where, "draw a figure (png, svg, pdf)", str),
+        ("video", scenario.film, "FILE", "render a video (mp4, gif)", str),
+        ("size", scenario.film, "WIDTHxHEIGHT", "of the video, in px", _size),
+        ("fps", scenario.film, "NUMBER", "pictures a second of the video", float),
+        ("report", True, "FILE.html", "write a page with question, answer, figures and parameters", str),
+        ("write_tool", has_tool, "FILE.toml", "write the tool that was run, or found", str),
+    )
+    for name, offered, what, words, kind in options:
         if offered:
-            parser.add_argument(f"--{name}", metavar=what, help=words)
+            parser.add_argument(_flag(name), metavar=what, help=words, type=kind)
         else:
             parser.set_defaults(**{name: None})
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
@@ -177,95 +243,9 @@ def _parser(scenario: Scenario, program: str) -> _Parser:
     return parser
 
 
-@contextmanager
-def _progress_on_a_terminal(program: str) -> Iterator[None]:
-    """Show what the package logs of its progress in one line of standard error, if that is a terminal."""
-    if sys.stderr is None or not sys.stderr.isatty():
-        yield
-        return
-    log, shown = logging.getLogger("bristle_sim"), logging.StreamHandler(sys.stderr)
-    shown.terminator = ""
-    shown.setFormatter(logging.Formatter(f"\r\x1b[K{program}: %(message)s"))
-    level = log.level
-    log.addHandler(shown)
-    log.setLevel(logging.INFO)
-    try:
-        yield
-    finally:
-        log.removeHandler(shown)
-        log.setLevel(level)
-        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
-
-
-def document(scenario: Scenario, values: Values, report: Report, *, finished: bool = True) -> str:
-    """Return the results as JSON, in SI units at full precision; it says so if the work was interrupted."""
-    found = {
-        "scenario": scenario.name,
-        "version": __version__,
-        "parameters": dict(values),
-        "outcome": report.outcome,
-        "quantities": [row.as_dict() for row in report.quantities],
-        "phases": list(report.phases),
-        "events": [{"name": name, "time": time} for name, time in report.events if math.isfinite(time)],
-        "cost": {"wall_s": report.wall_s, "steps": report.steps},
-        **report.extra,
-        **({} if finished else {"finished": False}),
-    }
-    return json.dumps(_plain(found), indent=1, allow_nan=False)
-
-
-def _plain(value: Any) -> Any:
-    """Turn values into JSON's own types; a number that is not finite becomes null."""
-    if isinstance(value, Mapping):
-        return {key: _plain(each) for key, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
-        return _plain(value.tolist())
-    return finite(value) if isinstance(value, float) else value
-
-
-def write_csv(path: Path, columns: Columns) -> None:
-    """Write a time series at full precision: names and units in the first row, then one row a sample."""
-    plain = [_plain(list(column)) for column in columns.values()]
-    with complete_or_absent(path) as partial, partial.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*plain, strict=True))
-
-
-def in_words(report: Report) -> str:
-    """Return the table, the outcome where the question is about an impact, and the remarks."""
-    lines = [table(report.quantities)]
-    if report.outcome is not None:
-        phases = f" ({', '.join(report.phases)})" if report.phases else ""
-        lines += ["", *_wrapped(f"outcome: {report.outcome}{phases}")]
-    elif report.remarks and report.remarks[0]:
-        lines.append("")
-    for remark in report.remarks:
-        lines += _wrapped(remark)
-    return "\n".join(lines)
-
-
-def _wrapped(remark: str) -> list[str]:
-    """Wrap a remark into lines that fit; one that is in columns or lines already stays as it is."""
-    if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
-        return [remark]
-    return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")
-
-
-def say(text: str) -> None:
-    """Print on standard output, where a reader that has seen enough, such as ``head``, is no error."""
-    try:
-        print(text, flush=True)
-    except OSError as error:
-        # Python flushes once more at exit: what is left must have somewhere to go.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        if not isinstance(error, BrokenPipeError):
-            raise OSError(f"standard output: {error.strerror}") from None
-
-
-def tell(text: str) -> None:
-    """Print on standard error if there is one; print() would take standard output in its place."""
-    if sys.stderr is not None:
-        print(text, file=sys.stderr, flush=True)
+def _size(text: str) -> dict[str, int]:
+    """Return width and height of a picture."""
+    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text)
+    if found is None:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be WIDTHxHEIGHT, such as 1280x720 (in px)")
+    return {"width": int(found[1]), "height": int(found[2])}

@@ -11,16 +11,21 @@ positive in the hub's sense of rotation; a bristle at angle phi points from its 
 from bristle_sim.parameters.experiments import (
     Comparison,
     ContactStiffness,
+    Crater,
     DoublePendulum,
+    ForceHistory,
+    Measurement,
     Neighbours,
     Release,
     SinglePendulum,
     Strike,
 )
+from bristle_sim.parameters.studies import Assembly, MapGrid, Sampling, Spreads
 from bristle_sim.parameters.tool import (
     PARTS,
     PRINTED_BELT_STIFFNESS,
     RETRACTION_AT_RELEASE,
+    SHAPE_KEYS,
     WIRE_KEYS,
     Bar,
     Belt,
@@ -34,7 +39,8 @@ from bristle_sim.parameters.tool import (
 )
 
 __all__ = [
-    "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "WIRE_KEYS", "Bar", "Belt", "Bristle", "Comparison",
-    "Contact", "ContactStiffness", "DoublePendulum", "Hub", "Neighbours", "Release", "SinglePendulum", "Strike",
-    "Surface", "Tool", "Workpart", "operating_point",
+    "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt",
+    "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "ForceHistory", "Hub", "MapGrid",
+    "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
+    "operating_point",
 ]  # fmt: skip

@@ -105,6 +105,11 @@ class Comparison(Declared):
 
     reference: str = choice("no", "reference", ("no", "yes"), source="chosen: the independent solution takes longer")
 
+    @property
+    def with_reference(self) -> bool:
+        """Whether the independent solution is requested."""
+        return self.reference == "yes"
+
 
 @dataclass(frozen=True, slots=True)
 class Text:

@@ -15,6 +15,7 @@ USUAL_HUB_SPEEDS = (1.0, 1500.0)  # 10 to 14 000 rpm in rad/s: a speed typed in 
 
 RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
 WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
+SHAPE_KEYS = ("knee_position", "knee_angle_deg", *WIRE_KEYS)  # keys of a wire that is not one straight rod
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,10 @@ class Belt(Declared):
         math.degrees(PRINTED_BELT_STIFFNESS),
         "belt_stiffness",
         source="Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
+        mistaken=(
+            PRINTED_BELT_STIFFNESS,
+            "the number in print, which is per degree: belt_stiffness='0.00041 N m/deg'",
+        ),
     )
     damping_ratio: float = quantity(0.0, "belt_damping_ratio", source="undamped as in Zhang 2020")
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bristle_sim.comparison import Report, Values, rows
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
@@ -34,7 +34,6 @@ from bristle_sim.studies.bar_search import (
 from bristle_sim.studies.inertia_driven import shared_budget
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
-from bristle_sim.units import Declared, count, quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -62,25 +61,6 @@ USUAL_PASSES = 12
 
 MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_ratio": (0.05, 0.1)}
 """Where the answer is found again: factors on the tool's own value, and the damping ratios themselves."""
-
-
-@dataclass(frozen=True, slots=True)
-class MapGrid(Declared):
-    """Resolution of the maps, and the processes that compute them."""
-
-    points: int = count(
-        25, "map_points", at_least=2, at_most=2000, source="chosen", meaning="points of each axis of the maps"
-    )
-    half_width: float = quantity(
-        0.008,
-        "map_half_width",
-        "m",
-        above=0.0,
-        at_most=1e3,
-        source="chosen",
-        meaning="half-width of the maps about the bar's position",
-    )
-    workers: int = count(1, "workers", at_least=1, at_most=64, source="chosen", meaning="processes for the maps")
 
 
 @dataclass(frozen=True, slots=True)

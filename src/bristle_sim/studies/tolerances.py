@@ -24,12 +24,12 @@ from scipy.stats import sobol_indices, uniform
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Sampling, Spreads, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.printed_rounding import Measures, propagated, rounding_remarks, rounding_rows
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys
 from bristle_sim.tool_file import tool_keys
-from bristle_sim.units import ANY, Declared, Range, count, quantity, validate
+from bristle_sim.units import Range
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
@@ -38,62 +38,6 @@ ENDS = (50.0 * (1.0 - 0.95), 50.0 * (1.0 + 0.95))
 
 RESAMPLES = 200
 """Bootstrap resamples; the ends of a 95 % interval then rest on five of them each."""
-
-FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
-
-
-def _spread(default: float, key: str, unit: str, source: str) -> Any:
-    meaning = f"half-width of the interval of {key}"
-    return quantity(
-        default, f"spread_{key}", unit, at_least=0.0, at_most=1e6, source=source, meaning=meaning, usual=ANY
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Spreads(Declared):
-    """Half-widths of the inputs' intervals, in the inputs' units; an input with 0 stays at its value."""
-
-    hub_speed: float = _spread(2.618, "hub_speed", "rad/s", "assumed: 1 %, a hand-held drive under load")
-    hub_radius: float = _spread(1e-4, "hub_radius", "m", f"{FINE}, 6 to 30 mm: a turned part")
-    bristle_length: float = _spread(2e-4, "bristle_length", "m", f"{MEDIUM}, 6 to 30 mm: cut wire")
-    bristle_mass: float = _spread(2.4e-6, "bristle_mass", "kg", "of a wire drawn to 0.01 mm: 2.8 %")
-    wire_diameter: float = _spread(1e-5, "wire_diameter", "m", "assumed: wire drawn to 0.01 mm")
-    belt_stiffness: float = _spread(1.2e-3, "belt_stiffness", "N m/rad", "assumed: 5 % between belts")
-    belt_damping_ratio: float = _spread(0.01, "belt_damping_ratio", "1", "assumed: 0.018 explains the printed speed")
-    bar_radius: float = _spread(5e-5, "bar_radius", "m", f"{FINE}, 3 to 6 mm: a turned part")
-    bar_horizontal: float = _spread(1.5e-4, "bar_horizontal", "m", f"{FINE}, 30 to 120 mm")
-    bar_vertical: float = _spread(1e-4, "bar_vertical", "m", f"{FINE}, 6 to 30 mm")
-    penetration: float = _spread(5e-4, "penetration", "m", "assumed: a tool guided by hand")
-    friction: float = _spread(0.05, "friction", "1", "assumed: dry steel on steel")
-    restitution: float = _spread(0.05, "restitution", "1", "assumed: between places of a workpart")
-
-
-@dataclass(frozen=True, slots=True)
-class Sampling:
-    """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.
-
-    In a Sobol sequence of 26 dimensions, two for each of 13 inputs, the first 64 points leave pairs of dimensions correlated:
-    indices are then off by up to 0.4, which no bootstrap sees; with 128 by 0.2, with 256 by 0.1, with 512 by 0.03 (tried on
-    a linear model).
-    """
-
-    samples: int = count(
-        256,
-        "samples",
-        at_least=2,
-        at_most=2**24,
-        source="chosen; fewer give poor indices",
-        meaning="points of the Sobol sequence, a power of 2",
-    )
-    seed: int = count(1, "seed", at_least=0, at_most=2**32 - 1, source="chosen", meaning="of the sequence's scrambling")
-    workers: int = count(
-        1, "workers", at_least=1, at_most=64, source="chosen", meaning="processes that simulate the passes"
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        if self.samples & (self.samples - 1):
-            raise ValueError(f"samples = {self.samples:g}: must be a power of 2 (dimensionless)")
 
 
 @dataclass(frozen=True, slots=True)

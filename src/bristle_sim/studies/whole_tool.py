@@ -14,12 +14,11 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
 from bristle_sim.studies.strike_point import ran
 from bristle_sim.studies.turn_forces import Force, Impulse, SampledForce, dissipated, load_cell_response, turn_forces
-from bristle_sim.units import Declared, count, quantity
 
 LEAST_TOLERANCE = 1e-6
 """Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9."""
@@ -47,30 +46,6 @@ UNITS = {
     "force_envelope_low": ("load cell's 5 % percentile", "N"),
     "force_envelope_high": ("load cell's 95 % percentile", "N"),
 }
-
-
-@dataclass(frozen=True, slots=True)
-class Assembly(Declared):
-    """How many bristles the tool has, and the load cell under the workpart."""
-
-    bristles: int = count(
-        42,
-        "bristles",
-        at_least=1,
-        at_most=10_000,
-        source="chosen: six staggered rows of seven, which do not touch each other",
-        meaning="number of bristles, evenly spaced about the hub",
-        usual=None,
-    )
-    bandwidth: float = quantity(
-        1000.0,
-        "load_cell_bandwidth",
-        "Hz",
-        at_least=1e-3,
-        at_most=1e5,
-        source="chosen: a stiff load cell with a workpart on it",
-        meaning="bandwidth of the load cell under the workpart, a low-pass of second order",
-    )
 
 
 @dataclass(frozen=True, slots=True)

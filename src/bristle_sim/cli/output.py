@@ -1,0 +1,143 @@
+"""Print a scenario's answer, table and remarks, its JSON and CSV, and the progress of long work."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import logging
+import math
+import os
+import shutil
+import sys
+import textwrap
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from bristle_sim import __version__
+from bristle_sim.comparison import WIDTH, Report, finite, table
+
+SILENCE = 15.0  # longest time without a word on the progress of long work, s
+
+
+@contextmanager
+def progress(program: str) -> Iterator[None]:
+    """Show on standard error how far long work is: at once on a terminal, in one line; else a line now and then."""
+    if sys.stderr is None:
+        yield
+        return
+    log, ended = logging.getLogger("bristle_sim"), threading.Event()
+    shown = _Progress(program, terminal=sys.stderr.isatty())
+    reminder, level = threading.Thread(target=shown.remind, args=(ended,), daemon=True), log.level
+    log.addHandler(shown)
+    log.setLevel(logging.INFO)
+    reminder.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        log.removeHandler(shown)
+        log.setLevel(level)
+        if shown.terminal:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+class _Progress(logging.Handler):
+    """Remember the last report on the progress; print it at once on a terminal, else when nothing else was said for long."""
+
+    def __init__(self, program: str, *, terminal: bool) -> None:
+        super().__init__(logging.INFO)
+        self.program, self.terminal, self.last, self.started = program, terminal, "computing", time.monotonic()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Note a report."""
+        self.last = record.getMessage()
+        if self.terminal:
+            print(f"\r\x1b[K{self.program}: {self.last}", end="", file=sys.stderr, flush=True)
+
+    def remind(self, ended: threading.Event) -> None:
+        """Print the last report, and the time that has passed, at intervals until the work has ended."""
+        before, end = ("\r\x1b[K", "") if self.terminal else ("", "\n")
+        while not ended.wait(SILENCE):
+            passed = f"{time.monotonic() - self.started:.0f} s"
+            print(f"{before}{self.program}: {passed}: {self.last}", end=end, file=sys.stderr, flush=True)
+
+
+def document(name: str, values: Mapping[str, Any], report: Report, *, finished: bool = True) -> str:
+    """Return the results as JSON, in SI units at full precision; it says so if the work was interrupted."""
+    found = {
+        "scenario": name,
+        "answer": report.answer,
+        "version": __version__,
+        "parameters": dict(values),
+        "outcome": report.outcome,
+        "quantities": [row.as_dict() for row in report.quantities],
+        "phases": list(report.phases),
+        "events": [{"name": event, "time": at} for event, at in report.events if math.isfinite(at)],
+        "cost": {"wall_s": report.wall_s, "steps": report.steps},
+        **report.extra,
+        **({} if finished else {"finished": False}),
+    }
+    return json.dumps(_plain(found), indent=1, allow_nan=False)
+
+
+def _plain(value: Any) -> Any:
+    """Turn values into JSON's own types; a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {key: _plain(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    if hasattr(value, "tolist"):  # NumPy's scalars and arrays
+        return _plain(value.tolist())
+    return finite(value) if isinstance(value, float) else value
+
+
+def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
+    """Return a time series at full precision: names and units in the first row, then one row a sample."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(_plain(list(column)) for column in columns.values()), strict=True))
+    return text.getvalue()
+
+
+def in_words(report: Report) -> str:
+    """Return the answer, the table, the outcome where the question is about an impact, and the remarks."""
+    width = max(WIDTH, shutil.get_terminal_size((WIDTH, 0)).columns) if sys.stdout.isatty() else WIDTH
+    lines = [*_wrapped(report.answer), ""] if report.answer else []
+    lines.append(table(report.quantities, width))
+    if report.outcome is not None:
+        phases = f" ({', '.join(report.phases)})" if report.phases else ""
+        lines += ["", *_wrapped(f"outcome: {report.outcome}{phases}")]
+    elif report.remarks and report.remarks[0]:
+        lines.append("")
+    for remark in report.remarks:
+        lines += _wrapped(remark)
+    return "\n".join(lines)
+
+
+def _wrapped(remark: str) -> list[str]:
+    """Wrap a remark into lines that fit; one that is in columns or lines already stays as it is."""
+    if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
+        return [remark]
+    return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")
+
+
+def say(text: str) -> None:
+    """Print on standard output, where a reader that has seen enough, such as ``head``, is no error."""
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        # Python flushes once more at exit: what is left must have somewhere to go.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if not isinstance(error, BrokenPipeError):
+            raise OSError(f"standard output: {error.strerror}") from None
+
+
+def tell(text: str) -> None:
+    """Print on standard error if there is one; print() would take standard output in its place."""
+    if sys.stderr is not None:
+        print(text, file=sys.stderr, flush=True)
