@@ -6,14 +6,10 @@ times, all methods in turn. The table compares our CPU time (simulated) with the
 """
 
 import sys
-from typing import TYPE_CHECKING
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effort
-from bristle_sim.cli import Scenario, main
+from bristle_sim.cli import Picture, Scenario, main
 from bristle_sim.comparison import Report
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(effort: Effort) -> Report:
@@ -23,7 +19,7 @@ def run(effort: Effort) -> Report:
     return accuracy_cost(effort)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the error over the CPU time."""
     from bristle_sim.render.cost_figure import cost_figure
 

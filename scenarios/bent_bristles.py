@@ -7,15 +7,12 @@ contact stiffness that would keep the rigid bristle in touch for contact_duratio
 """
 
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(tool: Tool, settings: Settings) -> Report:
@@ -25,7 +22,7 @@ def run(tool: Tool, settings: Settings) -> Report:
     return bent_bristles(tool, settings)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the three tips in touch."""
     from bristle_sim.render.bent_figure import bent_figure
 

@@ -5,15 +5,11 @@ gives force, path and energy of one event, and from them depths that can be comp
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Bristle, Crater, Hub
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Report:
@@ -23,7 +19,7 @@ def run(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings) -> Repor
     return crater_study(hub, bristle, crater, settings)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the depths by both estimates and from the simulated contact."""
     from bristle_sim.render.crater_figure import crater_figure
 

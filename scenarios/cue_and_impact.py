@@ -5,17 +5,11 @@ strike and rebound are simulated and compared with the dissertation's formulas f
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Comparison, Tool
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from bristle_sim.render.tool_films import PassFilm
 
 
 def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
@@ -25,14 +19,14 @@ def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
     return whole_pass(tool, settings, with_reference=compared.with_reference)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the motion, and the retraction over time."""
     from bristle_sim.render.pass_figure import pass_figure
 
     return pass_figure(report.subject.trajectory, report.subject.tool)
 
 
-def film(report: Report, **size: int) -> "PassFilm":
+def film(report: Report, **size: int) -> Film:
     """Film the pass."""
     from bristle_sim.render.tool_films import PassFilm
 

@@ -6,15 +6,11 @@ formula and its printed position.
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
+from bristle_sim.cli import Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Comparison, MapGrid, Tool
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(tool: Tool, settings: Settings, compared: Comparison, grid: MapGrid) -> Report:
@@ -24,7 +20,7 @@ def run(tool: Tool, settings: Settings, compared: Comparison, grid: MapGrid) -> 
     return cue_map(tool, settings, grid, with_reference=compared.with_reference)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw maps of lag, tip speed, normal work and crater depth over the bar's position."""
     from bristle_sim.render.map_figure import map_figure
     from bristle_sim.studies.cue_map import position_map

@@ -7,15 +7,11 @@ stiffness. Full passes, with the bar there and where bar_horizontal and bar_vert
 
 import math
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Bar, Belt, Bristle, Comparison, Hub, Release, Tool, Workpart
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(
@@ -36,7 +32,7 @@ def run(
     return cue_timing(tool, retraction, settings, bar=bar, with_reference=compared.with_reference)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the release, and the strikes that follow."""
     from bristle_sim.render.cue_figure import cue_figure
 

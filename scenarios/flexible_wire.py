@@ -5,17 +5,11 @@ the rigid bristle in touch for contact_duration; a strike of 50 us is over befor
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, Comparison, ContactStiffness, Hub, Strike, Surface
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from bristle_sim.render.wire_film import WireFilm
 
 
 def run(
@@ -36,7 +30,7 @@ def run(
     )
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the force over time, and what contact stiffness and number of links change."""
     from bristle_sim.render.wire_figure import wire_figure
     from bristle_sim.studies.flexible_wire import wire_study
@@ -44,7 +38,7 @@ def plot(report: Report) -> "Figure":
     return wire_figure(report.subject, wire_study(report.subject.strike))
 
 
-def film(report: Report, **size: int) -> "WireFilm":
+def film(report: Report, **size: int) -> Film:
     """Film the wave that bends the wire."""
     from bristle_sim.render.wire_film import WireFilm
 

@@ -7,15 +7,11 @@ above any zero, units are read from headings, ``time_column`` and ``force_column
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(
@@ -27,7 +23,7 @@ def run(
     return force_comparison(hub, bristle, surface, history, measurement, settings)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the forces over time."""
     from bristle_sim.render.force_figure import force_figure
 

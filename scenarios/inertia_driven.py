@@ -5,17 +5,11 @@ passes the radial direction. How fast is its tip then, and how fast must the pul
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
+from bristle_sim.cli import Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Comparison, Tool
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from bristle_sim.render.tool_films import InertiaFilm
 
 
 def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
@@ -25,14 +19,14 @@ def run(tool: Tool, settings: Settings, compared: Comparison) -> Report:
     return inertia_driven(tool, settings, with_reference=compared.with_reference)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the retraction over time, and the tip speed over the hub's."""
     from bristle_sim.render.inertia_figure import inertia_figure
 
     return inertia_figure(report.subject)
 
 
-def film(report: Report, **size: int) -> "InertiaFilm":
+def film(report: Report, **size: int) -> Film:
     """Film both tools side by side."""
     from bristle_sim.render.tool_films import InertiaFilm
 

@@ -5,17 +5,11 @@ workpart. Bristles that touch no other one are copies of a single pass, from whi
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Comparison, Neighbours, Tool
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from bristle_sim.render.tool_films import RowFilm
 
 
 def run(tool: Tool, row: Neighbours, settings: Settings, compared: Comparison) -> Report:
@@ -25,7 +19,7 @@ def run(tool: Tool, row: Neighbours, settings: Settings, compared: Comparison) -
     return neighbours(tool, row, settings, with_reference=compared.with_reference)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the row at its first touch, and the strike over the pitch with the least pitches."""
     from bristle_sim.render.neighbours_figure import neighbours_figure, pitches_to_draw
     from bristle_sim.studies.neighbours import over_pitch
@@ -34,7 +28,7 @@ def plot(report: Report) -> "Figure":
     return neighbours_figure(report.subject, pitches, over_pitch(report.subject, pitches))
 
 
-def film(report: Report, **size: int) -> "RowFilm":
+def film(report: Report, **size: int) -> Film:
     """Film the row."""
     from bristle_sim.render.tool_films import RowFilm
 

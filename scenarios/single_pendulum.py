@@ -5,17 +5,11 @@ reaches the tangent of the impact angle.
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Film, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Contact, SinglePendulum, Surface
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from bristle_sim.render.impact_film import ImpactFilm
 
 
 def run(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
@@ -25,7 +19,7 @@ def run(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: 
     return single_pendulum(pendulum, surface, contact, settings)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the impact and the families that it belongs to, whose points are simulated for the picture."""
     from bristle_sim.dissertation.impact_families import impact_families
     from bristle_sim.render.impact_figure import impact_figure
@@ -33,7 +27,7 @@ def plot(report: Report) -> "Figure":
     return impact_figure(report.subject, impact_families(report.subject))
 
 
-def film(report: Report, **size: int) -> "ImpactFilm":
+def film(report: Report, **size: int) -> Film:
     """Film the impact in ultra slow motion, compressed in the printed 50 us unless contact_duration says otherwise."""
     from bristle_sim.render.impact_film import ImpactFilm
     from bristle_sim.studies.timed_contact import with_visible_contact

@@ -6,15 +6,11 @@ of the printed inputs explains where the printed numbers differ from the compute
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Scenario, main
+from bristle_sim.cli import Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import SHAPE_KEYS, Sampling, Spreads, Tool
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) -> Report:
@@ -24,7 +20,7 @@ def run(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Settings) ->
     return tolerances(tool, spreads, sampling, settings)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the spread of each output and its causes."""
     from bristle_sim.render.tolerance_figure import tolerance_figure
 

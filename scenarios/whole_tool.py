@@ -6,15 +6,11 @@ cell of finite bandwidth is a band.
 """
 
 import sys
-from typing import TYPE_CHECKING
 
-from bristle_sim.cli import Columns, Scenario, main
+from bristle_sim.cli import Columns, Picture, Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import WIRE_KEYS, Assembly, Tool
 from bristle_sim.settings import Settings
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 
 def run(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
@@ -24,7 +20,7 @@ def run(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     return whole_tool(tool, assembly, settings)
 
 
-def plot(report: Report) -> "Figure":
+def plot(report: Report) -> Picture:
     """Draw the force of one bristle, and of all behind the load cell."""
     from bristle_sim.render.whole_tool_figure import whole_tool_figure
 

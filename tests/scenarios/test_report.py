@@ -67,7 +67,7 @@ def test_the_page_says_question_answer_result_parameters_and_command(page: Path)
     text = page.read_text(encoding="utf-8")
     assert "<h1>From bar to rebound: does the cued tool do what the formulas say?</h1>" in text
     assert "Outcome: rebound. All 5 comparisons that have a tolerance are within it." in text
-    assert "<td>release_retraction_deg</td>" in text
+    assert "<td>release retraction</td>" in text
     assert re.search(r'class="changed"><td>friction</td><td>0.3</td>.*?set for this run', text, re.DOTALL)
     assert "Zhang 2020, eq. 2.2: root circle" in text
     assert "bristle-sim cue_and_impact --set friction=0.3 --report &#39;" in text

@@ -16,12 +16,11 @@ from bristle_sim.units import Choice, Range, declarations, unusual_value
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
-    from matplotlib.figure import Figure
-
-    from bristle_sim.render.film import Film
 
 Values = Mapping[str, Any]
 Columns = Mapping[str, Any]
+Picture = Any  # a figure of matplotlib
+Film = Any  # a film of bristle_sim.render
 T = TypeVar("T", bound="DataclassInstance")
 
 TOOL = (*(kinds[0] for kinds in PARTS.values()), Tool)
@@ -54,7 +53,7 @@ class Scenario:
     name: str
     question: str
     run: Callable[..., Report]
-    plot: Callable[[Report], Figure] | None = None
+    plot: Callable[[Report], Picture] | None = None
     plots: Callable[[Report, Path], None] | None = None
     film: Callable[..., Film] | None = None
     series: Callable[[Report], Columns] | None = None

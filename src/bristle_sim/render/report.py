@@ -66,7 +66,7 @@ def write_report(
         "name": name,
         "question": question,
         "command": command,
-        "answer": answer(report),
+        "answer": report.answer or answer(report),
         "table": cells(report.quantities),
         "phases": report.phases,
         "remarks": [each for each in (*report.remarks, missing) if each],
