@@ -443,6 +443,7 @@ def check_quantities(name: str, rows: list[dict[str, Any]]) -> None:
     for row in rows:
         assert set(row) == {"name", "label", "unit", *SIDES, "relative_difference", "tolerance", "ok"}
         assert row["unit"]
+        assert row["label"]
         for side in (*SIDES, "relative_difference", "tolerance"):
             assert row[side] is None or isinstance(row[side], float)
         check_verdict(row)
