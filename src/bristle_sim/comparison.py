@@ -182,7 +182,7 @@ def side_by_side(columns: Sequence[Sequence[str]], widths: Sequence[int], right:
 
 def _cells(each: Quantity, digits: int) -> list[str]:
     values = [getattr(each, side) for side in SIDES]
-    unit, factor = _readable_unit(each.unit, values)
+    unit, factor = readable_unit(each.unit, values)
     numbers = ["-" if finite(value) is None else f"{value / factor:.{digits}g}" for value in values]
     difference = _relative(each.relative_difference, "+")
     difference += "" if difference == "-" else f" {each.judge_name}"
@@ -190,8 +190,8 @@ def _cells(each: Quantity, digits: int) -> list[str]:
     return [each.label, "-" if unit == "1" else unit, *numbers, difference, _relative(each.tolerance), ok]
 
 
-def _readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
-    """The unit with the prefix that leaves one to three digits before the point of the largest value, and its size."""
+def readable_unit(unit: str, values: Sequence[float | None]) -> tuple[str, float]:
+    """Return the unit with the prefix that leaves one to three digits before the point of the largest value, and its size."""
     base, own = ("g", 1e-3) if unit == "kg" else (unit, 1.0)
     largest = max((abs(value) for value in values if value is not None and math.isfinite(value)), default=0.0)
     if base not in LARGEST_PREFIX or largest == 0.0:

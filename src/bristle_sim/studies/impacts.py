@@ -15,7 +15,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import CONTACT_UNITS, contact_quantities, outcome_of
+from bristle_sim.studies.strike_point import IMPACT, contact_quantities, outcome_of
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
@@ -87,7 +87,7 @@ def oblique_impact(
         rounding = ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
         if name == "tangential_compressive_work":
             rounding = hidden / math.cos(gamma)
-        rows.append(_row(name, CONTACT_UNITS[name], simulated, expected, _widened(tolerance, rounding), least))
+        rows.append(_row(name, IMPACT[name], simulated, expected, _widened(tolerance, rounding), least))
     return _report(impacts, rows, lambda one: one.contact.rates_after[0], "final_bristle_rate rad/s")
 
 

@@ -1,4 +1,4 @@
-"""Invariants of every pass, whatever its parameters: energy, no overlap, and the impact law at its strike.
+"""Invariants of every pass, whatever its parameters: energy, no overlap, friction, and the impact law at its strike.
 
 All of it is evaluated with NumPy from the trajectory and the tool's parameters, apart from the scene that produced it.
 """
@@ -6,6 +6,7 @@ All of it is evaluated with NumPy from the trajectory and the tool's parameters,
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -30,35 +31,47 @@ the motion's time scale, and that far from the rigid-body limit."""
 SAME_INSTANT = 1e-9
 """Contacts with bar and workpart within this fraction of the run's time act together; the law is for one at a time."""
 
-STRIKE = ("impulse_momentum_error", "restitution_work_error", "friction_cone_excess")
+GROUPS = {
+    "energy": ("energy_balance",),
+    "gap": ("deepest_overlap",),
+    "impulse law": ("impulse_momentum_error", "restitution_work_error"),
+    "friction": ("friction_cone_excess", "friction_work"),
+}
+"""Invariants by the words of the sentence that says that they hold."""
 
 
 def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Quantity, ...]:
-    """Return the errors of a pass's invariants, each 0 in theory, with the tolerance that follows from accuracy or step.
+    """Return the errors of a pass's invariants, each 0 in theory, with the tolerance that follows from the accuracy.
 
     ``energy_balance``: largest imbalance of energy in a flight or an impact, of the largest kinetic energy.
     ``deepest_overlap``: of wire and obstacle, of the bristle's length.
     ``impulse_momentum_error``: (v' - v) - K p at the strike, of the speed before it.
     ``restitution_work_error``: W_r + e*^2 W_c of the normal force at the strike, of W_c.
     ``friction_cone_excess``: tangential impulse beyond mu_1 p_c + mu_2 (p_f - p_c) at the strike, of the normal impulse.
+    ``friction_work``: largest work that friction does in a contact, of the largest kinetic energy.
     Energy balance and impulse-momentum error are those of a rigid bristle, and None for a wire of several links.
     """
-    tolerance, rigid = _tolerance(tool, settings, run), tool.bristle.links == 1
-    energy, uncertainty = _energy_imbalance(tool, run) if rigid else (None, 0.0)
-    found = {"energy_balance": energy, "deepest_overlap": _deepest_overlap(tool, run), **dict.fromkeys(STRIKE)}
-    found |= _strike_errors(tool, run)
+    tolerance = max(NEAREST if tool.contact.law == "compliant" else ROUNDING, MAGNIFIED * settings.accuracy)
+    found = dict.fromkeys(name for names in GROUPS.values() for name in names) | _strike_errors(tool, run)
+    found["deepest_overlap"] = _deepest_overlap(tool, run)
+    # A bristle at rest moves by rounding alone, whose energy balances with nothing.
+    size, uncertainty = max(float(run.kinetic_energy.max()), ROUNDING * _field(tool)), 0.0
+    if size > 0.0:
+        works = (sum(each[1] for each in (c.compressive_work, c.restitutive_work) if each) for c in run.contacts)
+        found["friction_work"] = max(0.0, *works, 0.0) / size
+        if tool.bristle.links == 1:
+            energy, uncertainty = _energy_imbalance(tool, run)
+            found["energy_balance"], uncertainty = energy / size, uncertainty / size
     theory = {name: None if value is None else 0.0 for name, value in found.items()}
     widened = {"energy_balance": tolerance + uncertainty}
     return rows(dict.fromkeys(found, "1"), found, theory, tolerance=lambda name: widened.get(name, tolerance))
 
 
-def _tolerance(tool: Tool, settings: Settings, run: Trajectory) -> float:
-    if settings.step is None:
-        least = NEAREST if tool.contact.law == "compliant" else ROUNDING
-        return max(least, MAGNIFIED * settings.accuracy)
-    # Plain steps are of first order: their error is the motion within a step.
-    own = math.sqrt(_field(tool) / tool.bristle.inertia_about_root)
-    return MAGNIFIED * settings.step * max(tool.hub.speed, own, float(np.abs(run.rates).max()))
+def invariants_in_words(invariants: Sequence[Quantity]) -> str:
+    """Return the sentence that says to what the invariants hold, by the largest error of those that hold and apply."""
+    errors = {each.name: abs(each.simulated) for each in invariants if each.ok and each.simulated is not None}
+    kept = [word for word, names in GROUPS.items() if any(name in errors for name in names)]
+    return f"{' and '.join(filter(None, [', '.join(kept[:-1]), kept[-1]]))} hold to {max(errors.values()):.0e}"
 
 
 def _field(tool: Tool) -> float:
@@ -94,15 +107,11 @@ def _power(tool: Tool, run: Trajectory) -> tuple[Array, Array]:
     return power, 2.0 * damping * relative * acceleration - omega * weight * forward
 
 
-def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]:
-    """Return the largest imbalance of a flight or an impact, and how uncertain its quadrature makes it; relative.
+def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
+    """Return the largest imbalance of a flight or an impact, and how uncertain its quadrature makes it, J.
 
     Sustained contacts are left out: the obstacle's shape prescribes their motion.
     """
-    # A bristle at rest moves by rounding alone, whose energy balances with nothing.
-    size = max(float(run.kinetic_energy.max()), ROUNDING * _field(tool))
-    if not size > 0.0:
-        return None, 0.0
     jacobi, (power, slope), found, uncertain = _jacobi(tool, run), _power(tool, run), [0.0], [0.0]
     for flight in _flights(run):
         fine = _hermite(run.time, power, slope, flight)
@@ -110,7 +119,7 @@ def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float | None, float]
         found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + fine))
         uncertain.append(abs(fine - coarse))
     found += [abs(_impact_imbalance(tool, run, each)) for each in run.contacts if _is_rigid(tool, each)]
-    return max(found) / size, max(uncertain) / size
+    return max(found), max(uncertain)
 
 
 def _hermite(time: Array, values: Array, slopes: Array, at: Array) -> float:

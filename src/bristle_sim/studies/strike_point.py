@@ -17,28 +17,32 @@ from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
 from bristle_sim.tool_file import tool_keys
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
-STATE_UNITS = {"lag_deg_at_contact": "deg", "relative_speed_at_contact": "rad/s", "tip_speed_at_contact": "m/s"}
-"""Units of the bristle's state when it strikes."""
-
-CONTACT_UNITS = {
-    "normal_compressive_impulse": "N s",
-    "normal_final_impulse": "N s",
-    "tangential_compressive_impulse": "N s",
-    "normal_compressive_work": "J",
-    "tangential_compressive_work": "J",
-    "final_bristle_rate": "rad/s",
-    "rebound_ratio": "1",
+STATE = {
+    "lag_deg_at_contact": ("lag at the strike", "deg"),
+    "relative_speed_at_contact": ("bristle's speed relative to the hub", "rad/s"),
+    "tip_speed_at_contact": ("tip speed v_C", "m/s"),
 }
-"""Units of a strike's impulses, works and rates."""
+"""The bristle's state when it strikes: label and unit of each quantity."""
+
+IMPACT = {
+    "normal_compressive_impulse": ("normal impulse of compression p_cy", "N s"),
+    "normal_final_impulse": ("normal impulse p_fy", "N s"),
+    "tangential_compressive_impulse": ("tangential impulse of compression p_cx", "N s"),
+    "normal_compressive_work": ("normal work of compression W_y", "J"),
+    "tangential_compressive_work": ("tangential work of compression W_x", "J"),
+    "final_bristle_rate": ("bristle's rate after the strike", "rad/s"),
+    "rebound_ratio": ("rate after the strike over before", "1"),
+}
+"""A strike's impulses, works and rates: label and unit of each quantity."""
 
 
 def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) -> dict[str, float | None]:
     """Return the bristle's lag behind the radial direction, its rate relative to the hub and its tip's speed.
 
-    All in the units of STATE_UNITS; None without a contact.
+    All in the units of STATE; None without a contact.
     """
     if contact is None:
-        return dict.fromkeys(STATE_UNITS)
+        return dict.fromkeys(STATE)
     lag = run.hub_angle[0] + tool.hub.speed * contact.time - contact.angles[0]
     rate = contact.rates_before[0] - tool.hub.speed
     if tool.bristle.links > 1:
@@ -46,7 +50,7 @@ def state_at_strike(tool: Tool, run: Trajectory, contact: ContactRecord | None) 
         angle, rate = (float(each[before]) for each in from_radial(run, tool.bristle))
         lag = -angle
     values = (math.degrees(lag), rate, math.hypot(*contact.velocity_before))
-    return dict(zip(STATE_UNITS, values, strict=True))
+    return dict(zip(STATE, values, strict=True))
 
 
 def from_radial(run: Trajectory, bristle: Bristle) -> tuple[Array, Array]:
@@ -62,13 +66,13 @@ def from_radial(run: Trajectory, bristle: Bristle) -> tuple[Array, Array]:
 
 
 def contact_quantities(contact: ContactRecord | None) -> dict[str, float | None]:
-    """Return impulses, works and rates of a contact, in the units of CONTACT_UNITS; None where its law has none."""
+    """Return impulses, works and rates of a contact, in the units of IMPACT; None where its law has none."""
     if contact is None:
-        return dict.fromkeys(CONTACT_UNITS)
+        return dict.fromkeys(IMPACT)
     impulse, work = contact.compressive_impulse or (None, None), contact.compressive_work or (None, None)
     before, after = contact.rates_before[0], contact.rates_after[0]
     values = (impulse[0], contact.impulse[0], impulse[1], *work, after, after / before if before else None)
-    return dict(zip(CONTACT_UNITS, values, strict=True))
+    return dict(zip(IMPACT, values, strict=True))
 
 
 def outcome_of(contact: ContactRecord | None) -> str:
@@ -103,7 +107,12 @@ def stopped(run: Trajectory) -> dict[str, Any]:
     return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
 
 
-STRIKE_UNITS = {**STATE_UNITS, "normal_final_impulse": "N s", "normal_compressive_work": "J", "crater_depth": "m"}
+_STRIKE = {**STATE, **IMPACT, "crater_depth": ("crater depth", "m")}
+
+STRIKE_UNITS = {
+    name: _STRIKE[name][1] for name in (*STATE, "normal_final_impulse", "normal_compressive_work", "crater_depth")
+}
+"""Units of a cued strike's measures."""
 
 BEFORE_BAR = math.radians(30.0)
 """A whole pass over any bar starts with the radial bristle this far before the bar's direction, clear of the bar, rad."""

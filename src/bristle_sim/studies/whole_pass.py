@@ -10,14 +10,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from bristle_sim.comparison import Report, rows
+import numpy as np
+
+from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.tool import refuse_endless, simulate
+from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.pass_invariants import invariant_rows
+from bristle_sim.stop_reason import StopReason
+from bristle_sim.studies.answers import amount, beside_radial, differences
+from bristle_sim.studies.pass_invariants import invariant_rows, invariants_in_words
 from bristle_sim.studies.strike_point import (
-    CONTACT_UNITS,
-    STATE_UNITS,
+    IMPACT,
+    STATE,
     contact_quantities,
     outcome_of,
     ran,
@@ -43,13 +47,13 @@ ANGLES = ("release_retraction_deg", "largest_retraction_deg", "lag_deg_at_contac
 """Differences of two angles of some radians."""
 
 
-UNITS = {
-    "release_time": "s",
-    "release_retraction_deg": "deg",
-    "largest_retraction_deg": "deg",
-    "contact_time": "s",
-    **STATE_UNITS,
-    **CONTACT_UNITS,
+QUANTITIES = {
+    "release_time": ("time of release from the bar", "s"),
+    "release_retraction_deg": ("retraction at release", "deg"),
+    "largest_retraction_deg": ("largest retraction", "deg"),
+    "contact_time": ("time of the strike", "s"),
+    **STATE,
+    **IMPACT,
 }
 
 
@@ -66,9 +70,8 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     """Simulate a pass and compare it with the formulas.
 
     Raises:
-        ValueError: if the bristle overlaps an obstacle at the start, a fixed step is too short for the run, or the run is given up before its strike.
+        ValueError: if the bristle overlaps an obstacle at the start, or the run is given up before its strike.
     """
-    refuse_endless(tool, settings)
     run, reference, referred = simulate(tool, settings), None, dict[str, float | None]()
     contact = run.first_contact("workpart")
     if contact is None:
@@ -90,16 +93,48 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
         return own * max(1.0, size / abs(value) if value else size)
 
     printed = PRINTED if tool == Tool() else {}
-    found = rows(UNITS, _measured(tool, run), _formulas(tool), referred, printed, tolerance)
+    found = rows(QUANTITIES, _measured(tool, run), _formulas(tool), referred, printed, tolerance)
+    invariants = invariant_rows(tool, settings, run)
     return Report(
         outcome=outcome_of(contact),
-        quantities=(*found, *invariant_rows(tool, settings, run)),
+        # Only an invariant that is violated takes a row, with which the comparison fails.
+        quantities=(*found, *(each for each in invariants if each.ok is False)),
         phases=contact.phases if contact is not None else (),
         **ran(run),
-        remarks=_remarks(run),
-        extra={"stopped": stopped(run)},
+        remarks=(invariants_in_words(invariants), *_remarks(run)),
+        extra={"invariants": {each.name: each.simulated for each in invariants}, "stopped": stopped(run)},
         subject=WholePass(tool, run, reference),
+        answer=_answer(tool, run, found),
     )
+
+
+def _answer(tool: Tool, run: Trajectory, quantities: tuple[Quantity, ...]) -> str:
+    """Return when, how far from radial and how fast the bristle strikes, or why it does not."""
+    contact, found = run.first_contact("workpart"), {each.name: each.simulated or 0.0 for each in quantities}
+    if contact is None:
+        return f"The bristle does not strike the workpart: {_why_not(tool, run)}."
+    speed = found["relative_speed_at_contact"]
+    relative = "turning with the hub" if abs(speed) < 0.5 else f"at {amount(speed, 'rad/s')} relative to the hub"
+    tip = f"its tip at {amount(found['tip_speed_at_contact'], 'm/s')}"
+    impulse = f"a normal impulse of {amount(found['normal_final_impulse'], 'N s')}"
+    by_bar = "" if found["release_time"] else ", not released by a bar"
+    return (
+        f"The bristle strikes at {amount(contact.time, 's', 4)}{by_bar}, {beside_radial(found['lag_deg_at_contact'])},"
+        f" {relative}, {tip}, with {impulse} ({outcome_of(contact)}).{differences(quantities)}"
+    )
+
+
+def _why_not(tool: Tool, run: Trajectory) -> str:
+    """Return the reason why a run has no strike."""
+    if tool.workpart is None:
+        return "the tool has no workpart"
+    if run.stop_reason is StopReason.RETRACTION_LIMIT:
+        limit = math.degrees(float(np.abs(run.relative_angle).max()))
+        return f"it folds back by {limit:.0f}° at {amount(float(run.time[-1]), 's', 4)}; {run.stop_advice}"
+    if run.stop_reason is not StopReason.END:
+        return f"{run.stop_reason} at {amount(float(run.time[-1]), 's', 4)}; {run.stop_advice}"
+    lowest = tool.workpart_depth + float(run.tip[:, 1].min())
+    return f"its tip stays {amount(lowest, 'm')} above it"
 
 
 def _measured(tool: Tool, run: Trajectory) -> dict[str, float | None]:
@@ -147,7 +182,7 @@ def _formulas(tool: Tool) -> dict[str, float | None]:
     wire, ratio = (bristle.mass, bristle.length, hub.radius, hub.speed), rate / hub.speed
     coefficients = (part.friction, part.restitution, part.friction_in_restitution)
     impact = monofilament_impact(*wire, ratio, cue.impact_angle, *coefficients)
-    return values | {name: float(getattr(impact, name)) for name in CONTACT_UNITS}
+    return values | {name: float(getattr(impact, name)) for name in IMPACT}
 
 
 def _remarks(run: Trajectory) -> tuple[str, ...]:

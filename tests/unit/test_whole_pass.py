@@ -1,0 +1,115 @@
+"""The whole pass: its answer follows from its numbers, and its verdict from formulas, reference and invariants."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from bristle_sim.comparison import Report
+from bristle_sim.parameters import Bar, Belt, Contact, Tool, Workpart
+from bristle_sim.settings import Settings
+from bristle_sim.studies.whole_pass import whole_pass
+from bristle_sim.theory import impact as impact_law
+
+SETTINGS = Settings()
+
+
+def value(name: str, report: Report) -> float:
+    """Return the simulated value of a quantity."""
+    (found,) = (each.simulated for each in report.quantities if each.name == name)
+    assert found is not None
+    return found
+
+
+class TestAnswer:
+    def test_of_the_operating_point(self) -> None:
+        """Time, lag, speeds and impulse of the strike, and the differences that are largest: 10 % of p_fy, 26 % of v_C."""
+        report = whole_pass(Tool(), SETTINGS)
+        numbers = (
+            rf"at {1e3 * value('contact_time', report):.4g} ms, {value('lag_deg_at_contact', report):.3g}° short of radial,",
+            rf"{value('relative_speed_at_contact', report):.3g} rad/s relative to the hub,",
+            rf"{value('tip_speed_at_contact', report):.3g} m/s, with a normal impulse of",
+            rf"{1e3 * value('normal_final_impulse', report):.3g} mN s \(rebound\)\.",
+            r"normal impulse p_fy \S+ mN s, by formula 3\.06 mN s; tip speed v_C \S+ m/s, printed 30 m/s\.$",
+        )
+        for each in numbers:
+            assert re.search(each, report.answer), each
+
+    @pytest.mark.parametrize(
+        ("tool", "words"),
+        [
+            (
+                Tool(belt=Belt(stiffness=0.00041)),
+                r"does not strike the workpart: it folds back by 90° at 5\.\d+ ms; a stiffer",
+            ),
+            (
+                Tool(workpart=Workpart(penetration=-0.001)),
+                r"does not strike the workpart: its tip stays [\d.]+ mm above it",
+            ),
+            (Tool(workpart=None), r"does not strike the workpart: the tool has no workpart"),
+            (Tool(bar=None), r"ms, not released by a bar, radial, turning with the hub, its tip at 14\.3 m/s,"),
+            (Tool(workpart=Workpart(restitution=0.0)), r"\(no rebound\)"),
+        ],
+    )
+    def test_changes_with_the_tool(self, tool: Tool, words: str) -> None:
+        """A tip that turns with the hub has 261.8 rad/s times 54.5 mm."""
+        assert re.search(words, whole_pass(tool, SETTINGS).answer)
+
+    def test_of_a_strike_beyond_radial(self) -> None:
+        report = whole_pass(Tool(bar=Bar(horizontal=0.0512, vertical=0.0195)), SETTINGS)
+        assert value("lag_deg_at_contact", report) < 0.0
+        assert "beyond radial" in report.answer
+
+
+class TestInvariants:
+    def test_what_holds_is_one_sentence_and_no_row(self) -> None:
+        report = whole_pass(Tool(), SETTINGS)
+        sentence = re.fullmatch(r"energy, gap, impulse law and friction hold to (\S+)", report.remarks[0])
+        assert sentence
+        largest = max(abs(each) for each in report.extra["invariants"].values())
+        assert float(sentence[1]) == pytest.approx(largest, rel=0.5)
+        assert not {each.name for each in report.quantities} & set(report.extra["invariants"])
+
+    def test_the_scenario_fails_with_a_wrong_law(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        """A law that takes e* for another: the whole pass says so without the reference."""
+        right = impact_law.energetic_impact
+
+        def wrong(inverse_mass, velocity, friction, restitution, *others):  # type: ignore[no-untyped-def]
+            return right(inverse_mass, velocity, friction, 0.9 * restitution, *others)
+
+        monkeypatch.setattr("bristle_sim.scene.contact.laws.energetic_impact", wrong)
+        assert [each.name for each in whole_pass(Tool(), SETTINGS).quantities if each.ok is False] == [
+            "restitution_work_error"
+        ]
+
+    def test_the_reference_agrees(self) -> None:
+        report = whole_pass(Tool(contact=Contact("energetic")), SETTINGS, with_reference=True)
+        assert all(each.ok for each in report.quantities if each.tolerance is not None)
+        assert sum(each.tolerance is not None for each in report.quantities) >= 12
+
+
+class TestGivenUp:
+    def test_a_strike_before_the_run_is_given_up_is_reported(self) -> None:
+        """Friction 3 at the workpart is too much for a later contact; the strike at 4.53 ms stands, as with less of it."""
+        rubbing = Tool(workpart=Workpart(friction=3.0))
+        report = whole_pass(rubbing, SETTINGS)
+        # Up to the strike the workpart plays no part.
+        free = whole_pass(Tool(), SETTINGS)
+        for name in ("contact_time", "tip_speed_at_contact", "release_time"):
+            assert value(name, report) == value(name, free)
+        assert report.outcome == "rebound"
+        assert report.extra["stopped"]["complete"] is False
+        assert report.extra["stopped"]["time"] > report.events[-1][1] - 1e-12
+        (told,) = [remark for remark in report.remarks if remark.startswith("given up at")]
+        assert "less friction" in told
+        assert "bar_friction" not in told
+
+    def test_a_run_given_up_before_a_strike_is_refused(self) -> None:
+        with pytest.raises(ValueError, match=r"step budget spent after [0-9]+ engine steps"):
+            whole_pass(Tool(), Settings(maximum_steps=100))
+
+    def test_a_complete_run_says_so(self) -> None:
+        stopped = whole_pass(Tool(), SETTINGS).extra["stopped"]
+        assert stopped["complete"] is True
+        assert stopped["reason"] == "end of the planned time"
