@@ -20,11 +20,10 @@ def run(pendulum: DoublePendulum, surface: Surface, contact: Contact, settings: 
 
 
 def plot(report: Report) -> Picture:
-    """Draw the impact and the families that it belongs to, whose points are simulated for the picture."""
-    from bristle_sim.dissertation.impact_families import impact_families
+    """Draw the impact over its normal impulse."""
     from bristle_sim.render.impact_figure import impact_figure
 
-    return impact_figure(report.subject, impact_families(report.subject))
+    return impact_figure(report.subject)
 
 
 def film(report: Report, **size: int) -> Film:

@@ -17,12 +17,12 @@ from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words
 
 @pytest.fixture(scope="module")
 def strike_figure(strike: Impacts) -> Figure:
-    return impact_figure(strike, {})
+    return impact_figure(strike)
 
 
 @pytest.fixture(scope="module")
 def pendulum_figure(pendulum: Impacts) -> Figure:
-    return impact_figure(pendulum, {})
+    return impact_figure(pendulum)
 
 
 def test_impulse_plane_shows_the_course_and_the_contact_resolved_in_time(
@@ -69,17 +69,17 @@ def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: st
 
 
 def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
-    resting = impact_figure(rods(rate_1=0.0, rate_2=0.0), {})
+    resting = impact_figure(rods(rate_1=0.0, rate_2=0.0))
     assert "no contact" in words(panel(resting, "a"))
     save_figure(resting, tmp_path / "resting.png")
     unresolved = rods()
     del unresolved.strikes["compliant"]
-    names = {each.get_gid() for each in panel(impact_figure(unresolved, {}), "a").get_lines()}
+    names = {each.get_gid() for each in panel(impact_figure(unresolved), "a").get_lines()}
     assert not any(name and "resolved" in name for name in names)
 
 
 @pytest.mark.parametrize("surface", [{"friction": 0.6}, {"restitution": 0.0}, {"restitution_friction": 0.9}])
 def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_path: Path) -> None:
-    figure = impact_figure(bristle(**surface), {})
+    figure = impact_figure(bristle(**surface))
     assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
     save_figure(figure, tmp_path / "stuck.png")

@@ -8,11 +8,10 @@ import pytest
 
 pytest.importorskip("zarr", reason="needs the extra sweep")
 
-from bristle_sim.parameters import Bar, Tool
+from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.printed_rounding import HALF_UNITS, propagated, rounding_remarks, rounding_rows
 from bristle_sim.studies.strike_point import keys_of, strike_of_keys
-from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, sobol_study, tolerances
+from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, propagated, sobol_study, tolerances
 
 SLOPES = {"a": 3.0, "b": -2.0, "c": 1.0, "d": 0.0}
 
@@ -127,29 +126,3 @@ def test_a_report_has_a_row_for_every_output():
     assert set(report.extra["rows"][0]["indices"]) == {"penetration", "belt_damping_ratio"}
     # A damping ratio cannot be negative: its interval is cut off at its value, 0.
     assert all(row["low"] <= row["mean"] <= row["high"] for row in report.extra["rows"])
-
-
-def test_rounding_of_the_print():
-    """By hand: the speed goes as sqrt(k)/L, so that 0.61 % and 1.85 %, with 0.1 % of the retraction, are 2.5 % at worst."""
-    found = rounding_rows(Tool(), Settings(accuracy=1e-5))
-    rows = {(row["output"], row["by"]): row for row in found}
-    speed = rows["relative_speed", "formula"]
-    parts = (0.5 * 5e-6 / 0.00041, 5e-4 / 0.027, 0.05 / 44.5)
-    assert speed["relative_worst_case"] * 845.6 / speed["computed"] == pytest.approx(sum(parts), rel=0.02)
-    assert speed["relative_std"] * 845.6 / speed["computed"] == pytest.approx(
-        math.hypot(*parts) / math.sqrt(3), rel=0.02
-    )
-    assert speed["largest"] == "bristle_length"
-    # The root of cue_map's search, by one step of Newton's method from itself.
-    assert rows["bar_direction_deg", "simulated pass"]["computed"] == pytest.approx(68.145, abs=1e-3)
-    # A table of one line for each; 2.5 % of rounding explain the 1.4 % by which the formula's speed is too low.
-    (told,) = (line.split() for line in rounding_remarks(found) if line.startswith("relative_speed    formula"))
-    assert told[2:] == ["833.8", "845.6", "-1.4%", "2.5%", "1.1%", "100%", "bristle_length"]
-
-
-def test_half_units_are_of_the_printed_inputs():
-    values = keys_of(Tool()) | {"retraction_deg": 44.5}
-    for key, half_unit in HALF_UNITS.items():
-        # A printed number has between two and four significant digits.
-        assert 1e-5 < half_unit / float(values[key]) < 0.05
-    assert rounding_rows(Tool(bar=Bar(horizontal=0.05)), Settings()) == []

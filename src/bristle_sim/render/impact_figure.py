@@ -1,25 +1,22 @@
-"""Draw a single impact: velocities of the tip over the normal impulse, by the energetic law and in time, and its families."""
+"""Draw a single impact: velocities of the tip over the normal impulse, by the energetic law and in time."""
 
 from __future__ import annotations
 
-import dataclasses
 import math
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bristle_sim.dissertation.redrawn import Panel
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.panels import add_panel, draw_named_panel, explain_points, note, say
+from bristle_sim.render.panels import add_panel, note, say
 from bristle_sim.render.style import blank_figure, scale_for, styled
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 
-LEFT, COLUMN, WIDTH, ROW, HEIGHT, FOOT = 1.45, 7.4, 6.0, 6.9, 4.9, 1.9
-"""Left edge, columns' distance and width of panels, rows' distance and height of panels, and the lowest panel's edge, cm."""
+LEFT, FOOT, WIDTH, HEIGHT = 1.45, 1.9, 13.4, 4.9
+"""Left and lower edge, width and height of the panel, cm."""
 
 PHASE_COLOURS = {
     "compression slip": "#e6eef6",
@@ -37,32 +34,15 @@ LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_ve
 
 
 @styled()
-def impact_figure(impacts: Impacts, families: Mapping[str, Panel]) -> Figure:
-    """Draw an impact on the impulse plane, phase by phase, and the families it belongs to, a panel each with its title."""
-    wide = len(families) % 2 == 0
-    rows = 1 + len(families) // 2
-    figure = blank_figure(16.0, FOOT + rows * ROW - 0.8)
-    lowest = FOOT + (rows - 1) * ROW
-    place = (LEFT, lowest, COLUMN + WIDTH if wide else WIDTH, HEIGHT)
-    axes = add_panel(figure, place, "the impact at hand", _coefficients(impacts))
+def impact_figure(impacts: Impacts) -> Figure:
+    """Draw an impact on the impulse plane, phase by phase."""
+    figure = blank_figure(16.0, 8.0)
+    axes = add_panel(figure, (LEFT, FOOT, WIDTH, HEIGHT), "the impact over its normal impulse", _coefficients(impacts))
     resolved = impacts.strikes.get("compliant")
     history = None if resolved is None else resolved.contact.history
     recorded = None if history is None else recorded_course(history)
     _draw_impulse_plane(axes, energetic_course(impacts.chain, impacts.surface), recorded)
-    for number, (title, panel) in enumerate(families.items(), start=1 + wide):
-        row, column = divmod(number, 2)
-        axes = add_panel(figure, (LEFT + column * COLUMN, lowest - row * ROW, WIDTH, HEIGHT), title)
-        draw_named_panel(axes, in_readable_unit(panel))
-    explain_points(figure, families.values(), "the impact at hand")
     return figure
-
-
-def in_readable_unit(panel: Panel) -> Panel:
-    """Return a panel of impulses in the prefix that suits them: those of a light bristle and a heavy rod differ by 1e6."""
-    if not panel.y.unit.endswith("N·s"):
-        return panel
-    scale = scale_for(panel.top or max(float(np.abs(curve.theory).max()) for curve in panel.curves), "N·s")
-    return dataclasses.replace(panel, y=dataclasses.replace(panel.y, unit=scale.unit, factor=scale.factor))
 
 
 def _coefficients(impacts: Impacts) -> str:

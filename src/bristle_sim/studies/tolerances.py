@@ -26,10 +26,11 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Sampling, Spreads, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.printed_rounding import Measures, propagated, rounding_remarks, rounding_rows
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys
 from bristle_sim.tool_file import tool_keys
 from bristle_sim.units import Range
+
+Measures = Mapping[str, float | None]
 
 OUTPUTS = tuple(name for name in STRIKE_UNITS if name != "normal_compressive_work")
 
@@ -82,7 +83,7 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
     changes = propagated(point, middles, {key: 0.5 * (high - low) for key, (low, high) in intervals.items()})
     std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}
-    rows, rounding = study.rows(std), rounding_rows(tool, settings)
+    rows = study.rows(std)
     return Report(
         outcome=None,
         quantities=tuple(
@@ -96,10 +97,27 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
             for name in ("mean", "std")
         ),
         wall_s=clock.perf_counter() - started,
-        remarks=(*_remarks(rows), *rounding_remarks(rounding)),
-        extra={"rows": rows, "rounding": rounding},
+        remarks=_remarks(rows),
+        extra={"rows": rows},
         subject=study,
     )
+
+
+def propagated(
+    function: Callable[..., Measures], values: Mapping[str, float], half_widths: Mapping[str, float]
+) -> dict[str, dict[str, float]]:
+    """Return half the change of every output between both ends of each input's interval, the others at their values.
+
+    For small half-widths h_i it is dy/dx_i h_i; uniform inputs then give the standard deviation sqrt(sum (.)^2/3).
+    """
+    changes: dict[str, dict[str, float]] = {}
+    for key, half_width in half_widths.items():
+        low, high = (function(**{**values, key: values[key] + sign * half_width}) for sign in (-1.0, 1.0))
+        for name, value in high.items():
+            other = low[name]
+            if value is not None and other is not None:
+                changes.setdefault(name, {})[key] = 0.5 * (value - other)
+    return changes
 
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
