@@ -95,6 +95,22 @@ def rows(
 
 
 @dataclass(frozen=True, slots=True)
+class Table:
+    """A table of text cells with a title and a head."""
+
+    title: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def __str__(self) -> str:
+        """Return the title and the aligned table for a terminal; columns but the first stand at the right."""
+        lines = [self.head, *self.rows]
+        widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+        aligned = [side_by_side([[cell] for cell in line], widths, range(1, len(line)))[0] for line in lines]
+        return "\n".join([f"{self.title}:", *aligned])
+
+
+@dataclass(frozen=True, slots=True)
 class Report:
     """The results of a scenario.
 
@@ -105,6 +121,7 @@ class Report:
         events: (name, time in s), in order.
         wall_s, steps: cost of the simulation.
         remarks: sentences a reader of the table should know.
+        tables: further tables, beside that of the quantities.
         extra: what a scenario adds to the JSON.
         subject: the objects that pictures are drawn from.
         answer: the scenario's question answered in one sentence, in a person's units; empty where work was interrupted.
@@ -117,6 +134,7 @@ class Report:
     wall_s: float = 0.0
     steps: int = 0
     remarks: tuple[str, ...] = ()
+    tables: tuple[Table, ...] = ()
     extra: dict[str, Any] = field(default_factory=dict)
     subject: Any = None
     answer: str = ""

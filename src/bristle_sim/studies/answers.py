@@ -40,6 +40,17 @@ def differences(quantities: Sequence[Quantity]) -> str:
     return f" What differs most: {'; '.join(found)}." if found else ""
 
 
+def agreement(quantities: Sequence[Quantity]) -> str:
+    """Return whether the simulated values follow the closed forms: ``Yes, to 2e-16``, or the one that differs most."""
+    judged = [each for each in quantities if each.ok is not None]
+    missed = [each for each in judged if not each.ok]
+    if judged and not missed:
+        worst = max(abs(each.relative_difference or 0.0) for each in judged)
+        return f"Yes, to {worst:.0e}" if worst else "Yes, to the last digit"
+    differing = most_different(missed or quantities, "theory", "by formula")
+    return f"{'No' if missed else 'Not exactly'} ({differing})" if differing else "There is no closed form"
+
+
 def beside_radial(lag: float) -> str:
     """Return a lag in degrees in words: ``2.74° short of radial``."""
     if abs(lag) < RADIAL:

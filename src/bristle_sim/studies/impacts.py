@@ -11,10 +11,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity, Report, Table
 from bristle_sim.parameters import Bristle, Contact, DoublePendulum, Hub, SinglePendulum, Strike, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
+from bristle_sim.studies.answers import agreement, amount
 from bristle_sim.studies.strike_point import IMPACT, contact_quantities, outcome_of
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
@@ -42,6 +43,8 @@ class Impacts:
     contact_duration: float | None = None
     timing: str = ""
 
+
+NORMAL_COMPRESSIVE, NORMAL_FINAL = IMPACT["normal_compressive_impulse"], IMPACT["normal_final_impulse"]
 
 AT_REST = 1e-13
 """A rate after an impact counts as zero below this fraction of the fastest one before it."""
@@ -87,8 +90,8 @@ def oblique_impact(
         rounding = ROUNDING * rate / max(abs(theory.final_bristle_rate), least) if least else 0.0
         if name == "tangential_compressive_work":
             rounding = hidden / math.cos(gamma)
-        rows.append(_row(name, IMPACT[name], simulated, expected, _widened(tolerance, rounding), least))
-    return _report(impacts, rows, lambda one: one.contact.rates_after[0], "final_bristle_rate rad/s")
+        rows.append(_row(name, *IMPACT[name], simulated, expected, _widened(tolerance, rounding), least))
+    return _report(impacts, rows, lambda one: one.contact.rates_after[0], "bristle")
 
 
 def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact, settings: Settings) -> Report:
@@ -104,11 +107,11 @@ def single_pendulum(pendulum: SinglePendulum, surface: Surface, contact: Contact
     widened = _widened(tolerance, ROUNDING / max(abs(theory[0] or 0.0), AT_REST))
     compressive = None if found.compressive_impulse is None else found.compressive_impulse[0]
     rows = [
-        _row("rebound_ratio", "1", ratio, theory[0], widened, AT_REST),
-        _row("normal_compressive_impulse", "N s", compressive, theory[1], tolerance),
-        _row("normal_final_impulse", "N s", found.impulse[0], theory[2], tolerance),
+        _row("rebound_ratio", *IMPACT["rebound_ratio"], ratio, theory[0], widened, AT_REST),
+        _row("normal_compressive_impulse", *NORMAL_COMPRESSIVE, compressive, theory[1], tolerance),
+        _row("normal_final_impulse", *NORMAL_FINAL, found.impulse[0], theory[2], tolerance),
     ]
-    return _report(impacts, rows, lambda one: -one.contact.rates_after[0], "final rate rad/s")
+    return _report(impacts, rows, lambda one: -one.contact.rates_after[0], "pendulum")
 
 
 def _single_theory(
@@ -150,13 +153,37 @@ def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact
     compressive = (impulse[0] if impulse else None, theory.normal_compressive_impulse)
     energy = None if found.kinetic_energy_before == 0.0 else theory.kinetic_energy_ratio
     rows = [
-        _row("final_rate_1", "rad/s", -found.contact.rates_after[0], theory.final_rate_1, within, slowest),
-        _row("final_rate_2", "rad/s", -found.contact.rates_after[1], theory.final_rate_2, within, slowest),
-        _row("normal_compressive_impulse", "N s", *compressive, within),
-        _row("normal_final_impulse", "N s", found.contact.impulse[0], theory.normal_final_impulse, within),
-        _row("kinetic_energy_ratio", "1", found.kinetic_energy_ratio, energy, within, AT_REST**2),
+        _row(
+            "final_rate_1",
+            "rate of the first rod after",
+            "rad/s",
+            -found.contact.rates_after[0],
+            theory.final_rate_1,
+            within,
+            slowest,
+        ),
+        _row(
+            "final_rate_2",
+            "rate of the second rod after",
+            "rad/s",
+            -found.contact.rates_after[1],
+            theory.final_rate_2,
+            within,
+            slowest,
+        ),
+        _row("normal_compressive_impulse", *NORMAL_COMPRESSIVE, *compressive, within),
+        _row("normal_final_impulse", *NORMAL_FINAL, found.contact.impulse[0], theory.normal_final_impulse, within),
+        _row(
+            "kinetic_energy_ratio",
+            "kinetic energy after over before",
+            "1",
+            found.kinetic_energy_ratio,
+            energy,
+            within,
+            AT_REST**2,
+        ),
     ]
-    return _report(impacts, rows, lambda one: -one.contact.rates_after[1], "final_rate_2 rad/s")
+    return _report(impacts, rows, lambda one: -one.contact.rates_after[1], "second rod")
 
 
 def _coefficients(surface: Surface) -> tuple[float, float, float]:
@@ -164,11 +191,17 @@ def _coefficients(surface: Surface) -> tuple[float, float, float]:
 
 
 def _row(
-    name: str, unit: str, simulated: float | None, theory: float | None, tolerance: float | None, least: float = 0.0
+    name: str,
+    label: str,
+    unit: str,
+    simulated: float | None,
+    theory: float | None,
+    tolerance: float | None,
+    least: float = 0.0,
 ) -> Quantity:
     """Return a quantity, either side of which is zero where it is no more than the least."""
     first, second = (0.0 if each is not None and abs(each) <= least else each for each in (simulated, theory))
-    return Quantity(name, unit, first, second, tolerance=tolerance)
+    return Quantity(name, unit, first, second, tolerance=tolerance, label=label)
 
 
 def _tolerance(
@@ -206,7 +239,8 @@ def _all_laws(chain: Chain, surface: Surface, contact: Contact, settings: Settin
     return Impacts(chain, surface, contact.law, strikes, refusals, contact.duration)
 
 
-def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], rate_name: str) -> Report:
+def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike], float], turning: str) -> Report:
+    """Return the report; ``rate`` is that of the rod that turns, rad/s."""
     requested = impacts.strikes[impacts.law]
     laws = [_law(law, one, rate(one)) for law, one in impacts.strikes.items()]
     return Report(
@@ -216,24 +250,34 @@ def _report(impacts: Impacts, rows: list[Quantity], rate: Callable[[ChainStrike]
         events=(("strike", requested.contact.time),),
         steps=requested.steps,
         wall_s=requested.wall_s,
-        remarks=_compared_laws(laws, impacts.refusals, rate_name),
+        remarks=tuple(f"{law}: {reason}" for law, reason in impacts.refusals.items()),
+        tables=(_compared_laws(laws),),
         extra={"laws": laws},
         subject=impacts,
+        answer=_answer(requested, rows, rate(requested), turning),
     )
 
 
-def _compared_laws(laws: Sequence[dict[str, Any]], refusals: dict[str, str], rate_name: str) -> tuple[str, ...]:
-    """Return one line a law: its rate, final impulse, works and energy ratio."""
-    titles = (rate_name, "p_fn N s", "p_ft N s", "work n J", "work t J", "energy ratio")
-    forms = (">24.9g", ">13.6g", ">13.6g", ">13.5g", ">13.5g", ">14.7f")
-    lines = ["", f"{'law':<9} {titles[0]:>24}" + "".join(f"{each:>13}" for each in titles[1:5]) + f"{titles[5]:>14}"]
-    for name, *values in (each.values() for each in laws):
-        cells = (
-            "-".rjust(int(form[1:3])) if each is None else format(each, form)
-            for each, form in zip(values, forms, strict=True)
-        )
-        lines.append(f"{name:<9} {''.join(cells)}")
-    return (*lines, *(f"{law:<9} {reason}" for law, reason in refusals.items()))
+def _answer(requested: ChainStrike, rows: list[Quantity], rate: float, turning: str) -> str:
+    if not requested.contact.impulse[0]:
+        return "There is no impact: the tip does not approach the surface."
+    words = {"rebound": "rebounds", "no rebound": "does not rebound"}.get(requested.contact.outcome, "sticks")
+    impulse = amount(requested.contact.impulse[0], "N s")
+    return (
+        f"{agreement(rows)}: the tip {words}, its normal impulse is {impulse}, and the {turning} then turns at"
+        f" {amount(rate, 'rad/s')}."
+    )
+
+
+def _compared_laws(laws: Sequence[dict[str, Any]]) -> Table:
+    """Return the table of every law's rate, impulses, works and energy ratio, in SI units."""
+    head = ("law", "rate after, rad/s", "p_n, N s", "p_t, N s", "work n, J", "work t, J", "energy ratio")
+    forms = ("", ".9g", ".6g", ".6g", ".5g", ".5g", ".7f")
+    cells = (
+        ["-" if value is None else format(value, form) for value, form in zip(law.values(), forms, strict=True)]
+        for law in laws
+    )
+    return Table("the contact laws compared", head, tuple(map(tuple, cells)))
 
 
 def _law(law: str, one: ChainStrike, rate: float) -> dict[str, Any]:
