@@ -116,6 +116,8 @@ def in_words(report: Report) -> str:
         lines.append("")
     for remark in report.remarks:
         lines += _wrapped(remark)
+    for each in report.tables:
+        lines += ["", str(each)]
     return "\n".join(lines)
 
 
