@@ -16,6 +16,7 @@ it is first used, so that a program that needs the impact law alone does not wai
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from bristle_sim.cli.explore import explore
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
     from bristle_sim.reference import simulate_reference
@@ -30,7 +31,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Bar", "Belt", "Bristle", "Contact", "EnergeticContact", "Hub", "Settings", "Tool", "Trajectory", "Workpart",
-    "__version__", "energetic_impact", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
+    "__version__", "energetic_impact", "explore", "newton_impact", "operating_point", "poisson_impact", "read_tool", "simulate",
     "simulate_reference", "simulate_row", "sweep", "write_tool",
 ]  # fmt: skip
 
@@ -39,6 +40,7 @@ _MODULES = {
     "Settings": "settings",
     "Trajectory": "trajectory",
     "energetic_impact": "theory.impact",
+    "explore": "cli.explore",
     "newton_impact": "theory.impact",
     "poisson_impact": "theory.impact",
     "read_tool": "tool_file",

@@ -5,6 +5,7 @@ A wheel carries the folder ``scenarios/`` as ``bristle_sim/scenarios``; a work t
 
 from __future__ import annotations
 
+import argparse
 import ast
 import runpy
 import sys
@@ -12,13 +13,19 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import bristle_sim
-from bristle_sim.cli.main import BAD_INPUT
+from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
 from bristle_sim.cli.output import say, tell
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.tool_file import likely_key
 
 PROGRAM = "bristle-sim"
+
+COMMANDS = {
+    "compare": "compare the passes of two tools: A.toml B.toml [--report FILE.html]",
+    "explore": "turn a tool's knobs in the browser and see its pass: [FILE.toml] [--port N]",
+}
+"""Commands beside the scenarios."""
 
 HELP = f"""for example
   {PROGRAM} cue_and_impact --set hub_speed=3000rpm --set bristle_length=25mm --report pass.html
@@ -44,6 +51,8 @@ def _answer(given: Sequence[str]) -> int:
         say("\n\n".join([overview(), *([HELP] if given else [])]))
         return 0
     known = scripts()
+    if given[0] in COMMANDS:
+        return _command(given[0], given[1:])
     name = given[0].removesuffix(".py")
     if name.startswith("-"):
         tell(f"{PROGRAM}: error: {name}: must come after the name of a scenario; {PROGRAM} alone lists them")
@@ -53,6 +62,21 @@ def _answer(given: Sequence[str]) -> int:
         tell(f"{PROGRAM}: error: unknown scenario {given[0]!r}; {advice}")
         return BAD_INPUT
     return run(load(known[name]), given[1:], program=f"{PROGRAM} {name}")
+
+
+def _command(name: str, given: Sequence[str]) -> int:
+    """Run a command that is no scenario of its own but serves the whole pass; return the exit status."""
+    from bristle_sim.cli import compare
+    from bristle_sim.cli.explore import command as explore
+
+    try:
+        return {"compare": compare.main, "explore": explore.main}[name](load(scripts()["cue_and_impact"]), given)
+    except (ValueError, argparse.ArgumentError) as error:
+        tell(f"{PROGRAM} {name}: error: {error}")
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        tell(f"{PROGRAM} {name}: ended")
+        return INTERRUPTED
 
 
 def scripts() -> dict[str, Path]:
@@ -75,6 +99,7 @@ def overview() -> str:
     known = scripts()
     width = max(map(len, known), default=0)
     lines = [f"  {name:{width}}  {_question(path)}" for name, path in known.items()]
+    lines += ["", *(f"  {name:{width}}  {words}" for name, words in COMMANDS.items())]
     usage = f"usage: {PROGRAM} SCENARIO [--set KEY=VALUE]... [--report FILE.html]"
     return "\n".join([f"{usage}; {PROGRAM} --help says more", "", *lines])
 

@@ -59,7 +59,7 @@ def write_report(
     figures, missing = list[Markup](), ""
     if plot is not None:
         try:
-            figures = _figures(report, plot, plot_is_folder)
+            figures = embedded_figures(report, plot, plot_is_folder)
         except ValueError as error:
             missing = f"no figure: {error}"
     content = {
@@ -133,7 +133,7 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     }
 
 
-def _figures(report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool) -> list[Markup]:
+def embedded_figures(report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool) -> list[Markup]:
     """Draw the figures as elements of the page: an SVG without its XML head, another picture by its bytes."""
     found = []
     with TemporaryDirectory() as folder:

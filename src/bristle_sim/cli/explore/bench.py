@@ -1,0 +1,184 @@
+"""The run for the knobs of the bench, as the plain numbers and words that its page shows."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from bristle_sim.arrays import Array
+from bristle_sim.cli.command import load, scripts
+from bristle_sim.cli.output import csv_text, document
+from bristle_sim.cli.scenario import Scenario, tool_of
+from bristle_sim.comparison import Report, cells
+from bristle_sim.parameters import PARTS, Tool
+from bristle_sim.render.report import motion_data, write_report
+from bristle_sim.settings import Settings
+from bristle_sim.tool_file import write_tool
+from bristle_sim.trajectory import Trajectory
+from bristle_sim.units import Choice, Range, declarations
+
+OFTEN = ("hub", "bristle", "workpart")
+"""Parts whose knobs are open when the page is loaded."""
+
+SHOWN_IN = {"m": ("mm", 1e-3), "kg": ("mg", 1e-6), "s": ("ms", 1e-3), "Pa": ("GPa", 1e9)}
+"""Units that an engineer types, and their size in SI."""
+
+GROUPS = {
+    "hub": "Hub",
+    "belt": "Belt",
+    "bristle": "Bristle",
+    "bar": "Bar",
+    "workpart": "Workpart",
+    "contact": "Contact law",
+}
+
+
+def scenario() -> Scenario:
+    """Return the scenario of the bench, the whole pass."""
+    return load(scripts()["cue_and_impact"])
+
+
+def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """Return every key as the page needs it; ``start`` are the assignments that the page begins with."""
+    values = pass_of.values_of(start)
+    groups = {each.key: name for name, kinds in PARTS.items() for each in declarations(kinds[0]).values()}
+    return [_knob(declared, values[key], groups.get(key, "settings")) for key, (declared, _) in pass_of.keys().items()]
+
+
+def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
+    """Return one key: its words, and for a number the unit that is shown, its start and its range in that unit."""
+    unit = "" if declared.unit in ("1", "word") else declared.unit
+    words = {
+        "key": declared.key,
+        "label": declared.key.removesuffix("_deg").replace("_", " "),
+        "group": GROUPS.get(group, "Settings"),
+        "open": group in OFTEN,
+        "meaning": declared.meaning,
+        "source": declared.source,
+        "needs": declared.needs,
+        "optional": declared.optional,
+    }
+    if isinstance(declared, Choice):
+        return words | {"unit": "", "range": declared.allowed, "start": value, "choices": list(declared.options)}
+    unit, size = SHOWN_IN.get(unit, (unit, 1.0))
+    start = None if value is None else float(f"{value / size:.10g}")
+    limits = [float(f"{limit / size:.6g}") for limit in (declared.lowest, declared.highest)]
+    between = f"from {limits[0]:g} to {limits[1]:g}{' ' if unit else ''}{unit}"
+    return words | {"unit": unit, "range": between, "start": start, "limits": limits, "whole": declared.whole}
+
+
+def bends(pass_of: Scenario, assignments: Sequence[str]) -> bool:
+    """Whether a run takes seconds: the wire bends, or its contacts are resolved in time.
+
+    Raises:
+        ValueError: for values that are refused.
+    """
+    values = pass_of.values_of(assignments)
+    return bool(values["wire_links"] > 1 or values["contact"] == "compliant")
+
+
+def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
+    """Return the run for typed values on top of those that the page began with; ``error`` is the one line of a refusal."""
+    try:
+        report = pass_of.answer(pass_of.values_of([*start, *typed]))
+    except (ValueError, ArithmeticError) as error:
+        return {"error": " ".join(str(error).split())}
+    values = pass_of.values_of([*start, *typed])
+    run, tool = report.subject.trajectory, report.subject.tool
+    before = pass_of.values_of(start)
+    return {
+        "answer": report.answer,
+        "warnings": pass_of.warnings_of(typed, values),
+        "table": cells(report.quantities),
+        "remarks": [each for each in report.remarks if each],
+        "motion": motion_data(run, tool),
+        "series": series(run),
+        "changed": [[key, _word(before[key]), _word(value)] for key, value in values.items() if value != before[key]],
+        "command": command([*start, *typed]),
+    }
+
+
+def series(run: Trajectory) -> dict[str, list[float]]:
+    """Return the panels' curves: time in ms, retraction in degrees, rate relative to the hub, tip speed and normal force."""
+
+    def rounded(values: Array) -> list[float]:
+        return [float(f"{value:.6g}") for value in values]
+
+    return {
+        "time": rounded(1e3 * run.time),
+        "retraction": rounded(np.degrees(run.retraction)),
+        "rate": rounded(run.relative_rate),
+        "speed": rounded(run.tip_speed),
+        "force": rounded(run.normal_force),
+    }
+
+
+def command(assignments: Sequence[str]) -> str:
+    """Return the command line that makes the run again."""
+    return shlex.join(["bristle-sim", "cue_and_impact", *(word for each in assignments for word in ("--set", each))])
+
+
+def radial_bar(pass_of: Scenario, assignments: Sequence[str]) -> dict[str, Any]:
+    """Return the assignments that place the bar, at its distance from the hub's centre, for a radial strike."""
+    from bristle_sim.studies.bar_search import placed, radial_place, simulation
+
+    try:
+        values = pass_of.values_of(assignments)
+        tool = tool_of(values)
+        found = placed(tool, radial_place(tool, simulation(Settings(accuracy=values["accuracy"]))).direction).bar
+    except (ValueError, ArithmeticError) as error:
+        return {"error": " ".join(str(error).split())}
+    assert found is not None
+    return {"assignments": {"bar_horizontal": f"{found.horizontal:.9g}", "bar_vertical": f"{found.vertical:.9g}"}}
+
+
+def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[str, str]:
+    """Return the text of a file of the run, and its media type; ``kind`` is toml, json, csv or html.
+
+    Raises:
+        ValueError: for values that are refused.
+    """
+    from pathlib import Path
+    from tempfile import TemporaryDirectory
+
+    values = pass_of.values_of(assignments)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / f"tool.{kind}"
+        if kind == "toml":
+            write_tool(tool_of(values), path)
+            return path.read_text(encoding="utf-8"), "application/toml"
+        report: Report = pass_of.answer(values)
+        if kind == "json":
+            return document(pass_of.name, values, report) + "\n", "application/json"
+        if kind == "csv":
+            assert pass_of.series is not None
+            return csv_text(pass_of.series(report)), "text/csv"
+        parameters = [(declared, values[key], default) for key, (declared, default) in pass_of.keys().items()]
+        write_report(
+            path,
+            report,
+            name=pass_of.name,
+            question=pass_of.question,
+            command=command(assignments),
+            parameters=parameters,
+        )
+        return path.read_text(encoding="utf-8"), "text/html"
+
+
+def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
+    """Return the assignments that make a tool from the defaults."""
+    found, keys = list[str](), pass_of.keys()
+    for name, kinds in PARTS.items() if tool is not None else ():
+        part = getattr(tool, name)
+        for field, declared in declarations(kinds[0]).items() if part is not None else ():
+            value = getattr(part, field)
+            if declared.key in keys and value is not None and value != keys[declared.key][1]:
+                found.append(f"{declared.key}={value}")
+    return found
+
+
+def _word(value: Any) -> str:
+    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
