@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp, trapezoid
 from scipy.special import ellipj, ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
-from bristle_sim.reference import simulate_reference
+from bristle_sim.reference import simulate_reference, simulate_row_reference
 from bristle_sim.reference.crossing import crossings
 from bristle_sim.stop_reason import StopReason
 
@@ -782,6 +782,68 @@ class TestKnee:
         assert least_gap(tool, run) > -1e-13 * 0.0545 * (len(run.contacts) + 1)
         assert run.normal_force.min() >= 0.0
         assert len(run.contacts) < 500
+
+
+class TestSprings:
+    @pytest.mark.parametrize("restitution", [1.0, 0.5])
+    def test_a_rod_strikes_a_soft_bar_for_the_half_periods_of_spring_and_rod(self, restitution):
+        """Loading a quarter of the period 2 pi/sqrt(k a^2/I), unloading e* of that; the rate returns times -e*.
+
+        The contact travels in proportion to the rod's turn in it, 1e-4 rad; the belt is 1e-4/(k a^2) = 2.5e-6 as stiff.
+        """
+        bristle, apart, stiffness, rate = Bristle(), 0.02, 1e5, 1.0
+        bar = Bar(radius=0.003, horizontal=0.003 + bristle.wire_diameter / 2.0, vertical=apart, restitution=restitution)
+        tool = Tool(Hub(0.0, 0.0), Belt(1e-4), bristle, bar, None)
+        run = simulate_reference(
+            tool,
+            start_hub_angle=0.0,
+            start_relative_angle=1e-3,
+            start_relative_rate=-rate,
+            duration=3e-3,
+            bar_stiffness=stiffness,
+            accuracy=1e-11,
+        )
+        (contact,) = run.contacts
+        quarter = 0.5 * math.pi / math.sqrt(stiffness * apart**2 / bristle.inertia_about_root)
+        assert (contact.obstacle, contact.law) == ("bar", "compliant")
+        assert contact.duration == pytest.approx((1.0 + restitution) * quarter, rel=1e-5)
+        assert contact.rates_after[0] == pytest.approx(-restitution * contact.rates_before[0], rel=1e-5)
+
+    def test_a_joint_on_a_soft_bar_is_one_contact(self):
+        """Where both links of a wire are within the bar's dent, the nearer one alone is in contact."""
+        tool = replace(with_bar(restitution=0.5, friction=0.2), bristle=Bristle(links=2))
+        run = simulate_reference(tool, bar_stiffness=1e6, accuracy=1e-5, stop_after="strike")
+        touches = [each for each in run.contacts if each.obstacle == "bar"]
+        assert len(touches) > 3
+        assert all(one.time + one.duration <= other.time for one, other in pairwise(touches))
+
+    def test_in_a_row_each_strikes_as_the_lone_one_does(self):
+        """Two bristles too far apart to touch, both obstacles soft; ten times the requested accuracy."""
+        tool, springs = with_bar(restitution=0.5, friction=0.2), {"contact_stiffness": 1e5, "bar_stiffness": 1e6}
+        given = {"accuracy": 1e-8, "hub_turn": 1.6, **springs}
+        lone = simulate_reference(tool, **given).first_contact("workpart")
+        row = simulate_row_reference(tool, bristles=2, pitch=math.radians(50.0), **given)
+        for number, run in enumerate(row):
+            strike = run.first_contact("workpart")
+            assert strike.law == lone.law == "compliant"
+            assert strike.time - number * math.radians(50.0) / 261.8 == pytest.approx(lone.time, rel=1e-7)
+            assert strike.impulse == pytest.approx(lone.impulse, rel=1e-7)
+
+    def test_stick_of_a_lone_bristle_on_a_spring(self):
+        """Friction of restitution above tan(gamma) stops the tip at the end of compression, and the hub moves on.
+
+        The wire turns about the tip's place: the abscissa r_h sin(psi) + L sin(theta) stays, so theta' = -r_h omega
+        cos(psi)/(L cos(theta)), until its tip slides on.
+        """
+        part = Workpart(friction=0.55, restitution_friction=0.5, restitution=0.6, penetration=0.0034)
+        tool = Tool(bar=None, workpart=part)
+        run = simulate_reference(tool, contact_stiffness=1e5, hub_turn=1.3, accuracy=1e-9, sample_interval=2e-6)
+        assert run.stop_reason is StopReason.END
+        still = (run.time > 0.0) & (np.abs(run.tip_velocity[:, 0]) < 1e-6)
+        assert still.sum() > 5
+        hub, wire = run.hub_angle[still], run.angles[still, 0]
+        expected = -tool.hub.radius * tool.hub.speed * np.cos(hub) / (tool.bristle.length * np.cos(wire))
+        np.testing.assert_allclose(run.rates[still, 0], expected, rtol=1e-6)
 
 
 class TestCrossings:

@@ -48,9 +48,9 @@ def decide(system: System, log: Log, state: State, new: Point | None = None) -> 
     """
     springs = [each for each in system.sustained if each.spring is not None]
     points = system.rigid
-    if new is not None and new.obstacle == "workpart" and system.stiffness is not None:
+    if new is not None and new.obstacle in system.stiffness:
         touch = system.at(state).touch(new)
-        spring = Spring(system.stiffness, system.obstacles[new.obstacle].surface.restitution, touch.gap)
+        spring = Spring(system.stiffness[new.obstacle], system.obstacles[new.obstacle].surface.restitution, touch.gap)
         springs.append(Sustained(new, 0, state, touch.velocity, spring))
     elif new is not None and new not in points:
         points.append(new)

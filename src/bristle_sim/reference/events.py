@@ -80,7 +80,11 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
     inside, found = INSIDE * system.size, []
 
     def gap(name: str, piece: int, level: float, instant: Instant) -> float:
+        if name in indented and _beside_contact(system, piece, instant):
+            return system.size
         return float(instant.gaps(name)[piece]) - level
+
+    indented = {each.point.obstacle for each in system.sustained if each.spring} & {"bar"}
 
     for name in system.obstacles:
         for piece, now in enumerate(system.at(state).gaps(name).tolist()):
@@ -90,7 +94,7 @@ def _touch_events(system: System, log: Log, state: State) -> list[Event]:
             found.append(
                 Event(value, -1, 0.1 * inside, partial(close_contact, system, log, name, piece), (name, piece))
             )
-            if now < -10.0 * inside and system.stiffness is not None:
+            if now < -10.0 * inside and name in system.stiffness:
                 found.append(Event(partial(gap, name, piece, 0.0), 1, inside, lambda at: at, (name, piece)))
     return found
 
@@ -103,6 +107,13 @@ def _shadowed(system: System, obstacle: str, piece: int) -> bool:
         return any(point.piece == chain.corners[piece] for point in points)
     before = piece - 1 if follows(chain, piece) else None
     return any(point.piece == piece or (point.corner and point.piece == before) for point in points)
+
+
+def _beside_contact(system: System, piece: int, instant: Instant) -> bool:
+    """Whether a piece's nearest point to the bar is the corner that it shares with a piece in contact, which is nearer."""
+    touched = {each.point.piece for each in system.sustained if each.point.obstacle == "bar" and not each.point.corner}
+    before = instant.feet[piece] <= 0.0 and follows(system.chain, piece) and piece - 1 in touched
+    return before or (instant.feet[piece] >= system.chain.pieces[piece].length and piece + 1 in touched)
 
 
 def _force_events(system: System, log: Log, state: State, number: int) -> list[Event]:

@@ -36,8 +36,10 @@ class Acting(NamedTuple):
 
     @property
     def sticks(self) -> bool:
-        """Whether friction holds it; the contact of a single link keeps that at rest, and friction idles."""
-        return self.slip == STICK and self.friction > 0.0 and len(self.touch.normal_row) > 1
+        """Whether friction stops it; a rigid contact of a single moving link keeps that at rest, and friction idles."""
+        rows = np.abs([self.touch.normal_row, self.touch.tangential_row])
+        idle = self.push is None and np.count_nonzero(rows.sum(axis=0)) < 2
+        return self.slip == STICK and self.friction > 0.0 and not idle
 
     @property
     def ratio(self) -> float:

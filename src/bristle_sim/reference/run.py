@@ -134,8 +134,8 @@ class Run:
         """Return an integrator that begins at the state, with an absolute tolerance for each unknown."""
         chain, size, fastest = self.system.chain, self.system.size, self.system.fastest
         rate = max(chain.speed, float(np.abs(self.state.rates).max()), fastest, 1e-300)
-        force = chain.masses.sum() * size * fastest
-        work = force * size * fastest
+        force = chain.masses.sum() * size * rate
+        work = force * size * rate
         sustained = self.system.sustained
         quickest = max([fastest, *(self._contact_rate(each) for each in sustained)])
         scale = [np.ones(chain.links), np.full(chain.links, rate), np.tile([force, force, work, work], len(sustained))]

@@ -52,6 +52,7 @@ class Request:
     contact_stiffness: float | None = quantity(
         None, "contact_stiffness", "N/m", above=0.0, at_most=1e20, source="requested"
     )
+    bar_stiffness: float | None = quantity(None, "bar_stiffness", "N/m", above=0.0, at_most=1e20, source="requested")
     stop_after: str | None = None
 
     def __post_init__(self) -> None:
@@ -72,6 +73,7 @@ def simulate_reference(
     stop_after: str | None = None,
     sample_interval: float | None = None,
     contact_stiffness: float | None = None,
+    bar_stiffness: float | None = None,
 ) -> Trajectory:
     """Simulate a pass: flight, taps and slides along the bar, release, strike, rebound.
 
@@ -90,7 +92,8 @@ def simulate_reference(
         stop_after: name of the event that ends the run, as for the scene's ``simulate``; a touch ends it just after the
             impact.
         sample_interval: s; by default 1/64 of a natural period or of a hub turn, whichever is shorter.
-        contact_stiffness: of the contact with the workpart, N/m, a spring with energetic restitution; by default it is rigid.
+        contact_stiffness, bar_stiffness: of the contact with workpart and bar, N/m, springs with energetic restitution; by
+            default they are rigid.
 
     Returns:
         The trajectory, with the events of ``stop_reason``: ``retraction limit`` is where the bristle leans over by 90 degrees,
@@ -101,7 +104,8 @@ def simulate_reference(
             fastest motion.
     """
     start = (start_hub_angle, start_relative_angle, start_relative_rate)
-    request = Request(*start, hub_turn, duration, accuracy, sample_interval, contact_stiffness, stop_after)
+    stiffness = (contact_stiffness, bar_stiffness)
+    request = Request(*start, hub_turn, duration, accuracy, sample_interval, *stiffness, stop_after)
     chain = Chain.of(tool, request.start_hub_angle)
     return _simulate(tool, request, chain, [chain])[0]
 
@@ -118,6 +122,8 @@ def simulate_row_reference(
     accuracy: float = 1e-10,
     stop_after: str | None = None,
     sample_interval: float | None = None,
+    contact_stiffness: float | None = None,
+    bar_stiffness: float | None = None,
 ) -> tuple[Trajectory, ...]:
     """Simulate a row of bristles that touch each other, bar and workpart.
 
@@ -132,7 +138,7 @@ def simulate_row_reference(
         neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
         start_hub_angle: of the foremost bristle, rad.
         hub_turn: after which the last bristle's pass ends, from its own passage through the foremost one's start, rad.
-        accuracy, sample_interval: as for ``simulate_reference``.
+        accuracy, sample_interval, contact_stiffness, bar_stiffness: as for ``simulate_reference``.
         stop_after: name of a touch or release; the run ends when every bristle has had one.
 
     Returns:
@@ -145,7 +151,8 @@ def simulate_row_reference(
     """
     _check_row(tool, bristles, pitch, stop_after)
     whole_turn = hub_turn + (bristles - 1) * pitch
-    request = Request(start_hub_angle, 0.0, 0.0, whole_turn, None, accuracy, sample_interval, None, stop_after)
+    stiffness = (contact_stiffness, bar_stiffness)
+    request = Request(start_hub_angle, 0.0, 0.0, whole_turn, None, accuracy, sample_interval, *stiffness, stop_after)
     surface = Surface(friction=neighbour_friction, restitution=neighbour_restitution)
     row = Row(tool, [request.start_hub_angle - number * pitch for number in range(bristles)])
     wires = WirePairs(row, tool.bristle.wire_diameter, surface)
@@ -171,7 +178,8 @@ def _simulate(
     for record in log.records:
         _check_start(record.chain, fixed, record.own(start))
     obstacles: Obstacles = {**fixed, WirePairs.name: touches} if touches and touches.pairs else fixed
-    system = System(links, obstacles, request.contact_stiffness)
+    stiffness = {"workpart": request.contact_stiffness, "bar": request.bar_stiffness}
+    system = System(links, obstacles, {name: each for name, each in stiffness.items() if each is not None})
     run = Run(system, log, start, end, max(request.accuracy / 100.0, FINEST))
     reason = run.run()
     cost = Cost(clock.perf_counter() - wall, clock.process_time() - cpu, run.evaluations)

@@ -61,7 +61,7 @@ def strike_reference(
             f"stiffness = {stiffness:g}: must be larger than 0, and the tool must have a workpart (in N/m)"
         )
     start = State(0.0, np.array(angles, dtype=float), np.array(rates, dtype=float))
-    system, log = System(chain, obstacles, stiffness), Log([chain], longest / SAMPLES, "workpart release")
+    system, log = System(chain, obstacles, {"workpart": stiffness}), Log([chain], longest / SAMPLES, "workpart release")
     tip = len(chain.pieces) - 1
     touch = system.at(start).touch(Point("workpart", tip, True))
     if abs(touch.gap) > AT_SURFACE * system.size or touch.velocity[0] >= 0.0:

@@ -48,10 +48,10 @@ class Sustained:
 class System:
     """A chain, its obstacles by name, and the contacts that are sustained now.
 
-    ``stiffness``, N/m, is that of the contact with the workpart; without one it is rigid.
+    ``stiffness``, N/m, has the contact stiffness of each obstacle that is compliant, by name; the others are rigid.
     """
 
-    def __init__(self, chain: Chain | Row, obstacles: Obstacles, stiffness: float | None = None) -> None:
+    def __init__(self, chain: Chain | Row, obstacles: Obstacles, stiffness: Mapping[str, float]) -> None:
         self.chain = chain
         self.obstacles = obstacles
         self.stiffness = stiffness
