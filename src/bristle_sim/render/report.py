@@ -6,22 +6,22 @@ import base64
 import math
 import platform
 import re
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from html import escape
 from importlib import metadata
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import jinja2
-import numpy as np
 from markupsafe import Markup
 
 import bristle_sim
 from bristle_sim.comparison import Report, cells
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
-from bristle_sim.render.story import phases, story_end
-from bristle_sim.render.style import MILLIMETRES
+from bristle_sim.render.motion_data import motion_data
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range
 
@@ -30,6 +30,16 @@ Parameter = tuple[Range | Choice, Any, Any]
 
 LIBRARIES = ("numpy", "scipy", "pymunk", "matplotlib")
 """Those whose version may change a digit or a line."""
+
+SHORT, LONG = 16, 60
+"""Letters of a cell that stays in one line, and of one that needs a wide column."""
+BEFORE_UNIT = re.compile(
+    r"(?<=\d) (?=(?:[mµnk]?(?:s|m|N|J|W|Hz|g)|m/s|rad/s|rpm|mN|µN|%|°|deg)\b|%|°)|(?<=N) (?=[sm]\b)"
+)
+"""A space between a number and its unit, or within a unit."""
+
+ALIGNED = re.compile(r"\S {3,}\S|\n")
+"""A line of a table in plain text, for which the page has a table of its own."""
 
 MEDIA = {".png": "image/png", ".mp4": "video/mp4", ".gif": "image/gif"}
 
@@ -59,17 +69,22 @@ def write_report(
     figures, missing = list[Markup](), ""
     if plot is not None:
         try:
-            figures = embedded_figures(report, plot, plot_is_folder)
+            figures = embedded_figures(report, plot, plot_is_folder, name.replace("_", " "))
         except ValueError as error:
             missing = f"no figure: {error}"
+    rows = status_table(report.extra.get("rows"))
+    remarks = [each for each in (*report.remarks, missing) if each and not (rows and ALIGNED.search(each))]
     content = {
         "name": name,
         "question": question,
         "command": command,
-        "answer": report.answer or answer(report),
+        "answer": report.answer or (f"Outcome: {report.outcome}." if report.outcome else ""),
+        "verdict": verdict(report),
         "table": cells(report.quantities),
+        "tables": report.tables,
+        "rows": rows,
         "phases": report.phases,
-        "remarks": [each for each in (*report.remarks, missing) if each],
+        "remarks": remarks,
         "parameters": [(declared, _shown(value), value == default) for declared, value, default in parameters],
         "figures": figures,
         "video": None if video is None else (_embedded(video), video.suffix.lower() == ".mp4"),
@@ -77,63 +92,65 @@ def write_report(
         "versions": {"bristle_sim": bristle_sim.__version__, "Python": platform.python_version()}
         | {library: metadata.version(library) for library in LIBRARIES},
     }
+    with complete_or_absent(path) as partial:
+        partial.write_text(_page(content), encoding="utf-8")
+
+
+def view_page(run: Trajectory) -> str:
+    """Return the motion with its slider as a frame for a notebook, whose page keeps its own style and names."""
+    page = _page({"alone": True, "name": "run", "motion": motion_data(run, run.tool)})
+    return (
+        f'<iframe srcdoc="{escape(page)}" style="width:100%;height:44rem;border:0" title="motion of the run"></iframe>'
+    )
+
+
+def _page(content: dict[str, Any]) -> str:
+    """Return the page of some content; spaces between a number and its unit do not break, names may after an underscore."""
     loader, strict = jinja2.PackageLoader("bristle_sim.render", "."), jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=strict)
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
-    with complete_or_absent(path) as partial:
-        partial.write_text(environment.get_template("report.html.jinja").render(content), encoding="utf-8")
+    environment.filters["bound"] = lambda text: BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", str(text))
+    environment.filters["breakable"] = lambda name: Markup("_<wbr>").join(str(name).split("_"))
+    return environment.get_template("report.html.jinja").render({"alone": False, **content})
 
 
-def answer(report: Report) -> str:
-    """Say in a sentence or two what came out: the outcome, what agrees, what does not, and the largest difference."""
-    said = [] if report.outcome is None else [f"Outcome: {report.outcome}."]
+def verdict(report: Report) -> str:
+    """Return how many comparisons are within their tolerance, and which are not; empty where none has one."""
     judged = [row for row in report.quantities if row.ok is not None]
-    missed = [row.name for row in judged if not row.ok]
-    if missed:
-        said.append(f"{len(missed)} of {len(judged)} comparisons exceed their tolerance: {', '.join(missed)}.")
-    elif judged:
-        said.append(f"All {len(judged)} comparisons that have a tolerance are within it.")
-    rows = [row for row in report.quantities if row.tolerance is None and row.relative_difference is not None]
-    found = max(rows, key=lambda row: abs(row.relative_difference or 0.0), default=None)
-    if found is not None and found.relative_difference:
-        size = f"{100.0 * found.relative_difference:+.3g} % from {found.judge_name}"
-        said.append(f"Of the findings, {found.name} differs most: {size}.")
-    return " ".join(said) or "See the table."
+    missed = [row.label for row in judged if not row.ok]
+    if not judged:
+        return ""
+    said = f"{len(judged) - len(missed)} of {len(judged)} comparisons that have a tolerance are within it"
+    return f"{said}; not: {', '.join(missed)}." if missed else f"{said}."
 
 
-def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
-    """Return a pass as plain numbers for the interactive view: times in ms, lengths in mm, up to the end of its story.
-
-    Positions and velocities of the centre line at every sample let the page interpolate by the cubics of
-    ``trajectory.sampled_motion``; samples that share an instant, before and after an impact, stay apart.
-    """
-    shown = run.time <= story_end(run)
-    rows = {
-        "line": run.centre_line * MILLIMETRES,
-        "velocity": run.centre_line_velocity,  # m/s are mm/ms
-        "hub": run.hub_angle,
-        "retraction": np.degrees(run.retraction),
-        "force": run.normal_force,
-    }
-    bar, end = tool.bar, float(run.time[shown][-1])
+def status_table(rows: Sequence[Mapping[str, Any]] | None) -> dict[str, Any] | None:
+    """Return head, cells and the number of rows by status of rows that have one; None where they have none."""
+    if not rows or "status" not in rows[0]:
+        return None
+    plain = str | float | int | None
+    names = [name for name in rows[0] if name != "formula" and all(isinstance(row.get(name), plain) for row in rows)]
+    names = [name for name in names if any(row.get(name) not in (None, "") for row in rows)]
     return {
-        # To nanometres and nanoseconds, which keeps a page small.
-        "time": np.round(1e3 * run.time[shown], 6).tolist(),
-        **{name: np.round(row[shown].reshape(shown.sum(), -1), 6).tolist() for name, row in rows.items()},
-        "hubRadius": tool.hub.radius * MILLIMETRES,
-        "wire": tool.bristle.wire_diameter * MILLIMETRES,
-        "bar": None if bar is None else [each * MILLIMETRES for each in (*bar.centre, bar.radius)],
-        "surface": None if tool.workpart is None else -tool.workpart_depth * MILLIMETRES,
-        "contacts": [
-            [each.obstacle, 1e3 * each.time, 1e3 * each.duration, *(1e3 * part for part in each.impulse)]
-            for each in run.contacts
-            if each.time <= end
-        ],
-        "phases": [[1e3 * each.start, each.caption] for each in phases(run) if each.start <= end],
+        "head": names,
+        "rows": [[_shown(row.get(name), "") for name in names] for row in rows],
+        "looks": [_look([row.get(name) for row in rows]) for name in names],
+        "status": names.index("status"),
+        "counts": Counter(row["status"] for row in rows),
     }
 
 
-def embedded_figures(report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool) -> list[Markup]:
+def _look(column: Sequence[object]) -> str:
+    """Return the class of a column's cells: numbers stand at the right, short words in one line."""
+    if all(isinstance(value, float | int | None) for value in column):
+        return "number"
+    longest = max(len(str(value)) for value in column)
+    return "short" if longest <= SHORT else "long" if longest > LONG else ""
+
+
+def embedded_figures(
+    report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool, name: str = "the run"
+) -> list[Markup]:
     """Draw the figures as elements of the page: an SVG without its XML head, another picture by its bytes."""
     found = []
     with TemporaryDirectory() as folder:
@@ -143,10 +160,11 @@ def embedded_figures(report: Report, plot: Callable[[Report, Path], None], plot_
             if path.suffix == ".svg":
                 drawing = path.read_text(encoding="utf-8")
                 drawing = re.sub(r"<metadata>.*?</metadata>", "", drawing[drawing.index("<svg") :], flags=re.DOTALL)
-                found.append(Markup(drawing))
+                named = Markup('<svg role="img" aria-label="figure of {}"').format(name)
+                found.append(named + Markup(drawing.removeprefix("<svg")))
             else:
-                name = path.stem.replace("_", " ")
-                found.append(Markup('<img src="{}" alt="{}">').format(_embedded(path), name))
+                words = path.stem.replace("_", " ")
+                found.append(Markup('<img src="{}" alt="{}">').format(_embedded(path), words))
     return found
 
 
@@ -154,12 +172,9 @@ def _embedded(path: Path) -> str:
     return f"data:{MEDIA[path.suffix.lower()]};base64,{base64.b64encode(path.read_bytes()).decode('ascii')}"
 
 
-def _shown(value: Any) -> str:
+def _shown(value: Any, absent: str = "none") -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     if isinstance(value, float) and math.isfinite(value):
         return f"{value:.6g}"
-    return "none" if value is None else str(value)
-
-
-def view_page(run: Trajectory) -> str:
-    """Return a page of the motion alone, with its slider."""
-    raise NotImplementedError
+    return absent if value is None else str(value)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from bristle_sim.trajectory import Event, Trajectory
 
 MOST_LABELS = 9
@@ -75,7 +77,12 @@ def phases(trajectory: Trajectory, strike_shown: float = 0.0) -> tuple[Phase, ..
         if event.name == "strike":
             later = (each.time for each in events[number + 1 :] if each.time > event.time)
             shown_until = min(event.time + strike_shown, next(later, math.inf))
-            found += [Phase(event.time, "strike"), Phase(shown_until, outcome)]
+            found.append(Phase(event.time, "strike"))
+            if contact is not None and contact.history is not None:
+                deepest = float(contact.history.time[np.argmax(contact.history.penetration)])
+                shown_until = contact.time + contact.duration
+                found[-1:] = [Phase(event.time, "strike: compression"), Phase(deepest, "strike: restitution")]
+            found.append(Phase(shown_until, outcome))
         elif (caption := _caption(trajectory, events, number)) is not None:
             found.append(Phase(event.time, caption))
     return tuple(sorted(found, key=lambda phase: phase.start))

@@ -1,27 +1,35 @@
 // The motion of a run under a slider: viewer.show(motion) shows one, and may be called again with another.
 const viewer = (() => {
 const find = (id) => document.getElementById(id), canvas = find("tool"), slider = find("instant");
-let data, first, last, box;
+let data, first, last, box, instant; // instant: the one shown, ms
 
+function along(value, from, to) { // the clock's steps at an instant (from 1 to 0), or the instant of a step (from 0 to 1)
+  let k = 1;
+  while (k < data.clock.length - 1 && data.clock[k][from] <= value) k++;
+  const [one, other] = [data.clock[k - 1], data.clock[k]];
+  return one[to] + (other[to] - one[to]) * (value - one[from]) / (other[from] - one[from]);
+}
+function showAt(t) { instant = Math.min(Math.max(t, first), last); slider.value = along(instant, 1, 0); draw(); }
 function sampleBefore(t) { // the last sample that is not after t, and not the last one of all
   let low = 0, high = data.time.length - 1;
   while (high - low > 1) { const middle = (low + high) >> 1; if (data.time[middle] <= t) low = middle; else high = middle; }
   return low;
 }
-function stateAt(t) { // cubics through positions and velocities at the samples on either side
+function stateAt(t) { // cubics through positions and velocities at the nodes on either side, forces linear
   const i = sampleBefore(t), h = data.time[i + 1] - data.time[i], s = h > 0 ? (t - data.time[i]) / h : 1;
   const [a, b, c, d] = [2*s**3 - 3*s**2 + 1, s**3 - 2*s**2 + s, 3*s**2 - 2*s**3, s**3 - s**2];
   const [da, db, dd] = [6*s**2 - 6*s, 3*s**2 - 4*s + 1, 3*s**2 - 2*s];
   const [p, q, v, w] = [data.line[i], data.line[i + 1], data.velocity[i], data.velocity[i + 1]];
   const line = p.map((_, k) => a*p[k] + b*h*v[k] + c*q[k] + d*h*w[k]);
   const tipVelocity = [p.length - 2, p.length - 1].map((k) => h > 0 ? da*(p[k] - q[k])/h + db*v[k] + dd*w[k] : w[k]);
-  const between = (row) => row[i][0] + s * (row[i + 1][0] - row[i][0]);
-  return { line, tip: line.slice(-2), speed: Math.hypot(...tipVelocity), hub: between(data.hub),
-    retraction: between(data.retraction), force: between(data.force) };
+  const [one, other] = [data.retraction[i], data.retraction[i + 1]];
+  return { line, tip: line.slice(-2), speed: Math.hypot(...tipVelocity), hub: data.hub[0] + data.hub[1] * (t - first),
+    retraction: a*one[0] + b*h*one[1] + c*other[0] + d*h*other[1],
+    force: data.force[i][0] + s * (data.force[i + 1][0] - data.force[i][0]) };
 }
 function touching(t) { // the contact at an instant; one that takes no time is shown for a hundredth of the run
-  const brief = 0.01 * (last - first);
-  return data.contacts.findLast((each) => t >= each[1] - 1e-6 && t <= each[1] + Math.max(each[2], brief));
+  const lasting = data.contacts.findLast((each) => each[2] > 0 && t >= each[1] && t <= each[1] + each[2]);
+  return lasting ?? data.contacts.findLast((each) => each[2] === 0 && t >= each[1] && t <= each[1] + 0.01 * (last - first));
 }
 function boxShown() { // what the drawing shows, mm
   const xs = [], ys = [];
@@ -32,7 +40,7 @@ function boxShown() { // what the drawing shows, mm
 }
 
 function draw() {
-  const t = first + 1e-3 * slider.value, now = stateAt(t), contact = touching(t);
+  const t = instant, now = stateAt(t), contact = touching(t);
   const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
   canvas.width = width * ratio; canvas.height = height * ratio;
   const pen = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
@@ -88,30 +96,33 @@ function draw() {
   }
   const bar = 10 * scale, edge = width - 14; // the scale, bottom right: clear of the wire, which turns above the workpart
   pen.fillStyle = colour("ink"); pen.fillRect(edge - bar, height - 10, bar, 2); word("10 mm", edge - bar / 2, height - 16);
-  find("time").textContent = `${t.toFixed(3)} ms`;
-  find("phase").textContent = data.phases.findLast((each) => each[0] <= t + 1e-6)?.[1] ?? "";
-  find("retraction").textContent = `${now.retraction.toFixed(2)}°`;
-  find("tip").textContent = `${now.tip[0].toFixed(2)}, ${now.tip[1].toFixed(2)} mm`;
-  find("speed").textContent = `${now.speed.toFixed(1)} m/s`;
-  find("force").textContent = force;
+  find("now-time").textContent = `${t.toFixed(3)} ms`;
+  find("now-phase").textContent = data.phases.findLast((each) => each[0] <= t + 1e-9)?.[1] ?? "";
+  find("now-retraction").textContent = `${now.retraction.toFixed(2)}°`;
+  find("now-tip").textContent = `${now.tip[0].toFixed(2)}, ${now.tip[1].toFixed(2)} mm`;
+  find("now-speed").textContent = `${now.speed.toFixed(1)} m/s`;
+  find("now-force").textContent = force;
+  canvas.setAttribute("aria-label", `Hub, wire, bar and workpart at ${find("now-time").textContent}: ${find("now-phase").textContent}, ` +
+    `retraction ${find("now-retraction").textContent}, force ${force}`);
 }
 let playing = 0, began = 0;
 function advance(now) { // the whole run in eight seconds
-  slider.value = slider.max * Math.min(1, (now - began) / 8000); draw();
+  slider.value = Math.min(slider.max, now - began); instant = along(Number(slider.value), 0, 1); draw();
   playing = Number(slider.value) < Number(slider.max) ? requestAnimationFrame(advance) : 0;
   find("play").textContent = playing ? "pause" : "play";
 }
 find("play").onclick = () => {
   if (playing) { cancelAnimationFrame(playing); playing = 0; find("play").textContent = "play"; return; }
   if (Number(slider.value) >= Number(slider.max)) slider.value = 0;
-  began = performance.now() - 8000 * slider.value / slider.max;
+  began = performance.now() - slider.value;
   advance(performance.now());
 };
 function show(motion) {
   const fresh = data === undefined;
   data = motion;
   [first, last] = [data.time[0], data.time[data.time.length - 1]];
-  slider.max = Math.round(1e3 * (last - first)); // one step is a microsecond
+  slider.max = data.clock[data.clock.length - 1][0];
+  instant = along(Number(slider.value), 0, 1);
   box = boxShown();
   const named = new Map(); // the first phase of each caption
   for (const [start, caption] of data.phases.slice(1)) if (!named.has(caption)) named.set(caption, start);
@@ -119,14 +130,14 @@ function show(motion) {
   for (const [caption, start] of named) {
     const jump = document.createElement("button");
     jump.type = "button"; jump.textContent = caption; find("jumps").append(jump);
-    jump.onclick = () => { slider.value = Math.ceil(1e3 * (start - first)); draw(); };
+    jump.onclick = () => showAt(start);
   }
   if (fresh) {
-    slider.addEventListener("input", draw);
+    slider.addEventListener("input", () => { instant = along(Number(slider.value), 0, 1); draw(); });
     window.addEventListener("resize", draw);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
   }
   draw();
 }
-return { show };
+return { show, showAt };
 })();

@@ -14,7 +14,8 @@ from bristle_sim.cli.output import csv_text, document
 from bristle_sim.cli.scenario import Scenario, tool_of
 from bristle_sim.comparison import Report, cells
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.render.report import motion_data, write_report
+from bristle_sim.render.motion_data import motion_data
+from bristle_sim.render.report import write_report
 from bristle_sim.settings import Settings
 from bristle_sim.tool_file import write_tool
 from bristle_sim.trajectory import Trajectory
