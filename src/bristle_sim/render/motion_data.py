@@ -33,14 +33,18 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     many as that takes. Nodes that share an instant are the motion before and after it.
     """
     interpolation, end = Interpolation(run), story_end(run)
-    time = interpolation.course(end, 2).time
-    time = np.unique(time)
+    time = np.unique(interpolation.course(end, 2).time)
+    starts, ends, added = time[:-1], time[1:], [time]
     for _ in range(ROUNDS):
-        before, after = interpolation(time, "before"), interpolation(time, "after")
-        wrong = _differs(interpolation(time[:-1] + TRIED * np.diff(time)), _between(after, before))
+        page = _between(interpolation(starts), interpolation(ends, "before"))
+        wrong = _differs(interpolation(page.time), page)
+        middles = 0.5 * (starts + ends)[wrong]
+        starts, ends = np.concatenate([starts[wrong], middles]), np.concatenate([middles, ends[wrong]])
+        added.append(middles)
         if not wrong.any():
             break
-        time = np.sort(np.concatenate([time, (0.5 * (time[1:] + time[:-1]))[wrong]]))
+    time = np.sort(np.concatenate(added))
+    before, after = interpolation(time, "before"), interpolation(time)
     columns = {name: np.stack([_columns(each)[name] for each in (before, after)], axis=1) for name in _columns(after)}
     double = np.any(
         [np.any(np.abs(np.diff(each, axis=1)) > 1e-9, axis=(1, 2)) for each in columns.values()], axis=0
@@ -81,29 +85,28 @@ def _columns(motion: Motion) -> dict[str, Array]:
     }
 
 
-def _between(after: Motion, before: Motion) -> Motion:
-    """Return the motion between nodes, at a part TRIED of each interval, as the page has it."""
-    s, step = TRIED, np.diff(after.time)
+def _between(start: Motion, end: Motion) -> Motion:
+    """Return the motion a part TRIED of the way between nodes as the page has it."""
+    s, step = TRIED, end.time - start.time
 
     def cubic(name: str, slope: str, sign: float = 1.0) -> tuple[Array, Array]:
         """Return Hermite's cubic and its slope."""
-        p, v, q, w = (
-            getattr(each, key) for each, key in ((after, name), (after, slope), (before, name), (before, slope))
-        )
+        p, v, q, w = (getattr(each, key) for each, key in ((start, name), (start, slope), (end, name), (end, slope)))
         h = step.reshape(-1, *[1] * (p.ndim - 1))
-        p, q, v, w = p[:-1], q[1:], sign * h * v[:-1], sign * h * w[1:]
+        v, w = sign * h * v, sign * h * w
         place = q + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q) + s * (1.0 - s) * ((1.0 - s) * v - s * w)
         return place, (6.0 * s * (s - 1.0) * (p - q) + (1.0 - s) * (1.0 - 3.0 * s) * v + s * (3.0 * s - 2.0) * w) / h
 
     line, velocity = cubic("centre_line", "centre_line_velocity")
     retraction, _ = cubic("retraction", "relative_rate", -1.0)
     return dataclasses.replace(
-        after,
+        start,
+        time=start.time + s * step,
         centre_line=line,
         centre_line_velocity=velocity,
         angles=-retraction[:, np.newaxis],
         hub_angle=np.zeros_like(step),
-        normal_force=after.normal_force[:-1] + s * (before.normal_force[1:] - after.normal_force[:-1]),
+        normal_force=start.normal_force + s * (end.normal_force - start.normal_force),
     )
 
 

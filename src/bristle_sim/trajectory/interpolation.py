@@ -103,23 +103,52 @@ class Interpolation:
 
     def _motion(self, instants: Array, side: str) -> Array:
         """Return values and slopes of angles and corners at instants, shape (2, instants, columns)."""
-        from scipy.interpolate import KroghInterpolator
-
         rows, inner = self._rows, self._inner
         chosen = _chosen(rows.time, self._pieces, instants, side)
         windows: dict[tuple[int, int], list[int]] = {}
         for number, (instant, piece) in enumerate(zip(instants.tolist(), chosen.tolist(), strict=True)):
             windows.setdefault(_window(rows.time, self._pieces[piece], instant), []).append(number)
-        found = np.empty((2, instants.size, rows.states.shape[2]))
+        by_size: dict[int, list[tuple[Array, Array, list[int]]]] = {}
         for (first, last), numbers in windows.items():
             within = slice(*np.searchsorted(inner.time, rows.time[[first, last]]))
             time = np.concatenate([rows.time[first : last + 1], inner.time[within]])
             states = np.concatenate([rows.states[first : last + 1], inner.states[within]])
             order = np.argsort(time)
-            # Every sample twice: the second time its row is the slope there.
-            curve = KroghInterpolator(np.repeat(time[order], 2), states[order].reshape(2 * order.size, -1))
-            found[:, numbers] = curve(instants[numbers]), curve.derivative(instants[numbers])
+            by_size.setdefault(order.size, []).append((time[order], states[order], numbers))
+        found = np.empty((2, instants.size, rows.states.shape[2]))
+        for alike in by_size.values():
+            time, states = (np.stack(each) for each in ([each[0] for each in alike], [each[1] for each in alike]))
+            own = np.concatenate([each[2] for each in alike])
+            window = np.repeat(np.arange(len(alike)), [len(each[2]) for each in alike])
+            found[:, own] = _hermite(time, states, window, instants[own])
         return found
+
+
+def _hermite(time: Array, states: Array, window: NDArray[np.intp], instants: Array) -> Array:
+    """Return values and slopes of polynomials through values and slopes, by divided differences.
+
+    Args:
+        time: of the samples of each window, shape (windows, samples).
+        states: values and slopes there, shape (windows, samples, 2, columns).
+        window: of each instant.
+        instants: where the polynomials are evaluated.
+
+    Returns an array of shape (2, instants, columns).
+    """
+    nodes, table = np.repeat(time, 2, axis=1), np.repeat(states[:, :, 0], 2, axis=1)
+    coefficients = [table[:, 0]]
+    for order in range(1, nodes.shape[1]):
+        step, difference = (nodes[:, order:] - nodes[:, :-order])[..., np.newaxis], np.diff(table, axis=1)
+        if order == 1:  # between a node and itself it is the slope
+            difference[:, ::2], step[:, ::2] = states[:, :, 1], 1.0
+        table = difference / step
+        coefficients.append(table[:, 0])
+    value, slope = coefficients[-1][window], np.zeros((instants.size, states.shape[3]))
+    for node, coefficient in zip(nodes.T[-2::-1], coefficients[-2::-1], strict=True):
+        distance = (instants - node[window])[:, np.newaxis]
+        slope = slope * distance + value
+        value = value * distance + coefficient[window]
+    return np.stack([value, slope])
 
 
 class _Samples(NamedTuple):
