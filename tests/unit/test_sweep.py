@@ -25,7 +25,7 @@ joblib = pytest.importorskip("joblib", reason="needs the extra sweep")
 
 from bristle_sim.studies import sweep_store  # noqa: E402
 from bristle_sim.studies.sweep import sweep  # noqa: E402
-from bristle_sim.studies.sweep_point import identity_of  # noqa: E402
+from bristle_sim.studies.sweep_identity import identity_of  # noqa: E402
 from sweep_points import counted, power  # noqa: E402
 
 SPACE = {"x": [1.0, 2.0, 3.0, 4.0], "y": [0.5, 0.25]}

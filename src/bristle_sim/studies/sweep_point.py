@@ -1,133 +1,139 @@
-"""One point of a sweep: what comes out, and what it depends on apart from its parameters.
+"""Points of a sweep: the outcome of one, and many by joblib's scheduler, in turns of some tenths of a second.
 
-The latter are the function, what it uses, and the software. Results that are kept on disk are found again by a digest of
-these. Worker processes import this module and not those that label and store results.
+Worker processes import this module and not those that label and store results.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import functools
-import hashlib
-import inspect
-from collections.abc import Callable, Mapping
-from importlib import metadata
-from pathlib import Path
-from pickle import PicklingError
-from types import CodeType, FunctionType
+import itertools
+import os
+import time
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Mapping
+from concurrent.futures import BrokenExecutor, CancelledError, Executor
+from contextlib import closing
 from typing import Any
 
 import joblib
 import numpy as np
+from joblib.externals.loky.process_executor import BrokenProcessPool, TerminatedWorkerError
+from joblib.parallel import get_active_backend
 
-import bristle_sim
 from bristle_sim.arrays import Array
-from bristle_sim.units import shown
+from bristle_sim.studies.sweep_identity import name_of
+from bristle_sim.trajectory.records import ContactRecord
+
+Function = Callable[..., Any]
+Point = tuple[int, dict[str, Any]]
+"""Number of a point in its grid, and its arguments."""
 
 Outcome = tuple[dict[str, Array], str]
 """Results of a point by name, and the reason why there are none, empty where there are."""
 
-LIBRARIES = ("numpy", "pymunk", "scipy")
-"""Those whose version may change a digit of a result."""
+CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}
 
-CONSTANTS = (bool, int, float, complex, str, bytes, tuple, frozenset)
-"""Types of a module's variables that count as constants."""
+TURN = 0.3
+"""Time after which a worker returns the points that it has finished, s; those that it has not returned are lost with it."""
+
+LARGEST_BATCH = 4096
+"""Points that are sent to a worker at most."""
+
+ATTEMPTS = 3
+"""Losses of a worker in a row, with no result between them, after which it is the point's doing and not chance."""
 
 
-def evaluate_point(function: Callable[..., Any], identity: str, **arguments: Any) -> Outcome:  # noqa: ARG001
-    """Results of a function, or why it raised; the identity makes it another entry of the cache when that changes."""
+def evaluate_points(function: Function, points: list[Point]) -> list[tuple[Point, Outcome]]:
+    """Return the points that are finished within a turn with their outcomes, the first one in any case."""
+    end, found = time.perf_counter() + TURN, list[tuple[Point, Outcome]]()
+    for point in points:
+        found.append((point, _outcome(function, point[1])))
+        if time.perf_counter() > end:
+            break
+    return found
+
+
+def _outcome(function: Function, arguments: dict[str, Any]) -> Outcome:
+    """Return the results of a function, or why it raised: a ValueError in its own words, others with their type."""
     try:
         result = function(**arguments)
         named = result if isinstance(result, Mapping) else {"result": result}
         return {str(name): np.asarray(value, dtype=float) for name, value in named.items()}, ""
     except Exception as error:
-        return {}, " ".join(f"{type(error).__name__}: {error}".split())
+        reason = " ".join(str(error).split())
+        if isinstance(error, AttributeError) and error.obj is None and error.name in CONTACT_FIELDS:
+            return {}, f"no strike: {error.name} was read of None, the first_contact of a run without that contact"
+        return {}, reason if reason and isinstance(error, ValueError) else f"{type(error).__name__}: {reason}"
 
 
-def check_arguments(function: Callable[..., Any], arguments: Mapping[str, Any]) -> None:
-    """Raise ValueError for a function that does not take these keyword arguments."""
-    if not callable(function):
-        raise ValueError(f"function = {shown(function)}: must be callable")
-    try:
-        signature = inspect.signature(function)
-    except (TypeError, ValueError):  # some built-in functions have none
-        return
-    try:
-        signature.bind(**arguments)
-    except TypeError as error:
-        raise ValueError(f"space: must have the arguments of {_name(function)} ({error})") from error
+def evaluated(
+    function: Function, points: Iterator[Point], workers: int | Executor | None
+) -> Generator[tuple[Point, Outcome], None, None]:
+    """Yield every point with its outcome, as they are finished; those during which a worker is lost are repeated one by one.
 
-
-def described(function: Callable[..., Any]) -> dict[str, str]:
-    """A function's name, the arguments bound to it, and the software, in words."""
-    software = [f"bristle_sim {_package_digest():.12}", *(f"{name} {metadata.version(name)}" for name in LIBRARIES)]
-    bound = {name: str(value) for name, value in getattr(function, "keywords", {}).items()}
-    return {"function": _name(function), **bound, "software": ", ".join(software)}
-
-
-def identity_of(function: Callable[..., Any], version: str = "") -> str:
-    """A digest of a function, of what it is bound to, of this package and its libraries, and of a given version.
-
-    Source text stands for a function, together with the constants and functions of its own module that it uses; functions
-    of other modules are not looked into.
+    Until a point has results one batch is under way at a time, so that their shapes do not depend on the workers.
 
     Raises:
-        ValueError: if what the function is bound to cannot be pickled.
+        ValueError: if the workers cannot receive the function.
+        RuntimeError: if workers are killed time and again.
     """
-    parts = (_parts(function, set()), _package_digest(), [metadata.version(name) for name in LIBRARIES], version)
-    try:
-        return str(joblib.hash(parts))
-    except (PicklingError, TypeError, AttributeError) as error:
-        raise ValueError(f"function = {_name(function)}: what is bound to it must be picklable ({error})") from error
+    again, under_way, size, lost, known = deque[list[Point]](), dict[int, list[Point]](), 1, 0, False
+
+    def batches() -> Iterator[Any]:
+        """Points that are left over of a turn, then new ones."""
+        while batch := again.popleft() if again else list(itertools.islice(points, size)):
+            under_way[batch[0][0]] = batch
+            yield joblib.delayed(call)(function, batch)
+
+    while True:
+        scheduler, call = _scheduler(workers)  # anew, as one that has lost a worker returns results of its old tasks
+        tasks = batches()
+        if not (first := next(tasks, None)):
+            return
+        try:
+            with closing(scheduler(itertools.chain([first], tasks if known else []))) as results:
+                for found in results:
+                    batch = under_way.pop(found[0][0][0])
+                    again.extend([batch[len(found) :]] if len(found) < len(batch) else [])
+                    lost, size = 0, min(2 * len(found), LARGEST_BATCH)
+                    known = known or any(values for _, (values, _) in found)
+                    yield from found
+        except (Exception, CancelledError) as error:
+            lost, broken = lost + 1, isinstance(workers, Executor) and isinstance(error, BrokenExecutor)
+            reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+            if not _is_loss(error):
+                words = f"function = {name_of(function)}: must be picklable, to be sent to the workers ({reason})"
+                raise ValueError(words) from error
+            again.extend([point] for batch in list(under_way.values()) for point in batch)
+            under_way.clear()
+            if lost == ATTEMPTS or broken:
+                raise RuntimeError(
+                    f"workers were lost {lost} times near the point {again[0][0][1]}; if memory is short try fewer"
+                    f" workers, if the point crashes its process leave it out ({reason})"
+                ) from error
 
 
-def _parts(function: Any, seen: set[int]) -> Any:
-    """Plain values that differ when what the function computes may differ."""
-    if isinstance(function, functools.partial):
-        bound = {name: _parts(each, seen) for name, each in function.keywords.items()}
-        return _parts(function.func, seen), [_parts(each, seen) for each in function.args], bound
-    if inspect.ismethod(function):
-        return _parts(function.__func__, seen), function.__self__
-    if not isinstance(function, FunctionType):
-        # A callable object: its attributes are its state. Anything else stands for itself.
-        own = vars(type(function)).get("__call__")
-        return (_parts(own, seen), function) if isinstance(own, FunctionType) else function
-    if id(function) in seen:
-        return function.__qualname__
-    seen.add(id(function))
-    used = inspect.getclosurevars(function)
-    own_constants = {
-        name: each
-        for name, each in used.globals.items()
-        if isinstance(each, CONSTANTS) or (isinstance(each, FunctionType) and each.__module__ == function.__module__)
-    }
-    values = {name: _parts(each, seen) for name, each in {**own_constants, **used.nonlocals}.items()}
-    name = (function.__module__, function.__qualname__)
-    return name, _source(function), function.__defaults__, function.__kwdefaults__, values
+def _is_loss(error: BaseException) -> bool:
+    """Whether an error is the loss of a worker; loky reports tasks that it cannot receive by another class of error."""
+    if isinstance(error, BrokenProcessPool):
+        return isinstance(error, TerminatedWorkerError)
+    return isinstance(error, (BrokenExecutor, CancelledError)) or type(error).__name__ == "KilledWorker"
 
 
-def _source(function: FunctionType) -> Any:
-    """Return a function's source text, or its compiled instructions where there is no file."""
-
-    def instructions(code: CodeType) -> Any:
-        constants = [instructions(each) if isinstance(each, CodeType) else repr(each) for each in code.co_consts]
-        return code.co_code, code.co_names, constants
-
-    try:
-        return inspect.getsource(function)
-    except (OSError, TypeError):
-        return instructions(function.__code__)
-
-
-@functools.cache
-def _package_digest() -> str:
-    """Digest of this package's source files."""
-    digest = hashlib.sha256()
-    folder = Path(bristle_sim.__file__).parent
-    for path in sorted(folder.rglob("*.py")):
-        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
-    return digest.hexdigest()
+def _scheduler(workers: int | Executor | None) -> tuple[joblib.Parallel, Callable[..., Any]]:
+    """Return joblib's scheduler for processes, for the active backend or for threads that wait for an executor, and their call."""
+    # joblib's own backend for Dask would wait for ever for points that the cluster has given up.
+    client = getattr(get_active_backend()[0], "client", None) if workers is None else getattr(workers, "_client", None)
+    executor = client.get_executor(pure=False) if client and workers is None else workers
+    options = {"return_as": "generator_unordered", "batch_size": 1}
+    if not isinstance(executor, Executor):
+        return joblib.Parallel(workers, **options), evaluate_points
+    number = sum(client.ncores().values()) if client else getattr(executor, "_max_workers", None) or os.cpu_count()
+    call = functools.partial(_evaluate_remotely, executor, {"pure": False} if client else {})
+    return joblib.Parallel(2 * int(number or 1), backend="threading", **options), call
 
 
-def _name(function: Any) -> str:
-    inner = function.func if isinstance(function, functools.partial) else function
-    return f"{getattr(inner, '__module__', '')}.{getattr(inner, '__qualname__', type(inner).__qualname__)}"
+def _evaluate_remotely(executor: Executor, options: dict[str, Any], *arguments: Any) -> Any:
+    """Wait for the points that an executor evaluates; Dask must not take points as known that have cost it a worker."""
+    return executor.submit(evaluate_points, *arguments, **options).result()

@@ -1,109 +1,154 @@
-"""Results of a sweep as zarr arrays on its grid, written block by block and read by xarray."""
+"""Results of a sweep as zarr arrays on its grid: written as they come, checked before more are computed, read by xarray.
+
+Zarr, because a part of an array is a file of its own with a checksum, which is replaced as a whole: a crash leaves the
+others intact, and xarray reads no more than is used. A netCDF is one file that a crash can spoil; xarray reads no npz.
+"""
 
 from __future__ import annotations
 
-import itertools
+import json
+import logging
 import math
-from collections.abc import Generator, Iterator, Mapping
-from contextlib import closing
-from typing import Any, cast
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 import zarr
 from numpy.typing import NDArray
+from zarr.codecs import Crc32cCodec, ZstdCodec
 
-from bristle_sim.arrays import Array
-from bristle_sim.studies.sweep_point import Outcome
+from bristle_sim.studies.sweep_point import Outcome, Point
 
 FAILURE = "failure"
 """Variable that says why a point has no results."""
 
+NOT_COMPUTED = "not computed"
+"""The reason of points that are still to be computed."""
+
+UNWRITTEN = float(np.array(0x7FF8_0000_0000_0001, dtype=np.uint64).view(float))
+"""A NaN unlike those of computations: the value of results that are not written yet, or that were lost."""
+
 BLOCK = 4096
-"""Points that are written to disk together, and so held in memory at most; some megabytes for small arrays."""
+"""Points of a chunk, which is a file, at most."""
 
 
-def opened(store: Any) -> xr.Dataset:
-    """The stored results in the order of their names, read when they are used; without chunks Dask has no part in it."""
-    found: xr.Dataset = xr.open_zarr(store, chunks=None, consolidated=False)
-    return found[sorted(map(str, found.data_vars))]
+class SweepStore:
+    """The arrays of a sweep in a folder or in memory; its results and their shapes stand in its attributes as well."""
+
+    def __init__(self, target: Any, grid: xr.Dataset, units: Mapping[str, str]) -> None:
+        self.target, self.grid, self.units, self.shape = target, grid, units, tuple(grid.sizes.values())
+        words = {name: each.astype(str).astype(object) for name, each in grid.coords.items() if each.dtype == object}
+        written = grid.assign_coords(words)
+        try:
+            found = str(zarr.open_group(target, mode="r").attrs["results"])
+            written.assign_attrs(results=found).to_zarr(target, mode="a", zarr_format=3, consolidated=False)
+            self.group, self.shapes = zarr.open_group(target, mode="r+"), dict[str, Any](json.loads(found))
+        except Exception as error:  # of the many kinds that zarr raises for files that are absent or damaged
+            if not isinstance(error, FileNotFoundError):
+                logging.getLogger(__name__).warning("%s is damaged and computed again (%s)", target, error)
+            written.assign_attrs(results="{}").to_zarr(target, mode="w", zarr_format=3, consolidated=False)
+            self.group, self.shapes = zarr.open_group(target, mode="r+"), {}
+        self.arrays = {name: self._array(name, inner) for name, inner in {FAILURE: [], **self.shapes}.items()}
+
+    def _array(self, name: str, inner: Sequence[int]) -> Any:
+        """Return the array of a variable on the grid, with the axes of its own at the end; create it if it is not there."""
+        if name in self.group:
+            return self.group[name]
+        chunk, room = list[int](), BLOCK
+        for size in reversed(self.shape):  # of points that follow each other
+            chunk.insert(0, min(size, room))
+            room //= chunk[0]
+        return self.group.create_array(
+            name,
+            shape=(*self.shape, *inner),
+            chunks=(*chunk, *inner),
+            dtype=str if name == FAILURE else float,
+            fill_value=NOT_COMPUTED if name == FAILURE else UNWRITTEN,
+            compressors=[ZstdCodec(), Crc32cCodec()],
+            dimension_names=[*map(str, self.grid.sizes), *(f"{name}_{axis}" for axis in range(len(inner)))],
+            attributes={"units": self.units[name]} if name in self.units else {},
+        )
+
+    def missing(self) -> NDArray[np.bool_]:
+        """Return which points are to be computed, on the grid; parts that are damaged or lost are logged and cleared."""
+        missing, lost = np.zeros(self.shape, bool), np.zeros(self.shape, bool)
+        for name, array in self.arrays.items():
+            for corner in np.ndindex(array.cdata_shape):
+                region = tuple(slice(i * n, (i + 1) * n) for i, n in zip(corner, array.chunks, strict=True))
+                points = region[: len(self.shape)]
+                try:
+                    found = _unwritten(np.asarray(array[region]), len(self.shape))
+                except Exception:  # of the many kinds that codecs raise for damaged bytes
+                    array[region], found = array.fill_value, np.array(True)
+                    lost[points] = True
+                lost[points] |= found & ~missing[points] & (name != FAILURE)
+                missing[points] |= found
+        if lost.any():
+            words = "%s: %d points were damaged or lost, and are computed again"
+            logging.getLogger(__name__).warning(words, self.target, lost.sum())
+        return missing
+
+    def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
+        """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
+
+        Raises:
+            ValueError: for the name of a result that means something else.
+        """
+        numbers = np.array([number for (number, _), _ in outcomes])
+        for name, value in (item for _, (values, _) in outcomes for item in values.items()):
+            if name not in self.arrays:
+                self._add(name, list(value.shape))
+        reasons = np.array([reason for _, (_, reason) in outcomes], dtype=object)
+        for name, inner in self.shapes.items():
+            column = np.full((len(outcomes), *inner), math.nan)
+            for i, (_, (values, _)) in enumerate(outcomes):
+                if name in values and values[name].shape == column.shape[1:]:
+                    column[i] = np.where(np.isnan(values[name]), math.nan, values[name])
+                elif name in values:
+                    reasons[i] = f"{name} has the shape {values[name].shape}, at other points {column.shape[1:]}"
+            _put(self.arrays[name], numbers, column)
+        _put(self.arrays[FAILURE], numbers, reasons)
+
+    def _add(self, name: str, inner: list[int]) -> None:
+        """Add a result, which points that are computed already do not have."""
+        if name in {*self.grid.coords, *self.grid.sizes, FAILURE}:
+            raise ValueError(f"function: its result {name} must not be named as a parameter, dimension or {FAILURE}")
+        check_name("function: its result", name)
+        self.shapes[name] = inner
+        self.group.attrs["results"] = json.dumps(self.shapes)
+        self.arrays[name] = self._array(name, inner)
+        computed = np.flatnonzero(self.arrays[FAILURE][...] != NOT_COMPUTED)
+        _put(self.arrays[name], computed, np.full((computed.size, *inner), math.nan))
+
+    def dataset(self) -> xr.Dataset:
+        """Return the results in the order of their names, read when they are used; without chunks Dask has no part in it."""
+        found: xr.Dataset = xr.open_zarr(self.target, chunks=None, consolidated=False)
+        found = found[sorted(map(str, found.data_vars))].assign_coords(self.grid.coords)
+        for name, each in found.variables.items():
+            each.attrs = {"units": self.units[str(name)]} if name in self.units else {}
+        return found.assign_attrs(self.grid.attrs)
 
 
-def write(target: Any, grid: xr.Dataset, units: Mapping[str, str], outcomes: Generator[Outcome, None, None]) -> None:
-    """Write the outcomes of all points to a zarr store, one chunk of the grid after the other.
-
-    Regions of xarray's to_zarr need all variables at first; here each is created when its first result comes.
-    """
-    for name, coordinate in grid.coords.items():
-        coordinate.attrs = {"units": units[str(name)]} if name in units else {}
-    grid.to_zarr(target, mode="w", zarr_format=3, consolidated=False)
-    group, shape = zarr.open_group(target, mode="r+"), tuple(grid.sizes.values())
-    chunk = chunk_shape(shape)
-    group.create_array(
-        FAILURE, shape=shape, chunks=chunk, dtype=str, fill_value="", dimension_names=[*map(str, grid.sizes)]
-    )
-    with closing(outcomes):
-        for region in regions(shape, chunk):
-            points = math.prod(part.stop - part.start for part in region)
-            block = list(itertools.islice(outcomes, points))
-            for name in dict.fromkeys(name for values, _ in block for name in values):
-                if name in {*grid.coords, *grid.sizes, FAILURE}:
-                    raise ValueError(
-                        f"function: its result {name} must not be named as a parameter, dimension or {FAILURE}"
-                    )
-                if name not in group:
-                    inner = next(values[name].shape for values, _ in block if name in values)
-                    _create(group, name, inner, {"units": units[name]} if name in units else {}, grid.sizes)
-                array = cast("zarr.Array[Any]", group[name])
-                _put(array, region, _column(name, block, array.shape[len(shape) :]))
-            _put(group[FAILURE], region, np.array([reason for _, reason in block], dtype=object))
-        next(outcomes, None)  # lets workers and progress come to their end
+def check_name(what: str, name: str) -> None:
+    """Raise ValueError for a name that is none for an array in a folder."""
+    if not name or "/" in name or name.startswith((".", "__")) or name == "zarr.json":
+        raise ValueError(f"{what} {name!r} must have a name without /, that begins with neither . nor __")
 
 
-def _create(
-    group: Any, name: str, inner: tuple[int, ...], attributes: Mapping[str, str], sizes: Mapping[Any, int]
-) -> None:
-    """Create the array of one result on the grid, with the axes of its own at the end."""
-    shape = tuple(sizes.values())
-    group.create_array(
-        name,
-        shape=shape + inner,
-        chunks=chunk_shape(shape) + inner,
-        dtype=float,
-        fill_value=math.nan,
-        dimension_names=[*sizes, *(f"{name}_{axis}" for axis in range(len(inner)))],
-        attributes=attributes,
-    )
+def _unwritten(values: NDArray[Any], axes: int) -> NDArray[np.bool_]:
+    """Return whether a point has a part that is not written, for points along the first axes."""
+    if values.dtype != float:
+        return np.asarray(values == NOT_COMPUTED)
+    marked = values.view(np.uint64) == np.array(UNWRITTEN).view(np.uint64)
+    return np.asarray(marked.any(axis=tuple(range(axes, values.ndim))))
 
 
-def _column(name: str, block: list[Outcome], inner: tuple[int, ...]) -> Array:
-    """One result at every point of a block; a point whose array has another shape than at the first point has failed."""
-    column = np.full((len(block), *inner), math.nan)
-    for number, (values, _) in enumerate(block):
-        if name in values and values[name].shape == inner:
-            column[number] = values[name]
-        elif name in values:
-            reason = f"ValueError: {name} has the shape {values[name].shape}, at other points {inner}"
-            block[number] = (values, reason)
-    return column
-
-
-def _put(array: Any, region: tuple[slice, ...], values: NDArray[Any]) -> None:
-    size = tuple(part.stop - part.start for part in region)
-    array[region] = values.reshape(size + array.shape[len(region) :])
-
-
-def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Shape of a chunk: of at most BLOCK points that follow each other."""
-    sizes, room = [], BLOCK
-    for size in reversed(shape):
-        sizes.append(min(size, room))
-        room //= sizes[-1]
-    return tuple(reversed(sizes))
-
-
-def regions(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Iterator[tuple[slice, ...]]:
-    """Where the chunks lie, in the order of their points."""
-    edges = [range(0, size, step) for size, step in zip(shape, chunk, strict=True)]
-    for corner in itertools.product(*edges):
-        yield tuple(slice(i, min(i + n, size)) for i, n, size in zip(corner, chunk, shape, strict=True))
+def _put(array: Any, numbers: NDArray[np.intp], values: NDArray[Any]) -> None:
+    """Write values of points by their numbers in the grid; zarr replaces the chunks that they are in."""
+    if numbers.size and not array.shape:
+        array[...] = values[0]
+    elif numbers.size:
+        inner = math.prod(values.shape[1:])
+        places = (numbers[:, None] * inner + np.arange(inner)).ravel()
+        array.vindex[np.unravel_index(places, array.shape)] = values.ravel()
