@@ -30,7 +30,6 @@ from bristle_sim.studies.cue_map import MapGrid, position_map
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.neighbours import neighbours
 from bristle_sim.studies.strike_point import NotCuedError, start_angle, strike_measures
-from bristle_sim.studies.sweep_point import check_arguments, identity_of
 from bristle_sim.studies.tolerances import Sampling, Spreads, sobol_study, tolerances
 from bristle_sim.studies.whole_pass import whole_pass
 from bristle_sim.theory.force_fit import fit_force_history
@@ -197,25 +196,3 @@ def test_slides_that_do_not_go_forward_are_not_those_of_the_film():
 def test_a_machine_that_tells_nothing_of_itself(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(machine, "Path", lambda _: Path("nowhere"))
     assert machine.surroundings()["processor"]
-
-
-class Adder:
-    """Adds what it was made with."""
-
-    def __init__(self, more: float) -> None:
-        self.more = more
-
-    def add(self, x: float) -> float:
-        return x + self.more
-
-
-def again(n: int) -> int:
-    return 0 if n == 0 else again(n - 1)
-
-
-def test_methods_recursive_and_built_in_functions_have_an_identity():
-    """A method stands for its object's state; a function that calls itself is looked into once."""
-    pytest.importorskip("joblib")
-    assert identity_of(Adder(1.0).add) == identity_of(Adder(1.0).add) != identity_of(Adder(2.0).add)
-    assert identity_of(again) == identity_of(again)
-    check_arguments(max, {"anything": 1})  # it has no signature

@@ -22,10 +22,10 @@ import xarray as xr
 import zarr
 from tqdm import tqdm
 
-from bristle_sim.units import shown
 from bristle_sim.studies.sweep_identity import identity_of, name_of
 from bristle_sim.studies.sweep_point import Outcome, Point, evaluated
 from bristle_sim.studies.sweep_store import BLOCK, FAILURE, SweepStore, check_name
+from bristle_sim.units import shown
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
 
@@ -33,7 +33,7 @@ WRITTEN_EVERY = 1.0
 """Time between writings of what is finished, s: a killed program loses as much."""
 
 PATIENCE = 5.0
-"""Time after which a sweep shows its progress unless it is told whether to, s."""
+"""Time after which a sweep shows its progress, and between lines where standard error is no terminal, s."""
 
 ROUNDS = 5
 """Checks of what is written, after which a store that still lacks points is given up; another program may write there, too."""
@@ -175,7 +175,7 @@ def _write(results: SweepStore, outcomes: Outcomes, total: int, progress: bool |
     finished, written = list[tuple[Point, Outcome]](), time.perf_counter()
     terminal = sys.stderr is not None and sys.stderr.isatty()
     shown = {"disable": progress is False or sys.stderr is None, "delay": 0.0 if progress else PATIENCE}
-    with closing(outcomes), tqdm(total=total, unit="point", mininterval=0.1 if terminal else 10.0, **shown) as bar:
+    with closing(outcomes), tqdm(total=total, unit="point", mininterval=0.1 if terminal else PATIENCE, **shown) as bar:
         try:
             for outcome in outcomes:
                 finished.append(outcome)

@@ -70,7 +70,7 @@ def _outcome(function: Function, arguments: dict[str, Any]) -> Outcome:
 def evaluated(
     function: Function, points: Iterator[Point], workers: int | Executor | None
 ) -> Generator[tuple[Point, Outcome], None, None]:
-    """Yield every point with its outcome, as they are finished; those during which a worker is lost are repeated one by one.
+    """Yield every point with its outcome, as they are finished; at last, one by one, those during which a worker was lost.
 
     Until a point has results one batch is under way at a time, so that their shapes do not depend on the workers.
 
@@ -78,40 +78,47 @@ def evaluated(
         ValueError: if the workers cannot receive the function.
         RuntimeError: if workers are killed time and again.
     """
-    again, under_way, size, lost, known = deque[list[Point]](), dict[int, list[Point]](), 1, 0, False
+    left_over, suspects, under_way = deque[list[Point]](), deque[list[Point]](), dict[int, list[Point]]()
+    size, lost, known = 1, 0, False
 
-    def batches() -> Iterator[Any]:
+    def batches() -> Iterator[list[Point]]:
         """Points that are left over of a turn, then new ones."""
-        while batch := again.popleft() if again else list(itertools.islice(points, size)):
-            under_way[batch[0][0]] = batch
-            yield joblib.delayed(call)(function, batch)
+        while batch := left_over.popleft() if left_over else list(itertools.islice(points, size)):
+            yield batch
+
+    def task(batch: list[Point]) -> Any:
+        """Note that a batch is under way."""
+        under_way[batch[0][0]] = batch
+        return joblib.delayed(call)(function, batch)
 
     while True:
         scheduler, call = _scheduler(workers)  # anew, as one that has lost a worker returns results of its old tasks
-        tasks = batches()
-        if not (first := next(tasks, None)):
+        others = batches()
+        if not (first := next(others, None)):
+            first, known = (suspects.popleft() if suspects else None), False
+        if not first:
             return
         try:
-            with closing(scheduler(itertools.chain([first], tasks if known else []))) as results:
+            with closing(scheduler(map(task, itertools.chain([first], others if known else [])))) as results:
                 for found in results:
                     batch = under_way.pop(found[0][0][0])
-                    again.extend([batch[len(found) :]] if len(found) < len(batch) else [])
+                    left_over.extend([batch[len(found) :]] if len(found) < len(batch) else [])
                     lost, size = 0, min(2 * len(found), LARGEST_BATCH)
                     known = known or any(values for _, (values, _) in found)
                     yield from found
         except (Exception, CancelledError) as error:
-            lost, broken = lost + 1, isinstance(workers, Executor) and isinstance(error, BrokenExecutor)
             reason = " ".join(f"{type(error).__name__}: {error}".split())[:200]
             if not _is_loss(error):
                 words = f"function = {name_of(function)}: must be picklable, to be sent to the workers ({reason})"
                 raise ValueError(words) from error
-            again.extend([point] for batch in list(under_way.values()) for point in batch)
-            under_way.clear()
-            if lost == ATTEMPTS or broken:
+            lost += 1
+            if lost == ATTEMPTS or (isinstance(workers, Executor) and isinstance(error, BrokenExecutor)):
                 raise RuntimeError(
-                    f"workers were lost {lost} times near the point {again[0][0][1]}; if memory is short try fewer"
-                    f" workers, if the point crashes its process leave it out ({reason})"
+                    f"workers were lost {lost} times near the point {next(iter(under_way.values()))[0][1]}; if memory is"
+                    f" short try fewer workers, if the point crashes its process leave it out ({reason})"
                 ) from error
+            suspects.extend([point] for batch in under_way.values() for point in batch)
+            under_way.clear()
 
 
 def _is_loss(error: BaseException) -> bool:

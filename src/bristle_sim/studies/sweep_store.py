@@ -9,7 +9,9 @@ from __future__ import annotations
 import json
 import logging
 import math
+import time
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,8 +28,11 @@ FAILURE = "failure"
 NOT_COMPUTED = "not computed"
 """The reason of points that are still to be computed."""
 
-UNWRITTEN = float(np.array(0x7FF8_0000_0000_0001, dtype=np.uint64).view(float))
-"""A NaN unlike those of computations: the value of results that are not written yet, or that were lost."""
+UNWRITTEN = 9.969209968386869e36
+"""Value of results that are not written yet, or that were lost: netCDF's for such numbers. xarray reads it as NaN."""
+
+ABANDONED = 60.0
+"""Age of a file half written, of which a program was killed while it wrote it, s."""
 
 BLOCK = 4096
 """Points of a chunk, which is a file, at most."""
@@ -40,6 +45,9 @@ class SweepStore:
         self.target, self.grid, self.units, self.shape = target, grid, units, tuple(grid.sizes.values())
         words = {name: each.astype(str).astype(object) for name, each in grid.coords.items() if each.dtype == object}
         written = grid.assign_coords(words)
+        for each in target.rglob("*.partial") if isinstance(target, Path) else ():
+            if time.time() - each.stat().st_mtime > ABANDONED:
+                each.unlink()
         try:
             found = str(zarr.open_group(target, mode="r").attrs["results"])
             written.assign_attrs(results=found).to_zarr(target, mode="a", zarr_format=3, consolidated=False)
@@ -67,8 +75,12 @@ class SweepStore:
             fill_value=NOT_COMPUTED if name == FAILURE else UNWRITTEN,
             compressors=[ZstdCodec(), Crc32cCodec()],
             dimension_names=[*map(str, self.grid.sizes), *(f"{name}_{axis}" for axis in range(len(inner)))],
-            attributes={"units": self.units[name]} if name in self.units else {},
+            attributes=({} if name == FAILURE else {"missing_value": UNWRITTEN}) | self._units(name),
+            config={"write_empty_chunks": True},
         )
+
+    def _units(self, name: str) -> dict[str, Any]:
+        return {"units": self.units[name]} if name in self.units else {}
 
     def missing(self) -> NDArray[np.bool_]:
         """Return which points are to be computed, on the grid; parts that are damaged or lost are logged and cleared."""
@@ -104,7 +116,7 @@ class SweepStore:
             column = np.full((len(outcomes), *inner), math.nan)
             for i, (_, (values, _)) in enumerate(outcomes):
                 if name in values and values[name].shape == column.shape[1:]:
-                    column[i] = np.where(np.isnan(values[name]), math.nan, values[name])
+                    column[i] = values[name]
                 elif name in values:
                     reasons[i] = f"{name} has the shape {values[name].shape}, at other points {column.shape[1:]}"
             _put(self.arrays[name], numbers, column)
@@ -126,7 +138,7 @@ class SweepStore:
         found: xr.Dataset = xr.open_zarr(self.target, chunks=None, consolidated=False)
         found = found[sorted(map(str, found.data_vars))].assign_coords(self.grid.coords)
         for name, each in found.variables.items():
-            each.attrs = {"units": self.units[str(name)]} if name in self.units else {}
+            each.attrs = self._units(str(name))
         return found.assign_attrs(self.grid.attrs)
 
 
@@ -138,9 +150,7 @@ def check_name(what: str, name: str) -> None:
 
 def _unwritten(values: NDArray[Any], axes: int) -> NDArray[np.bool_]:
     """Return whether a point has a part that is not written, for points along the first axes."""
-    if values.dtype != float:
-        return np.asarray(values == NOT_COMPUTED)
-    marked = values.view(np.uint64) == np.array(UNWRITTEN).view(np.uint64)
+    marked = values == (UNWRITTEN if values.dtype == float else NOT_COMPUTED)
     return np.asarray(marked.any(axis=tuple(range(axes, values.ndim))))
 
 
