@@ -12,12 +12,14 @@ import itertools
 import logging
 import math
 import time as clock
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from bristle_sim.comparison import Report, Values, rows
+from bristle_sim.comparison import Quantity, Report, Table, Values, rows
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
+from bristle_sim.studies.answers import amount, beside_radial
 from bristle_sim.studies.bar_search import (
     FINEST_MAXIMUM,
     Measures,
@@ -31,21 +33,27 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.inertia_driven import shared_budget
-from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys, tool_of_keys
+from bristle_sim.studies.strike_point import (
+    STATE,
+    STRIKE_UNITS,
+    keys_of,
+    require_rigid,
+    strike_of_keys,
+    tool_of_keys,
+)
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:
     import xarray as xr
 
-UNITS = {
-    "bar_direction_for_radial_strike_deg": "deg",
-    "bar_horizontal": "m",
-    "bar_vertical": "m",
-    "relative_speed_at_contact": "rad/s",
-    "tip_speed_at_contact": "m/s",
-    "bar_direction_for_highest_tip_speed_deg": "deg",
-    "highest_tip_speed": "m/s",
+QUANTITIES = {
+    "bar_direction_for_radial_strike_deg": ("bar's direction for a radial strike", "deg"),
+    "bar_horizontal": ("bar along the workpart S_H", "m"),
+    "bar_vertical": ("bar normal to the workpart S_V", "m"),
+    "relative_speed_at_contact": STATE["relative_speed_at_contact"],
+    "tip_speed_at_contact": STATE["tip_speed_at_contact"],
+    "bar_direction_for_highest_tip_speed_deg": ("bar's direction for the fastest tip", "deg"),
+    "highest_tip_speed": ("highest tip speed", "m/s"),
 }
 
 PRINTED = {
@@ -65,7 +73,7 @@ MOVES = {"hub_speed": (0.9, 1.1), "belt_stiffness": (0.8, 1.25), "belt_damping_r
 
 @dataclass(frozen=True, slots=True)
 class CueMap:
-    """The results: the tool, its places, the formula's direction, rad, and how the answer moves (of a rigid bristle)."""
+    """The results: the tool, its places, the formula's direction, rad, and how the answer moves."""
 
     tool: Tool
     settings: Settings
@@ -81,18 +89,16 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
 
     Raises:
         NotCuedError: if no direction gives a radial strike.
-        ValueError: if the tool has no bar or workpart, or the bar's distance from the hub allows no retraction.
+        ValueError: if the tool has no bar or workpart, a wire that bends, or a bar whose distance allows no retraction.
     """
+    require_rigid(tool)
     started = clock.perf_counter()
-    if tool.bristle.links > 1:
-        settings = shared_budget(settings)
-    moving = tool.bristle.links == 1
-    passes = USUAL_PASSES * (2 + moving * sum(map(len, MOVES.values())) + 2 * with_reference)
+    passes = USUAL_PASSES * (2 + sum(map(len, MOVES.values())) + 2 * with_reference)
     strike = _told(simulation(settings), passes)
     radial = radial_place(tool, strike)
     fastest = fastest_place(tool, strike, radial.direction)
     formula = _formula(tool)
-    moves = _moves(tool, strike, radial.direction) if moving else ()
+    moves = _moves(tool, strike, radial.direction)
     referred: Values = {}
     if with_reference:
         independent = _told(reference_solution(settings), 2 * USUAL_PASSES)
@@ -105,21 +111,49 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         "bar_horizontal": max(1.0, 1.0 / max(steep, 1e-300)),
         "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction / tolerance,
     }
+    quantities = rows(
+        QUANTITIES,
+        _named(tool, radial, fastest),
+        {} if formula is None else _by_formula(tool, formula),
+        referred,
+        PRINTED if tool == Tool() else {},
+        lambda name: tolerance * widened.get(name, 1.0) if referred else None,
+    )
+    now = _where_it_stands(tool, strike)
     return Report(
         outcome=None,
-        quantities=rows(
-            UNITS,
-            _named(tool, radial, fastest),
-            {} if formula is None else _by_formula(tool, formula),
-            referred,
-            PRINTED if tool == Tool() else {},
-            lambda name: tolerance * widened.get(name, 1.0) if referred else None,
-        ),
+        quantities=quantities,
         wall_s=clock.perf_counter() - started,
-        remarks=_remarks(tool, strike, moves),
+        remarks=(f"the formula with centrifugal stiffening: {math.degrees(stiffened_direction(tool)):.3f} deg",),
+        tables=(_moves_table(moves),),
         extra={"moves": list(moves)},
         subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
+        answer=_answer(quantities, now),
     )
+
+
+def _answer(quantities: Sequence[Quantity], now: str) -> str:
+    found = {each.name: each.simulated or 0.0 for each in quantities}
+    direction = found["bar_direction_for_radial_strike_deg"]
+    apart = found["bar_direction_for_highest_tip_speed_deg"] - direction
+    fastest = "there the tip is also fastest" if abs(apart) < 0.05 else f"the tip is fastest {apart:+.2f}° from there"
+    horizontal, vertical = (f"{1e3 * found[name]:.2f} mm" for name in ("bar_horizontal", "bar_vertical"))
+    place = f"{horizontal} before the hub's axis and {vertical} below it"
+    return (
+        f"The bar must stand at {direction:.2f}° from the workpart's normal, {place}; {fastest},"
+        f" {amount(found['highest_tip_speed'], 'm/s')}. {now}"
+    )
+
+
+def _where_it_stands(tool: Tool, strike: Strike) -> str:
+    """Return a sentence with the strike that the bar gives where it stands."""
+    assert tool.bar is not None
+    stands = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
+    try:
+        lag = strike(tool)["lag_deg_at_contact"] or 0.0
+    except ValueError as error:
+        return f"Where it stands, at {stands:.2f}°, there is no cued strike: {error}."
+    return f"Where it stands, at {stands:.2f}°{' as printed' if tool == Tool() else ''}, the strike is {beside_radial(lag)}."
 
 
 def _told(strike: Strike, usual: int) -> Strike:
@@ -148,7 +182,7 @@ def _named(tool: Tool, radial: Place, fastest: Place) -> dict[str, float | None]
     strike, highest = radial.strike, fastest.strike["tip_speed_at_contact"]
     place = (math.degrees(radial.direction), bar.horizontal, bar.vertical)
     speeds = (strike["relative_speed_at_contact"], strike["tip_speed_at_contact"])
-    return dict(zip(UNITS, (*place, *speeds, math.degrees(fastest.direction), highest), strict=True))
+    return dict(zip(QUANTITIES, (*place, *speeds, math.degrees(fastest.direction), highest), strict=True))
 
 
 def _by_formula(tool: Tool, direction: float) -> Values:
@@ -178,25 +212,10 @@ def _moves(tool: Tool, strike: Strike, start: float) -> tuple[dict[str, Any], ..
     return tuple(found)
 
 
-def _remarks(tool: Tool, strike: Strike, moves: tuple[dict[str, Any], ...]) -> tuple[str, ...]:
-    assert tool.bar is not None
-    stands = math.degrees(math.atan2(tool.bar.horizontal, tool.bar.vertical))
-    stiffened = math.degrees(stiffened_direction(tool))
-    try:
-        lag = f"{strike(tool)['lag_deg_at_contact']:.4g} deg short of radial"
-    except ValueError as error:
-        lag = str(error)
-    words = "with {} = {}: radial strike at {} deg (formula: {} deg), {} rad/s"
+def _moves_table(moves: Sequence[dict[str, Any]]) -> Table:
     cells = [[f"{each:.5g}" if isinstance(each, float) else each or "none" for each in row.values()] for row in moves]
-    return (
-        f"where the bar stands, {stands:.3f} deg: {lag}; the formula with centrifugal stiffening: {stiffened:.3f} deg",
-        *(words.format(*row) for row in cells),
-        *(
-            ("highest tip speed: the maximum next to the radial strike; a wire that vibrates has others",)
-            if tool.bristle.links > 1
-            else ()
-        ),
-    )
+    head = ("another", "value", "radial strike, deg", "formula, deg", "relative speed, rad/s")
+    return Table("how the direction moves", head, tuple(map(tuple, cells)))
 
 
 def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:

@@ -88,6 +88,12 @@ def ran(run: Trajectory) -> dict[str, Any]:
     return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
 
 
+def require_rigid(tool: Tool) -> None:
+    """Refuse a wire that bends, whose lag and speed vibrate."""
+    if tool.bristle.links > 1:
+        raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, a rigid bristle (dimensionless)")
+
+
 class GivenUpError(ValueError):
     """The method has given a run up, which says nothing of the motion that would follow."""
 

@@ -17,7 +17,7 @@ from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
-from bristle_sim.studies.strike_point import ran
+from bristle_sim.studies.strike_point import ran, require_rigid
 from bristle_sim.studies.turn_forces import Force, Impulse, SampledForce, dissipated, load_cell_response, turn_forces
 
 LEAST_TOLERANCE = 1e-6
@@ -75,8 +75,7 @@ def whole_tool(tool: Tool, assembly: Assembly, settings: Settings) -> Report:
     """
     if tool.workpart is None:
         raise ValueError("workpart = None: must be a Workpart, whose forces are requested")
-    if tool.bristle.links > 1:
-        raise ValueError(f"wire_links = {tool.bristle.links}: must be 1, a rigid bristle (dimensionless)")
+    require_rigid(tool)
     fine = Settings(
         accuracy=settings.accuracy, maximum_steps=settings.maximum_steps, samples_per_period=SAMPLES_PER_PERIOD
     )
