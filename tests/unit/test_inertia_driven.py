@@ -11,7 +11,7 @@ from scipy.special import ellipk
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.render.tool_films import InertiaFilm
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import inertia_driven, scene_run, until_radial
+from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.theory.inertia_drive import (
     largest_retraction,
     time_to_radial,
@@ -62,12 +62,6 @@ def test_energy_and_quadrature_against_integration():
     assert rate == pytest.approx(SPEED, rel=1e-10)
 
 
-def test_a_belt_alone_is_a_harmonic_oscillator():
-    rate = math.sqrt(STIFFNESS / INERTIA)
-    assert largest_retraction(INERTIA, STIFFNESS, 0.0, SPEED) == pytest.approx(SPEED / rate, rel=1e-14)
-    assert time_to_radial(INERTIA, STIFFNESS, 0.0, SPEED) == pytest.approx(math.pi / rate, rel=1e-14)
-
-
 def test_the_field_alone_is_a_pendulum():
     """sin(A/2) = omega/2 sqrt(I/g), half a period 2 sqrt(I/g) K(sin(A/2)^2)."""
     modulus = 0.5 * SPEED * math.sqrt(INERTIA / FIELD)
@@ -103,6 +97,10 @@ def test_scene_theory_and_reference_agree():
         assert each.simulated == pytest.approx(each.theory, rel=1e-8)
         assert each.simulated == pytest.approx(each.reference, rel=1e-8)
     assert simulated["hub_speed_for_equal_tip_speed"] == pytest.approx(465.6, abs=0.1)
+    assert found.answer == (
+        "Without a bar the tip reaches 21.3 m/s after 2.8 ms, 56% of the bar-cued tool's 37.9 m/s; to be as fast the pulley must"
+        " turn at 465.6 rad/s (4446 rpm)."
+    )
 
 
 def test_with_damping_against_integration():
@@ -134,35 +132,20 @@ def test_an_overdamped_bristle_creeps_and_a_fast_one_lies_down():
     ):
         simulated, found = values(tool, with_reference=False)
         assert set(simulated.values()) == {None}
-        assert "does not come back" in found.remarks[0]
+        assert found.answer.startswith("The bristle does not come back to the radial direction")
 
 
 def test_without_a_strike_there_is_nothing_to_equal():
     workpart = dataclasses.replace(Tool().workpart, penetration=1e-6)
     simulated, found = values(Tool(workpart=workpart), with_reference=False)
     assert simulated["hub_speed_for_equal_tip_speed"] is None
-    assert "no strike" in found.remarks[0]
+    assert "with the bar there is no strike to compare with (" in found.answer
     with pytest.raises(ValueError, match=r"^hub_speed = 0: must be above 0"):
         values(Tool(hub=Hub(speed=0.0)))
     with pytest.raises(ValueError, match=r"^hub_speed = 1e-12: must be faster, or the belt softer"):
         values(Tool(hub=Hub(speed=1e-12), belt=Belt(stiffness=1e8)))
-
-
-def test_a_wire_that_bends():
-    """A wire ten times as stiff is ten times as near to the rigid bristle: it bends by (load)/E."""
-    bare = Tool(bar=None, workpart=None)
-    near = []
-    for modulus in (2e11, 2e12):
-        wire = dataclasses.replace(bare, bristle=Bristle(links=2, modulus=modulus))
-        found, rigid = (until_radial(tool, scene_run(Settings(accuracy=1e-6))) for tool in (wire, bare))
-        near.append([found.time / rigid.time - 1.0, found.retraction / rigid.retraction - 1.0])
-    assert near[1] == pytest.approx([0.1 * each for each in near[0]], rel=0.25)
-
-
-def test_a_wire_that_bends_against_the_reference():
-    """Without a bar, whose passes tests/validation compares."""
-    report = inertia_driven(Tool(bar=None, workpart=None, bristle=Bristle(links=2)), Settings(accuracy=1e-6))
-    assert [each.ok for each in report.quantities] == [True] * 4 + [None]
+    with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1"):
+        values(Tool(bristle=Bristle(links=2)))
 
 
 def test_film_of_both_tools():

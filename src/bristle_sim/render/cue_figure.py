@@ -33,7 +33,7 @@ def cue_figure(timing: CueTiming) -> Figure:
     """
     figure = blank_figure(16.0, 12.6)
     retraction = add_panel(figure, (1.5, 7.1, 5.8, 4.3), "released from rest: retraction")
-    below = "up to the cue time" + ("" if timing.bends else ", at which it is highest")
+    below = "up to the cue time, at which it is highest"
     speed = add_panel(figure, (1.5, 1.2, 5.8, 4.4), "released from rest: relative speed", below, sharex=retraction)
     _draw_motion(retraction, speed, timing)
     _draw_plan(add_panel(figure, (8.6, 5.2, 7.2, 6.2), "where the bar must stand", "to scale; grey: as given"), timing)

@@ -18,23 +18,23 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Values, rows
+from bristle_sim.comparison import Quantity, Report, Table, Values, rows
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.inertia_driven import Run, reference_run, scene_run, shared_budget, until_radial
-from bristle_sim.studies.strike_point import from_radial, full_pass, ran, require_result
+from bristle_sim.studies.answers import amount, beside_radial
+from bristle_sim.studies.strike_point import full_pass, ran, require_result, require_rigid
 from bristle_sim.theory import cueing
 from bristle_sim.theory.cueing import Cue
 from bristle_sim.trajectory import Trajectory
 
-UNITS = {
-    "cue_time": "s",
-    "cue_hub_turn_deg": "deg",
-    "highest_relative_speed": "rad/s",
-    "bar_direction_deg": "deg",
-    "bar_horizontal": "m",
-    "bar_vertical": "m",
+QUANTITIES = {
+    "cue_time": ("cue time t_c", "s"),
+    "cue_hub_turn_deg": ("turn of the hub in it", "deg"),
+    "highest_relative_speed": ("highest relative speed", "rad/s"),
+    "bar_direction_deg": ("bar's direction", "deg"),
+    "bar_horizontal": ("bar along the workpart S_H", "m"),
+    "bar_vertical": ("bar normal to the workpart S_V", "m"),
 }
 
 PRINTED = {
@@ -54,11 +54,6 @@ MOST_DAMPED = 10.0
 LEFT_OUT = (
     "left out by the formulas: centrifugal stiffening of the rotating root, which the release includes, and the bar's dynamics"
     " (first tap, swing beyond the last touch), which a full pass simulates"
-)
-
-OF_WIRE = (
-    "a wire that bends is cued when its tip is radial, where an undamped rigid bristle is fastest; its lag and its rate are"
-    " those of the line from root to tip"
 )
 
 
@@ -81,18 +76,9 @@ class CueTiming:
     readings: Mapping[str, CueTiming] = field(default_factory=dict)
 
     @property
-    def bends(self) -> bool:
-        """Whether the wire bends: it is cued when its tip is radial, not when it is fastest."""
-        return self.tool.bristle.links > 1
-
-    @property
     def motion(self) -> tuple[Array, Array, Array]:
-        """Return instants, s, retraction, rad, and relative speed, rad/s; of a wire that bends, of the line from root to tip."""
-        if self.bends:
-            angle, rate = from_radial(self.trajectory, self.tool.bristle)
-            return self.trajectory.time, -angle, rate
-        course = self.trajectory.course()
-        return course.time, course.retraction, course.relative_rate
+        """Return instants, s, retraction, rad, and relative speed, rad/s."""
+        return self.trajectory.time, -self.trajectory.relative_angle, self.trajectory.relative_rate
 
     @property
     def wires(self) -> tuple[Array, Array]:
@@ -130,11 +116,10 @@ def cue_timing(
     ``bar`` is the bar as it stands, with which whole passes are simulated; by default the tool's.
 
     Raises:
-        ValueError: if nothing drives the bristle, the tip cannot reach the workpart radially, or the release is not
-            computed within the settings' steps.
+        ValueError: if nothing drives the bristle, the wire bends, the tip cannot reach the workpart radially, or the release
+            is not computed within the settings' steps.
     """
-    if tool.bristle.links > 1:
-        settings = shared_budget(settings)
+    require_rigid(tool)
 
     @functools.cache
     def timed(stiffness: float) -> CueTiming:
@@ -142,23 +127,57 @@ def cue_timing(
         return _timed(read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference)
 
     own, readings = timed(tool.belt.stiffness), stiffness_readings(tool)
-    found = _rows(own, settings, UNITS, PRINTED if tool.belt == Belt() else {})
+    found = _rows(own, settings, QUANTITIES, PRINTED if tool.belt == Belt() else {})
     for reading, stiffness in readings.items():
-        suffix = f"_{reading.replace(' ', '_').lower()}"
-        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), PRINTED, suffix)
+        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), PRINTED, reading)
     if tool.belt.stiffness not in readings.values():
         readings = {"own": tool.belt.stiffness, **readings}
     timings = {reading: timed(stiffness) for reading, stiffness in readings.items()}
     passes = [row for each in timings.values() for row in each.passes]
-    stands = passes[-1]["bar_direction_deg"]
     return Report(
         outcome=None,
         quantities=tuple(found),
         **ran(own.trajectory),
-        extra={"bar_stands_at_deg": stands, "full_passes": passes},
-        remarks=(*_in_words(timings, stands), LEFT_OUT, *([OF_WIRE] if tool.bristle.links > 1 else [])),
+        extra={"bar_stands_at_deg": passes[-1]["bar_direction_deg"], "full_passes": passes},
+        remarks=(LEFT_OUT,),
+        tables=(_readings_table(timings),),
         subject=dataclasses.replace(own, readings=timings),
+        answer=_answer(own, found[3]),
     )
+
+
+def _answer(own: CueTiming, direction: Quantity) -> str:
+    """Return where the release needs the bar, by how much the formula misses that, and what a pass with the bar there gives."""
+    if direction.simulated is None:
+        return "No bar cues this bristle: its relative speed has no maximum."
+    formula = (
+        ""
+        if direction.theory is None
+        else (
+            f", {amount(abs(direction.theory - direction.simulated), 'deg')}"
+            f" {'less' if direction.simulated < direction.theory else 'more'} than the formula's {direction.theory:.2f}°"
+        )
+    )
+    printed = "" if direction.printed is None else f" (printed: {direction.printed:.2f}°)"
+    there = own.passes[0]["lag_deg_at_contact"]
+    strike = "has no cued strike" if there is None else f"strikes {beside_radial(there)}"
+    return f"The release needs the bar at {direction.simulated:.2f}°{formula}{printed}; a whole pass with the bar there {strike}."
+
+
+def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
+    """Return where each belt stiffness needs the bar, and the lag at the strike of whole passes with it there and as given."""
+    rows = []
+    for name, timing in readings.items():
+        cues = [
+            "none" if cue is None else f"{math.degrees(cue.bar_direction):.2f}"
+            for cue in (timing.simulated, timing.formula)
+        ]
+        lags = [None, *(row["lag_deg_at_contact"] for row in timing.passes)][-2:]
+        strikes = ("no strike" if lag is None else f"{lag:.2f}" for lag in lags)
+        rows.append((name, f"{timing.tool.belt.stiffness:.5g}", *cues, *strikes))
+    stands = f"{next(iter(readings.values())).passes[-1]['bar_direction_deg']:.2f}"
+    head = ("belt stiffness", "N m/rad", "bar at, deg", "formula, deg", "lag there, deg", f"lag at {stands} deg, deg")
+    return Table("the bar for each reading of the printed belt stiffness", head, tuple(rows))
 
 
 def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool) -> CueTiming:
@@ -168,12 +187,9 @@ def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_
     if with_reference and found is not None:
         from bristle_sim.reference import simulate_reference
 
-        if tool.bristle.links > 1:
-            bare = _released_wire(tool, reference_run(1e-10, retraction))
-        else:
-            options = {"accuracy": 1e-10, "duration": 2.0 * found.cue_time}
-            stop = "highest relative speed"
-            bare = simulate_reference(_bare(tool), start_relative_angle=-retraction, stop_after=stop, **options)
+        options = {"accuracy": 1e-10, "duration": 2.0 * found.cue_time}
+        stop = "highest relative speed"
+        bare = simulate_reference(_bare(tool), start_relative_angle=-retraction, stop_after=stop, **options)
         referred = _cue(tool, retraction, bare)
     formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
     places = [(found.bar_horizontal, found.bar_vertical)] if found is not None else []
@@ -183,7 +199,7 @@ def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_
 
 
 def _rows(
-    timing: CueTiming, settings: Settings, names: Iterable[str], printed: Values, suffix: str = ""
+    timing: CueTiming, settings: Settings, names: Iterable[str], printed: Values, reading: str = ""
 ) -> list[Quantity]:
     """Compare the bars that a release needs with those of formula and reference, which judges them."""
     tool, own = timing.tool, Tool()
@@ -195,29 +211,11 @@ def _rows(
     def tolerance(name: str) -> float | None:
         return None if timing.reference is None else _tolerance(settings) * _conditioning(name, reference, tool)
 
-    found = rows({name: UNITS[name] for name in names}, simulated, theory, reference, printed, tolerance)
-    return [dataclasses.replace(each, name=each.name + suffix) for each in found]
-
-
-def _in_words(readings: Mapping[str, CueTiming], stands: float) -> list[str]:
-    """Say where each belt stiffness needs the bar, what whole passes give, and which needs it nearest to where it stands, deg."""
-    lines, away = [], dict[str, float]()
-    for reading, timing in readings.items():
-        name, needed = f"belt stiffness {reading}", "no speed is the highest, no bar cues it"
-        if timing.simulated is not None:
-            away[name] = math.degrees(timing.simulated.bar_direction) - stands
-            needed = f"bar needed at {stands + away[name]:.2f} deg, {away[name]:+.2f} deg from where it stands"
-        lines.append(f"{name} ({timing.tool.belt.stiffness:.5g} N m/rad): {needed}")
-        for row in timing.passes:
-            lag, end = row["lag_deg_at_contact"], f"has no cued strike ({row.get('no_strike')})"
-            if lag is not None:
-                side = f"{abs(lag):.2f} deg {'beyond' if lag < 0.0 else 'short of'} radial"
-                end = f"strikes {side} at {row['relative_speed_at_contact']:.1f} rad/s"
-            lines[-1] += f"; with the bar at {row['bar_direction_deg']:.2f} deg a full pass {end}"
-    if away:
-        nearest = min(away, key=lambda name: abs(away[name]))
-        lines.append(f"the bar stands at {stands:.2f} deg, nearest to where it is needed by {nearest}")
-    return lines
+    found = rows({name: QUANTITIES[name] for name in names}, simulated, theory, reference, printed, tolerance)
+    if not reading:
+        return list(found)
+    suffix = f"_{reading.replace(' ', '_').lower()}"
+    return [dataclasses.replace(each, name=each.name + suffix, label=f"{each.label}, {reading}") for each in found]
 
 
 def _bare(tool: Tool) -> Tool:
@@ -228,8 +226,6 @@ def _bare(tool: Tool) -> Tool:
 
 
 def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
-    if tool.bristle.links > 1:
-        return _released_wire(tool, scene_run(settings, retraction))
     # An overdamped release is over in a small part of the period that samples are counted in.
     samples = math.ceil(settings.samples * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
@@ -245,28 +241,13 @@ def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
     return run
 
 
-def _released_wire(tool: Tool, run: Run) -> Trajectory:
-    radial = until_radial(_bare(tool), run)
-    if radial is None:
-        raise ValueError(
-            f"wire_links = {tool.bristle.links}: must be 1 for a bristle that does not come back to the radial direction, where"
-            " a wire that bends is cued (dimensionless)"
-        )
-    return radial.trajectory
-
-
 def _tolerance(settings: Settings) -> float:
     """Return the relative difference from the reference that a release may have."""
     return max(1e-8, 10.0 * settings.accuracy)
 
 
 def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
-    """Return the cue of a release (Zhang 2020, eq. 2.1); None if no speed is the highest.
-
-    The release of a wire that bends ends when its tip is radial, where an undamped rigid bristle is fastest.
-    """
-    if tool.bristle.links > 1:
-        return cueing.placed_cue(tool, retraction, float(run.time[-1]), float(from_radial(run, tool.bristle)[1][-1]))
+    """Return the cue of a release (Zhang 2020, eq. 2.1); None if no speed is the highest."""
     time = run.event_time("highest relative speed")
     if time is None:
         return None
@@ -275,10 +256,12 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
 
 def _values(cue: Cue | None) -> Values:
     if cue is None:
-        return dict.fromkeys(UNITS)
+        return dict.fromkeys(QUANTITIES)
     degrees = (math.degrees(cue.hub_turn), math.degrees(cue.bar_direction))
     place = (cue.bar_horizontal, cue.bar_vertical)
-    return dict(zip(UNITS, (cue.cue_time, degrees[0], cue.highest_relative_speed, degrees[1], *place), strict=True))
+    return dict(
+        zip(QUANTITIES, (cue.cue_time, degrees[0], cue.highest_relative_speed, degrees[1], *place), strict=True)
+    )
 
 
 def _conditioning(name: str, values: Values, tool: Tool) -> float:

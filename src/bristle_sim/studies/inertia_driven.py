@@ -1,17 +1,16 @@
 """Compares a tool without a bar with the bar-cued one: simulated, by energy and quadrature, and by the reference.
 
 The bristle arrives translating on a straight belt and enters the pulley, so that it starts radial with the relative rate
--omega. Reported are its tip's speed when it is radial again (of a wire that bends, when the tip is), and the pulley speed at
-which that tip is as fast as the bar-cued tool's at its strike.
+-omega. Reported are its tip's speed when it is radial again, and the pulley speed at which that tip is as fast as the
+bar-cued tool's at its strike.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import newton
@@ -20,16 +19,17 @@ from bristle_sim.comparison import Report, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import from_radial, require_result
+from bristle_sim.studies.answers import amount
+from bristle_sim.studies.strike_point import require_result, require_rigid
 from bristle_sim.theory import cueing, inertia_drive
 from bristle_sim.trajectory import Trajectory
 
-UNITS = {
-    "largest_retraction_deg": "deg",
-    "time_to_radial": "s",
-    "relative_speed_at_radial": "rad/s",
-    "tip_speed_at_radial": "m/s",
-    "hub_speed_for_equal_tip_speed": "rad/s",
+QUANTITIES = {
+    "largest_retraction_deg": ("largest retraction", "deg"),
+    "time_to_radial": ("time until radial again", "s"),
+    "relative_speed_at_radial": ("bristle's speed relative to the pulley then", "rad/s"),
+    "tip_speed_at_radial": ("tip speed then", "m/s"),
+    "hub_speed_for_equal_tip_speed": ("pulley speed for the bar-cued tip speed", "rad/s"),
 }
 
 HALF_PERIODS = 1.3
@@ -52,15 +52,6 @@ LEAST_RATE = 1e-6
 
 TRIES = 20
 """Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it."""
-
-WIRE_RUNS = 10
-"""Runs of a wire that bends that share the budget of steps."""
-
-
-def shared_budget(settings: Settings) -> Settings:
-    """Return the settings with the budget of steps divided among the runs of a wire that bends."""
-    return dataclasses.replace(settings, maximum_steps=max(1, settings.maximum_steps // WIRE_RUNS))
-
 
 Run = Callable[[Tool, float], Trajectory]
 """A run of a tool without a bar for a time, s."""
@@ -92,12 +83,11 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     """Simulate the bristle that its inertia throws, and find the pulley speed at which its tip is as fast as the bar-cued tool's.
 
     Raises:
-        ValueError: if the hub stands still, or a run is not computed within the settings' steps.
+        ValueError: if the hub stands still, the wire bends, or a run is not computed within the settings' steps.
     """
+    require_rigid(tool)
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
-    if tool.bristle.links > 1:
-        settings = shared_budget(settings)
     run = scene_run(settings)
     radial = until_radial(tool, run)
     with_bar = simulate(tool, settings, stop_after="strike")
@@ -117,12 +107,12 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
 
     return Report(
         outcome=None,
-        quantities=rows(UNITS, simulated, theory, reference, tolerance=tolerance),
+        quantities=rows(QUANTITIES, simulated, theory, reference, tolerance=tolerance),
         events=() if radial is None else (("radial", radial.time),),
         wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
         steps=0 if radial is None else radial.trajectory.cost.steps,
-        remarks=_remarks(radial, strike_speed, with_bar.stop_reason),
         subject=InertiaDriven(tool, radial, with_bar),
+        answer=_answer(radial, strike_speed, with_bar.stop_reason, simulated),
     )
 
 
@@ -132,20 +122,18 @@ def until_radial(tool: Tool, run: Run) -> Radial | None:
     time = _first_crossing(bare, run)
     if time is None:
         return None
-    inertia = bare.bristle.inertia_about_root
+    inertia, hub = bare.bristle.inertia_about_root, bare.hub
     for _ in range(CORRECTIONS):
         end = run(bare, time)
-        angle, rate = (float(each[-1]) for each in from_radial(end, bare.bristle))
+        rate = float(end.relative_rate[-1])
         # Close to alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
-        missing = -angle / rate
+        missing = -float(end.relative_angle[-1]) / rate
         time, rate = float(end.time[-1]) + missing, rate * (1.0 - bare.belt_damping / inertia * missing)
         if abs(missing) <= CLOSE * time:
             break
-    if rate < LEAST_RATE * bare.hub.speed:
+    if rate < LEAST_RATE * hub.speed:
         return None
-    speed = bare.bristle.length * (rate + bare.hub.speed) + bare.hub.radius * bare.hub.speed
-    if bare.bristle.links > 1:
-        speed = float(np.hypot(*end.tip_velocity[-1]))
+    speed = bare.bristle.length * (rate + hub.speed) + hub.radius * hub.speed
     return Radial(time, rate, -float(end.relative_angle.min()), speed, end)
 
 
@@ -157,7 +145,7 @@ def _first_crossing(bare: Tool, run: Run) -> float | None:
     length = HALF_PERIODS * math.pi * math.sqrt(bare.bristle.inertia_about_root / stiffness)
     for doubling in range(DOUBLINGS + 1):
         found = run(bare, length * 2.0**doubling)
-        angle = from_radial(found, bare.bristle)[0]
+        angle = found.relative_angle
         lagging = np.flatnonzero((angle[1:-1] < 0.0) & (angle[2:] >= 0.0))
         if lagging.size:
             at = int(lagging[0]) + 1
@@ -168,8 +156,8 @@ def _first_crossing(bare: Tool, run: Run) -> float | None:
     return None
 
 
-def scene_run(settings: Settings, retraction: float | None = None) -> Run:
-    """Return the run of a bristle that enters the pulley, or is released from rest at a retraction, rad, by the simulation."""
+def scene_run(settings: Settings) -> Run:
+    """Return the run of a bristle that enters the pulley, by the simulation."""
 
     def run(bare: Tool, time: float) -> Trajectory:
         """Simulate for a time, s."""
@@ -180,41 +168,30 @@ def scene_run(settings: Settings, retraction: float | None = None) -> Run:
                 " bristle swings (in rad/s)"
             )
         turning = dataclasses.replace(settings, hub_turn=turn)
-        found = simulate(bare, turning, **_start(bare, retraction))
+        found = simulate(bare, turning, start_relative_rate=-bare.hub.speed)
         require_result(found, settings)
         return found
 
     return run
 
 
-def reference_run(accuracy: float, retraction: float | None = None) -> Run:
-    """Return the run of a bristle that enters the pulley, or is released from rest, by the independent solution."""
+def _reference(tool: Tool) -> dict[str, float | None]:
     from bristle_sim.reference import simulate_reference
 
     def run(bare: Tool, time: float) -> Trajectory:
         """Integrate for a time, s, independently of the scene."""
-        return simulate_reference(bare, **_start(bare, retraction), duration=time, accuracy=accuracy)
+        return simulate_reference(bare, start_relative_rate=-bare.hub.speed, duration=time, accuracy=1e-11)
 
-    return run
-
-
-def _start(bare: Tool, retraction: float | None) -> dict[str, Any]:
-    return {"start_relative_rate": -bare.hub.speed} if retraction is None else {"start_relative_angle": -retraction}
-
-
-def _reference(tool: Tool) -> dict[str, float | None]:
-    from bristle_sim.reference import simulate_reference
-
-    run, with_bar = reference_run(1e-11), simulate_reference(tool, accuracy=1e-10, stop_after="strike")
+    with_bar = simulate_reference(tool, accuracy=1e-10, stop_after="strike")
     return _values(tool, run, until_radial(tool, run), _tip_speed_at_strike(with_bar))
 
 
 def _values(tool: Tool, run: Run, radial: Radial | None, strike_speed: float | None) -> dict[str, float | None]:
     if radial is None:
-        return dict.fromkeys(UNITS)
+        return dict.fromkeys(QUANTITIES)
     equal = _equal_hub_speed(tool, run, radial, strike_speed)
     sides = (math.degrees(radial.retraction), radial.time, radial.relative_rate, radial.tip_speed, equal)
-    return dict(zip(UNITS, sides, strict=True))
+    return dict(zip(QUANTITIES, sides, strict=True))
 
 
 def _equal_hub_speed(tool: Tool, run: Run, radial: Radial, strike_speed: float | None) -> float | None:
@@ -255,15 +232,19 @@ def _theory(tool: Tool, strike_speed: float | None) -> dict[str, float | None]:
         return {}
     equal = None if strike_speed is None else strike_speed / reach
     sides = (math.degrees(retraction), time, tool.hub.speed, reach * tool.hub.speed, equal)
-    return dict(zip(UNITS, sides, strict=True))
+    return dict(zip(QUANTITIES, sides, strict=True))
 
 
-def _remarks(radial: Radial | None, strike_speed: float | None, stop_reason: str) -> tuple[str, ...]:
+def _answer(
+    radial: Radial | None, strike_speed: float | None, stop_reason: str, found: Mapping[str, float | None]
+) -> str:
     if radial is None:
-        return ("the bristle does not come back to the radial direction: it leans over by 90 degrees, or creeps",)
+        return "The bristle does not come back to the radial direction: it leans over by 90°, or creeps."
+    own = f"Without a bar the tip reaches {amount(radial.tip_speed, 'm/s')} after {amount(radial.time, 's')}"
     if strike_speed is None:
-        return (f"with the bar there is no strike, and no tip speed to compare with; that run ended: {stop_reason}",)
-    return (
-        f"the bar-cued tool strikes at {strike_speed:.2f} m/s; without the bar the tip reaches {radial.tip_speed:.2f} m/s,"
-        f" {100.0 * radial.tip_speed / strike_speed:.0f} % of it",
-    )
+        return f"{own}; with the bar there is no strike to compare with ({stop_reason})."
+    ratio, equal = radial.tip_speed / strike_speed, found["hub_speed_for_equal_tip_speed"]
+    compared = f"{own}, {ratio:.0%} of the bar-cued tool's {amount(strike_speed, 'm/s')}"
+    if equal is None:
+        return f"{compared}; at no pulley speed is it as fast, as the bristle leans over first."
+    return f"{compared}; to be as fast the pulley must turn at {equal:.1f} rad/s ({60.0 * equal / math.tau:.0f} rpm)."
