@@ -56,6 +56,24 @@ def test_a_touch_before_the_strike_spoils_it():
     assert found["normal_final_impulse"].simulated < 0.5 * ALONE["normal_final_impulse"]
 
 
+def test_the_answer_names_pitches_and_what_a_touch_does():
+    """Each number is that of the table; there is a row for each bristle, whose first one strikes as if alone."""
+    found = report(search="yes")
+    assert re.match(
+        r"Wires of one plane touch each other if they are less than 46\.13° apart and a touch spoils the next strike"
+        r" below 18\.69°\. At 15° bristle 2 strikes with 0\.903 mN s, after a touch; a bristle alone has 2\.75 mN s\.",
+        found.answer,
+    )
+    first, second = found.extra["bristles"]
+    assert [each["bristle"] for each in (first, second)] == [1, 2]
+    for name, value in ALONE.items():
+        assert first[name] == pytest.approx(value, rel=2e-4)
+    assert len(found.tables[0].rows) == 2
+    assert "At 50° bristle 2 strikes with 2.75 mN s, untouched until then;" in report(pitch_deg=50.0).answer
+    away = neighbours(Tool(workpart=Workpart(penetration=-0.01)), Neighbours(search="no"), Settings())
+    assert away.answer.endswith("At 15° bristle 2 does not strike: end of the planned time.")
+
+
 def test_over_the_pitch_the_strike_changes_where_theory_says():
     subject = report().subject
     least = next(each.by_theory for each in subject.least if each.of_follower)
@@ -135,6 +153,8 @@ def test_bad_input_in_one_line():
         report(pitch_deg=1.0)
     with pytest.raises(ValueError, match=r"^bristles = 1.0: must be a whole number from 2 to 12"):
         Neighbours(bristles=1)
+    with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1"):
+        neighbours(Tool(bristle=Bristle(links=2)), Neighbours(), Settings())
 
 
 class TestPictures:

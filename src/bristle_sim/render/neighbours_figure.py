@@ -14,7 +14,7 @@ from bristle_sim.render.colours import BLACK, BLUE, SERIES, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, touch_places
 from bristle_sim.render.panels import add_panel, note, say
 from bristle_sim.render.style import MILLIMETRES, QUANTITIES, blank_figure, styled
-from bristle_sim.studies.neighbours import Row, root_pitch, strike_values
+from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
 
 BESIDE = 0.02
 """How far beside a least pitch the strike is computed, deg."""
@@ -29,7 +29,7 @@ LEAST = {
 """What the pitches right of a line are, and the line's dashes."""
 
 
-def pitches_to_draw(row: Row) -> list[float]:
+def pitches_to_draw(row: NeighbourRow) -> list[float]:
     """Return pitches, deg, from close beside each other to beyond the least pitch of the whole pass."""
     least = [each.by_theory for each in row.least if each.by_theory is not None]
     if not least:
@@ -40,7 +40,7 @@ def pitches_to_draw(row: Row) -> list[float]:
 
 
 @styled()
-def neighbours_figure(row: Row, pitches: Sequence[float], strikes: Mapping[str, Array]) -> Figure:
+def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]) -> Figure:
     """Draw a row at two instants, and its last bristle's strike over the pitch in degrees."""
     figure = blank_figure(16.0, 13.4)
     for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
@@ -66,7 +66,7 @@ def neighbours_figure(row: Row, pitches: Sequence[float], strikes: Mapping[str, 
     return figure
 
 
-def instants(row: Row) -> list[tuple[str, float]]:
+def instants(row: NeighbourRow) -> list[tuple[str, float]]:
     """Return two instants to draw, each with words: the first touch, and the last one before the last bristle's strike."""
     strike = row.bristles[-1].event_time("strike")
     until = float(row.bristles[-1].time[-1]) if strike is None else strike
@@ -79,7 +79,7 @@ def instants(row: Row) -> list[tuple[str, float]]:
     return [("first touch", touches[0]) if touches else first, (last, touches[-1]) if len(touches) > 1 else own]
 
 
-def _draw_row(axes: Axes, row: Row, time: float) -> None:
+def _draw_row(axes: Axes, row: NeighbourRow, time: float) -> None:
     lines = [run.at(time).centre_line for run in row.bristles]
     draw_film_tool(axes, row.tool, close_up(np.array(lines), row.tool, 7.6 / 5.8), 7.0)
     for number, (line, color) in enumerate(zip(lines, SERIES * len(lines), strict=False), 1):

@@ -19,7 +19,7 @@ from bristle_sim.trajectory import Interpolation, Trajectory
 
 if TYPE_CHECKING:
     from bristle_sim.studies.inertia_driven import InertiaDriven
-    from bristle_sim.studies.neighbours import Row
+    from bristle_sim.studies.neighbours import NeighbourRow
 
 CAPTION_SHOWN = 0.5
 """Film time for which the instant of the strike keeps its caption, s."""
@@ -83,7 +83,7 @@ AFTER = 0.15
 class RowFilm(Film):
     """The drawing that a film of a row shows, at any film time."""
 
-    def __init__(self, row: Row, width: int = 640, height: int = 480, duration: float = 12.0) -> None:
+    def __init__(self, row: NeighbourRow, width: int = 640, height: int = 480, duration: float = 12.0) -> None:
         self.motions = [Interpolation(run) for run in row.bristles]
         strike, end = row.bristles[-1].event_time("strike"), float(row.bristles[-1].time[-1])
         begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
@@ -117,7 +117,7 @@ class RowFilm(Film):
         ).caption, f"retraction of bristle {len(self.wires)} {signed(retraction, 1, 6)}°"
 
 
-def _phases(row: Row) -> tuple[Phase, ...]:
+def _phases(row: NeighbourRow) -> tuple[Phase, ...]:
     """Return what happens from when on, in order."""
     found = [Phase(-math.inf, "turning with the hub"), *(Phase(each, "wires touch each other") for each in row.touches)]
     for number, run in enumerate(row.bristles, 1):

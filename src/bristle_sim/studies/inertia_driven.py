@@ -53,7 +53,7 @@ LEAST_RATE = 1e-6
 TRIES = 20
 """Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it."""
 
-Run = Callable[[Tool, float], Trajectory]
+BareRun = Callable[[Tool, float], Trajectory]
 """A run of a tool without a bar for a time, s."""
 
 
@@ -116,8 +116,8 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     )
 
 
-def until_radial(tool: Tool, run: Run) -> Radial | None:
-    """Run until the bristle passes the radial direction; None where it does not."""
+def until_radial(tool: Tool, run: BareRun) -> Radial | None:
+    """BareRun until the bristle passes the radial direction; None where it does not."""
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     time = _first_crossing(bare, run)
     if time is None:
@@ -137,7 +137,7 @@ def until_radial(tool: Tool, run: Run) -> Radial | None:
     return Radial(time, rate, -float(end.relative_angle.min()), speed, end)
 
 
-def _first_crossing(bare: Tool, run: Run) -> float | None:
+def _first_crossing(bare: Tool, run: BareRun) -> float | None:
     """About when the bristle comes back to the radial direction, by a line from sample to sample, s."""
     stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
     if not stiffness:
@@ -156,7 +156,7 @@ def _first_crossing(bare: Tool, run: Run) -> float | None:
     return None
 
 
-def scene_run(settings: Settings) -> Run:
+def scene_run(settings: Settings) -> BareRun:
     """Return the run of a bristle that enters the pulley, by the simulation."""
 
     def run(bare: Tool, time: float) -> Trajectory:
@@ -186,7 +186,7 @@ def _reference(tool: Tool) -> dict[str, float | None]:
     return _values(tool, run, until_radial(tool, run), _tip_speed_at_strike(with_bar))
 
 
-def _values(tool: Tool, run: Run, radial: Radial | None, strike_speed: float | None) -> dict[str, float | None]:
+def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float | None) -> dict[str, float | None]:
     if radial is None:
         return dict.fromkeys(QUANTITIES)
     equal = _equal_hub_speed(tool, run, radial, strike_speed)
@@ -194,7 +194,7 @@ def _values(tool: Tool, run: Run, radial: Radial | None, strike_speed: float | N
     return dict(zip(QUANTITIES, sides, strict=True))
 
 
-def _equal_hub_speed(tool: Tool, run: Run, radial: Radial, strike_speed: float | None) -> float | None:
+def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float | None) -> float | None:
     """Pulley speed for a tip speed, by the secant method from the tool's own; None where the bristle leans over first."""
     if strike_speed is None:
         return None

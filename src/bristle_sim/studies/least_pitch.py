@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
-from bristle_sim.trajectory import Interpolation, Trajectory
+from bristle_sim.trajectory import Trajectory
 
 PITCH_STEP = math.radians(0.25)
 """Least step between the pitches that are tried, rad; a local minimum of the distance between them is refined."""
@@ -30,17 +30,28 @@ DEEPEST = 2
 
 
 class LonePass:
-    """A bristle that touches no other one, at any instant of its pass; before its start it turns with the hub."""
+    """A bristle that touches no other one, at any instant of its pass; before its start it turns with the hub.
+
+    Between samples h rad of its motion apart the cubics of its line have an error of h^4/384, 1e-8 at 150 samples a period.
+    """
 
     def __init__(self, trajectory: Trajectory) -> None:
         self.trajectory = trajectory
-        self._motion = Interpolation(trajectory)
+        self._lines, self._velocities = trajectory.centre_line, trajectory.centre_line_velocity
 
     def centre_line(self, time: Array) -> Array:
         """Return root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
-        start, end = self.trajectory.time[[0, -1]]
-        line = self._motion(np.clip(time, start, end)).centre_line
-        turned = self.trajectory.hub_speed * (time - np.maximum(time, start))
+        samples = self.trajectory.time
+        within = np.maximum(time, samples[0])
+        # Of two samples at the instant of an impact the later one begins an interval.
+        first = np.clip(np.searchsorted(samples, within, "right") - 1, 0, samples.size - 2)
+        width = samples[first + 1] - samples[first]
+        part = np.divide(within - samples[first], width, out=np.ones_like(width), where=width > 0.0)[:, None, None]
+        ends, rates = ([each[first], each[first + 1]] for each in (self._lines, self._velocities))
+        near, far, step = (1.0 - part) ** 2, part**2, width[:, None, None]
+        line = near * ((1.0 + 2.0 * part) * ends[0] + part * step * rates[0])
+        line += far * ((3.0 - 2.0 * part) * ends[1] - (1.0 - part) * step * rates[1])
+        turned = self.trajectory.hub_speed * (time - within)
         cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
         x, y = line[..., 0], line[..., 1]
         return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

@@ -9,20 +9,29 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, rows
+from bristle_sim.comparison import Quantity, Report, Table, rows
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
+from bristle_sim.studies.answers import amount
 from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
-from bristle_sim.studies.strike_point import outcome_of, ran, require_result, state_at_strike
+from bristle_sim.studies.strike_point import (
+    IMPACT,
+    STATE,
+    outcome_of,
+    ran,
+    require_result,
+    require_rigid,
+    state_at_strike,
+)
 from bristle_sim.trajectory import Trajectory
 
 WIRE_TOUCH = "wire touch"
@@ -51,8 +60,14 @@ LARGEST = math.pi / 2.0
 BEYOND = 1e-6
 """How far above a least pitch the search for a smaller one begins, rad: a thousand times what it is good to."""
 
-STATE = {"relative_speed_at_contact": "rad/s", "lag_deg_at_contact": "deg", "normal_final_impulse": "N s"}
-"""Units of what is reported of the last bristle's strike."""
+STRIKE = {name: (STATE | IMPACT)[name] for name in (*STATE, "normal_final_impulse") if name != "tip_speed_at_contact"}
+"""A bristle's strike: label and unit of each quantity."""
+
+LEAST_PITCHES = {
+    "least_pitch_to_strike_deg": "least pitch, no touch until the one in front strikes",
+    "least_pitch_to_own_strike_deg": "least pitch, no touch until its own strike",
+    "least_pitch_whole_pass_deg": "least pitch, no touch in the whole pass",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +85,7 @@ class LeastPitch:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class NeighbourRow:
     """A row of bristles that were simulated together, the foremost first, and the pass of a bristle without neighbours."""
 
     tool: Tool
@@ -90,8 +105,9 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     """Find the least pitches by theory and on simulated rows, and simulate one row at its pitch.
 
     Raises:
-        ValueError: if the hub stands still, wires touch at the start, or a run is given up.
+        ValueError: if the hub stands still, the wires bend or touch at the start, or a run is given up.
     """
+    require_rigid(tool)
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or no bristle follows another (in rad/s)")
     roots = root_pitch(tool)
@@ -102,7 +118,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         )
     bristles = _simulated(tool, row, settings, row.pitch_deg)
     lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
-    found = Row(tool, row, settings, bristles, lone, _least_pitches(tool, lone))
+    found = NeighbourRow(tool, row, settings, bristles, lone, _least_pitches(tool, lone))
     reference, least = None, dict[str, float | None]()
     if with_reference:
         from bristle_sim.reference import simulate_reference, simulate_row_reference
@@ -111,33 +127,77 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
         alone = simulate_reference(tool, **options)
         least = {each.name: each.by_theory for each in _least_pitches(tool, alone)}
-    contact = bristles[-1].first_contact("workpart")
+    contact, each_bristle = bristles[-1].first_contact("workpart"), _each_bristle(found)
+    least_pitches = [_searched(found, each, least.get(each.name)) for each in found.least]
     return Report(
         outcome=outcome_of(contact),
-        quantities=(
-            *(_searched(found, each, least.get(each.name)) for each in found.least),
-            *_strike_quantities(found, reference),
-        ),
+        quantities=(*least_pitches, *_strike_quantities(found, reference)),
         phases=() if contact is None else contact.phases,
         **ran(bristles[-1]),
         remarks=_remarks(found),
+        tables=(_bristles_table(each_bristle),),
+        extra={"bristles": each_bristle},
         subject=found,
+        answer=_answer(found, least_pitches, each_bristle[-1]),
     )
 
 
-def over_pitch(row: Row, pitches: Sequence[float]) -> dict[str, Array]:
+def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Mapping[str, float | None]) -> str:
+    """Return from what pitch on wires do not touch, and what a touch does at the row's pitch."""
+    known = {each.name: each.theory if each.simulated is None else each.simulated for each in least}
+    whole, own = known["least_pitch_whole_pass_deg"], known["least_pitch_to_own_strike_deg"]
+    found = []
+    if whole is not None:
+        found.append(f"Wires of one plane touch each other if they are less than {whole:.2f}° apart")
+    if own is not None:
+        found.append(f"a touch spoils the next strike below {own:.2f}°")
+    apart = " and ".join(found) + ". " if found else ""
+    number, pitch = row.neighbours.bristles, f"{row.neighbours.pitch_deg:g}°"
+    if last["normal_final_impulse"] is None:
+        return f"{apart}At {pitch} bristle {number} does not strike: {row.bristles[-1].stop_reason}."
+    alone, struck = strike_values(row.tool, row.lone)["normal_final_impulse"], last["normal_final_impulse"]
+    strike = f"bristle {number} strikes with {amount(struck, 'N s')}"
+    touched = "after a touch" if last["touches_before_strike"] else "untouched until then"
+    compared = "" if alone is None else f" a bristle alone has {amount(alone, 'N s')}"
+    return f"{apart}At {pitch} {strike}, {touched};{compared}."
+
+
+def _each_bristle(row: NeighbourRow) -> list[dict[str, float | None]]:
+    """Return number, touches before the strike, instant and measures of the strike of each bristle, the foremost first."""
+    found = []
+    for number, run in enumerate(row.bristles, 1):
+        time = run.event_time("strike")
+        before = sum(time is None or each < time for each in _touches(run))
+        measures = {"bristle": number, "touches_before_strike": before, "contact_time": time}
+        found.append(measures | strike_values(row.tool, run))
+    return found
+
+
+def _bristles_table(bristles: Sequence[Mapping[str, float | None]]) -> Table:
+    head = ("bristle", "touches before", "strike, ms", "lag, deg", "relative speed, rad/s", "impulse p_fy, mN s")
+    names = ("contact_time", "lag_deg_at_contact", "relative_speed_at_contact", "normal_final_impulse")
+    factors = dict(zip(names, (1e3, 1.0, 1.0, 1e3), strict=True))
+    rows = []
+    for each in bristles:
+        values = ((each[name], factor) for name, factor in factors.items())
+        cells = ("-" if value is None else f"{factor * value:.5g}" for value, factor in values)
+        rows.append((str(each["bristle"]), str(each["touches_before_strike"]), *cells))
+    return Table("the strike of each bristle", head, tuple(rows))
+
+
+def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
     """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN without a run or a strike."""
     found = []
     for pitch in pitches:
-        values: list[float | None] = [None] * len(STATE)
+        values: list[float | None] = [None] * len(STRIKE)
         with contextlib.suppress(ValueError):  # a pitch at which the row cannot start, or a run that is given up
             run = _simulated(row.tool, row.neighbours, row.settings, pitch, stop_after="strike")[-1]
             values = list(strike_values(row.tool, run).values())
         found.append([math.nan if value is None else value for value in values])
-    return dict(zip(STATE, np.transpose(found), strict=True))
+    return dict(zip(STRIKE, np.transpose(found), strict=True))
 
 
-def row_series(row: Row) -> dict[str, Any]:
+def row_series(row: NeighbourRow) -> dict[str, Any]:
     """Return time, the foremost root's angle and every bristle's angle from its radial direction, one entry a sample."""
     angles = {f"relative_angle_{number} (rad)": run.relative_angle for number, run in enumerate(row.bristles, 1)}
     return {"time (s)": row.bristles[0].time, "hub_angle (rad)": row.bristles[0].hub_angle, **angles}
@@ -197,10 +257,10 @@ def _unsearched(tool: Tool, lone: Trajectory) -> str:
     return ""
 
 
-def _searched(row: Row, least: LeastPitch, reference: float | None) -> Quantity:
+def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
     """Search the pitch from which two simulated wires touch, beside the theoretical one; reference by its lone pass."""
     if least.until is None or least.by_theory is None or row.neighbours.search == "no":
-        return Quantity(least.name, "deg", None, least.by_theory, reference)
+        return Quantity(least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name])
     pair, end, speed = dataclasses.replace(row.neighbours, bristles=2), least.until, row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
@@ -215,7 +275,10 @@ def _searched(row: Row, least: LeastPitch, reference: float | None) -> Quantity:
         return any(each.name == WIRE_TOUCH and each.time <= until for each in events)
 
     found = _edge(touch, least.by_theory)
-    return Quantity(least.name, "deg", found, least.by_theory, reference, tolerance=AGREEMENT / least.by_theory)
+    within = AGREEMENT / least.by_theory
+    return Quantity(
+        least.name, "deg", found, least.by_theory, reference, tolerance=within, label=LEAST_PITCHES[least.name]
+    )
 
 
 def _edge(touch: Callable[[float], bool], near: float) -> float | None:
@@ -235,18 +298,18 @@ def _edge(touch: Callable[[float], bool], near: float) -> float | None:
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return what is reported of a bristle's first strike, in the units of STATE; None without one."""
+    """Return what is reported of a bristle's first strike, in the units of STRIKE; None without one."""
     contact = run.first_contact("workpart")
     impulse = None if contact is None else contact.impulse[0]
     state = state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}
-    return {name: state[name] for name in STATE}
+    return {name: state[name] for name in STRIKE}
 
 
 def _touches(run: Trajectory) -> list[float]:
     return [each.time for each in run.events if each.name == WIRE_TOUCH]
 
 
-def _strike_quantities(row: Row, reference: Trajectory | None) -> tuple[Quantity, ...]:
+def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Return the last bristle's touches and its strike; theory is the lone bristle, from which a touch may differ."""
     last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
     judged = reference is not None or not touches
@@ -271,17 +334,15 @@ def _strike_quantities(row: Row, reference: Trajectory | None) -> tuple[Quantity
         size = max(scales.get(name, 0.0), abs(theory[name] or value))
         return 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
 
-    return rows({"wire_contacts": "1", **STATE}, simulated, theory, referred, tolerance=tolerance)
-
-
-def _remarks(row: Row) -> tuple[str, ...]:
-    last, number = row.bristles[-1], row.neighbours.bristles
-    contact, end = last.first_contact("workpart"), f"{1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
-    strike = "does not strike" if contact is None else f"strikes at {1e3 * contact.time:.4f} ms"
-    counted = (
-        "least pitches: theory by the motion of one bristle alone; counted are touches until the bristle in front"
-        " strikes, until the follower itself does, and in the whole pass"
+    return rows(
+        {"wire_contacts": ("touches of its wire", "1"), **STRIKE}, simulated, theory, referred, tolerance=tolerance
     )
+
+
+def _remarks(row: NeighbourRow) -> tuple[str, ...]:
+    last = row.bristles[-1]
+    counted = "least pitches: theory by the motion of one bristle alone"
     if reason := _unsearched(row.tool, row.lone):
         counted = f"least pitches: not searched, as {reason}"
-    return f"bristle {number} {strike}; the row stops at {end}", counted, "theory of the strike: a bristle alone"
+    stops = f"the row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
+    return f"theory of bristle {row.neighbours.bristles}'s strike: a bristle alone; {stops}", counted
