@@ -49,7 +49,7 @@ KEYS: dict[str, Key] = {
     "contact": Key("word", "law of impact: by energy, resolved in time on a spring, or the engine's own"),
     "contact_duration": Key(
         "s",
-        "time that a contact resolved in time lasts, of a rigid bristle; none: short enough for the rigid-body limit",
+        "half periods of a frictionless spring on K at the touch; none: short enough for the rigid-body limit",
         1.0,
         1e-18,
     ),

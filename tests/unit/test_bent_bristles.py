@@ -14,7 +14,7 @@ from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
 from bristle_sim.render.bent_figure import bent_figure
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import bent_bristles, slide_of
+from bristle_sim.studies.bent_bristles import Slide, answer, bent_bristles, slide_of
 
 TOOL = Tool(
     hub=Hub(speed=272.27),
@@ -78,20 +78,30 @@ def test_slide_is_the_tips_displacement() -> None:
     assert slide.forward > slide.total
 
 
-def test_remarks_say_what_was_computed() -> None:
-    """A knee of 60 degrees: the three tips do not slide about as far, so the words must not say so."""
-    tool = dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=60.0))
-    report = bent_bristles(tool, Settings())
+def test_the_answer_is_that_of_the_slides() -> None:
+    """A knee of 60 degrees: the forward bent tip turns in compression, the reverse bent one after it."""
+    report = bent_bristles(dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=60.0)), Settings())
     slides = report.subject.slides
     reverse, straight, forward = (slides[shape].forward for shape in ("reverse", "straight", "forward"))
-    assert forward < 0.5 * straight
     assert f"{forward / (0.5 * (reverse + straight)):.0%} as far" in report.remarks[-1]
-    for remark, shape in zip(report.remarks[:3], slides, strict=True):
-        assert shape in remark
-        assert f"{1e3 * slides[shape].forward:.2f} mm forward" in remark
-    assert report.outcome is None
+    assert (
+        f"The reverse bent tip slides {1e3 * reverse:.2f} mm, the straight tip slides {1e3 * straight:.2f} mm"
+        in report.answer
+    )
+    first = min(slides, key=lambda shape: slides[shape].ending_time)
+    assert f"{first.capitalize()} bent slip turns first, {1e6 * slides[first].ending_time:.3g} us" in report.answer
     assert slides["forward"].ending_time < slides["forward"].compression_time
     assert slides["reverse"].ending_time > slides["reverse"].compression_time
+    away = dataclasses.replace(TOOL, workpart=Workpart(penetration=-0.001))
+    assert bent_bristles(away, Settings()).answer == "None slides: no tip strikes the workpart."
+
+
+def test_a_tip_that_retracts_at_once_is_named() -> None:
+    """As in the film: a forward slide of a hundredth of the others'."""
+    sliding, retracting = (Slide(each, -1e-4, 1e-4, 5e-5, "turns", "compression", 1e-6) for each in (1e-3, 1e-5))
+    words = answer({"reverse": sliding, "straight": sliding, "forward": retracting})
+    assert "the forward bent tip retracts at once" in words
+    assert "the reverse bent one never strikes" in answer({"reverse": None, "straight": sliding, "forward": sliding})
 
 
 @pytest.mark.parametrize("knee", [-45.0, 30.0])

@@ -97,7 +97,7 @@ def test_full_passes_say_what_the_bars_give(cued: Report) -> None:
     ("tool", "words"),
     [
         (Tool(belt=Belt(stiffness=0.00041)), "The release needs the bar at 114.33°.* there has no cued strike"),
-        (Tool(belt=Belt(stiffness=0.0519)), "strikes 0.3° short of radial"),
+        (Tool(belt=Belt(stiffness=0.0519)), r"strikes 0\.297° short of radial"),
     ],
 )
 def test_the_answer_changes_with_the_tool(tool: Tool, words: str) -> None:

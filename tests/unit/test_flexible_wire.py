@@ -12,7 +12,8 @@ from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike,
 from bristle_sim.render.wire_figure import wire_figure
 from bristle_sim.render.wire_film import WireFilm
 from bristle_sim.settings import Settings
-from bristle_sim.studies.flexible_wire import flexible_wire, wire_study
+from bristle_sim.studies.flexible_wire import again, flexible_wire, wire_study
+from bristle_sim.units import declarations
 
 SMOOTH = Surface(0.0)
 
@@ -41,6 +42,30 @@ def test_numbers_of_an_independent_prototype(short: Report) -> None:
     assert found["normal_final_impulse"].simulated == pytest.approx(1.2412e-3, abs=0.05e-6)
     assert found["impulse_ratio_to_rigid"].simulated == pytest.approx(1.2412 / 3.15384, rel=1e-4)
     assert short.outcome == "rebound"
+
+
+def test_the_answer_has_both_sides_and_says_whether_the_wire_touches_again(short: Report) -> None:
+    """The rigid bristle's 3.154 mN s and 66.8 N as above; a soft, elastic contact of six links throws the end back twice."""
+    assert "With 2 links the impulse is 1.24 mN s," in short.answer
+    assert "the rigid bristle at the same contact stiffness has 3.15 mN s, 66.8 N and" in short.answer
+    wire = Bristle(links=6, modulus=70e9)
+    parts = (Hub(), Belt(), wire, Strike(), Surface(0.0, None, 0.6), ContactStiffness(142e-6), Settings(1e-4))
+    report = flexible_wire(*parts, with_reference=False)
+    found = again(report.subject.wire)
+    assert found is not None
+    # By the second strike that starts from the wire's state then: its end approaches the workpart there.
+    assert f"The wire's end touches again {1e6 * found:.3g} us after the first touch" in report.answer
+    height = report.subject.wire.centre_line[:, -1, 1] - report.subject.wire.centre_line[0, -1, 1]
+    assert np.interp(found - 2e-6, report.subject.wire.time, height) > height[report.subject.wire.time >= found][0]
+    assert "touches again" not in struck(2, duration=5e-6, with_reference=False).answer
+
+
+def test_the_key_of_the_contact_s_stiffness_says_which_time_it_is() -> None:
+    """The half periods of a frictionless spring on K at the touch: for e* = 1 one half period, pi sqrt(1/(k K))."""
+    (declared,) = (each for each in declarations(ContactStiffness).values() if each.key == "contact_duration")
+    assert "half periods of a frictionless spring on K at the touch" in declared.meaning
+    stiffness = ContactStiffness(1e-4).stiffness(2.0, 1.0)
+    assert math.pi / math.sqrt(stiffness * 2.0) == pytest.approx(1e-4)
 
 
 def test_the_reference_judges_every_row(short: Report) -> None:

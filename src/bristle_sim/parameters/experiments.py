@@ -41,7 +41,7 @@ class Strike(Declared):
 
 @dataclass(frozen=True, slots=True)
 class ContactStiffness(Declared):
-    """Stiffness of a contact resolved in time, given by how long it would keep a rigid bristle in touch."""
+    """Stiffness of a contact resolved in time, given by its half periods as a frictionless spring on a rigid bristle's K."""
 
     duration: float = quantity(
         7.1e-5,
@@ -49,7 +49,7 @@ class ContactStiffness(Declared):
         at_least=1e-9,
         at_most=1e-2,
         source="50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*",
-        meaning="time for which the contact's stiffness would keep the rigid bristle in touch, without friction, T",
+        meaning="half periods of a frictionless spring on K at the touch, T; a rigid bristle is in touch some per cent longer",
     )
 
     def stiffness(self, inverse_mass: float, restitution: float) -> float:

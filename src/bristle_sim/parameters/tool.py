@@ -178,7 +178,7 @@ class Contact:
     duration: float | None = quantity(
         None,
         "contact_duration",
-        source="compliant law: time in touch; by default short enough for the rigid-body limit",
+        source="short enough for the rigid-body limit",
         needs="contact = compliant",
     )
 

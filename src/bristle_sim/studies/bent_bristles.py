@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -18,12 +19,18 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.tool import refuse_endless, simulate
+from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
+from bristle_sim.studies.answers import amount
 from bristle_sim.studies.strike_point import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
 SHAPES = {"reverse": -1.0, "straight": 0.0, "forward": 1.0}
+
+NAMES = {"reverse": "reverse bent", "straight": "straight", "forward": "forward bent"}
+
+RETRACTS = 0.05
+"""Fraction of the largest forward slide below which a tip counts as one that retracts at once."""
 
 REST = 1e-4
 """Fraction of the fastest slip below which the tip is at rest."""
@@ -104,7 +111,6 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
     """
     if tool.contact.law != "compliant":
         raise ValueError(f"contact = {tool.contact.law}: must be compliant; another law has no path of the tip")
-    refuse_endless(tool, settings)
     knee = abs(tool.bristle.knee_angle_deg)
     bristles = {shape: dataclasses.replace(tool.bristle, knee_angle_deg=sign * knee) for shape, sign in SHAPES.items()}
     tools = {shape: dataclasses.replace(tool, bristle=bristle) for shape, bristle in bristles.items()}
@@ -122,26 +128,48 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         wall_s=sum(run.cost.wall_s for run in runs.values()),
         steps=sum(run.cost.steps for run in runs.values()),
         remarks=(
-            *(f"simulated, {shape}: {slide or 'never strikes'}" for shape, slide in slides.items()),
+            *(f"{shape}: {slide or 'never strikes'}" for shape, slide in slides.items()),
             against_film(slides),
         ),
         extra={"stopped": {shape: stopped(run) for shape, run in runs.items()}},
         subject=BentBristles(tools, runs, slides),
+        answer=answer(slides),
     )
+
+
+def answer(slides: Mapping[str, Slide | None]) -> str:
+    """Return which tips slide and which retract at once, and the slip that turns or stops first."""
+    struck = {shape: slide for shape, slide in slides.items() if slide is not None}
+    if not struck:
+        return "None slides: no tip strikes the workpart."
+    farthest = max(slide.forward for slide in struck.values())
+    sliding = {shape: slide for shape, slide in struck.items() if slide.forward > RETRACTS * farthest}
+    parts = [f"the {NAMES[shape]} tip slides {1e3 * slide.forward:.2f} mm" for shape, slide in sliding.items()]
+    parts += [f"the {NAMES[shape]} tip retracts at once" for shape in struck if shape not in sliding]
+    parts += [f"the {NAMES[shape]} one never strikes" for shape in slides if shape not in struck]
+    first = min(struck, key=lambda shape: struck[shape].ending_time)
+    ending = ""
+    if (soonest := struck[first]).ending is not None:
+        ending = f" {NAMES[first].capitalize()} slip {soonest.ending} first, {amount(soonest.ending_time, 's')} after the touch."
+    words = ", ".join(parts)
+    return f"{words[0].upper()}{words[1:]}; in the high-speed film only the forward bent one retracts at once.{ending}"
 
 
 def _rows(shape: str, contact: ContactRecord | None, slide: Slide | None) -> list[Quantity]:
     if contact is None or slide is None:
-        return [Quantity(f"{shape}_forward_slide", "m", None)]
+        return [Quantity(f"{shape}_forward_slide", "m", None, label=f"{NAMES[shape]}: slide forward")]
     values = {
-        "forward_slide": ("m", slide.forward),
-        "slide_in_touch": ("m", slide.total),
-        "time_in_touch": ("s", slide.duration),
-        "tip_speed_along_before": ("m/s", contact.velocity_before[1]),
-        "tip_speed_along_after": ("m/s", contact.velocity_after[1]),
-        "tip_speed_away_after": ("m/s", contact.velocity_after[0]),
+        "forward_slide": ("slide forward", "m", slide.forward),
+        "slide_in_touch": ("slide in the whole contact", "m", slide.total),
+        "time_in_touch": ("time in touch", "s", slide.duration),
+        "tip_speed_along_before": ("tip speed along, before", "m/s", contact.velocity_before[1]),
+        "tip_speed_along_after": ("tip speed along, after", "m/s", contact.velocity_after[1]),
+        "tip_speed_away_after": ("tip speed away, after", "m/s", contact.velocity_after[0]),
     }
-    return [Quantity(f"{shape}_{name}", *value) for name, value in values.items()]
+    return [
+        Quantity(f"{shape}_{name}", unit, value, label=f"{NAMES[shape]}: {label}")
+        for name, (label, unit, value) in values.items()
+    ]
 
 
 def against_film(slides: dict[str, Slide | None]) -> str:

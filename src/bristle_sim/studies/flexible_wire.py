@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface, Tool, Workpart
 from bristle_sim.scene.wire_strike import WireStrike, strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
+from bristle_sim.studies.answers import amount
 from bristle_sim.studies.strike_point import crater_depth, outcome_of
 from bristle_sim.theory.crater import CUTTING_FRICTION
 from bristle_sim.theory.wire import beam_frequencies, chain_frequencies
@@ -26,7 +27,12 @@ from bristle_sim.trajectory import ContactRecord
 
 RATIO = "impulse_ratio_to_rigid"
 
-UNITS = {"normal_final_impulse": "N s", "peak_force": "N", "time_in_touch": "s", "crater_depth": "m"}
+MEASURES = {
+    "normal_final_impulse": ("normal impulse p_fy", "N s"),
+    "peak_force": ("largest normal force", "N"),
+    "time_in_touch": ("time in touch", "s"),
+    "crater_depth": ("crater depth by energy", "m"),
+}
 
 REFERENCE_ACCURACY = 1e-9
 
@@ -152,7 +158,9 @@ def flexible_wire(
         reference = _reference(struck, rigid.contact.outcome)
     simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
-    compared = rows(UNITS | {RATIO: "1"}, simulated, stiff, reference, tolerance=allowed)
+    compared = rows(
+        MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}, simulated, stiff, reference, tolerance=allowed
+    )
     return Report(
         outcome=outcome_of(wire.contact),
         quantities=(*_frequencies(tool, with_reference), *compared),
@@ -165,7 +173,31 @@ def flexible_wire(
             *([NO_REFERENCE] if with_reference and not reference else []),
         ),
         subject=FlexibleWire(struck, wire, rigid),
+        answer=_answer(bristle.links, own, stiff, again(wire)),
     )
+
+
+def _answer(links: int, own: Mapping[str, float], stiff: Mapping[str, float], again: float | None) -> str:
+    """Return the wire's measures beside the rigid bristle's, and whether its end touches again."""
+    shown = {name: (amount(own[name], unit), amount(stiff[name], unit)) for name, (_, unit) in MEASURES.items()}
+    found = (
+        f"With {links} links the impulse is {shown['normal_final_impulse'][0]}, the largest force {shown['peak_force'][0]} and the"
+        f" crater {shown['crater_depth'][0]} deep; the rigid bristle at the same contact stiffness has"
+        f" {shown['normal_final_impulse'][1]}, {shown['peak_force'][1]} and {shown['crater_depth'][1]}."
+    )
+    if again is None:
+        return found
+    return f"{found} The wire's end touches again {amount(again, 's')} after the first touch, which these numbers leave out."
+
+
+def again(wire: WireStrike) -> float | None:
+    """Return the instant at which the wire's end enters the workpart again after its contact, s from the first touch.
+
+    None if it does not within the time shown.
+    """
+    depth = wire.centre_line[0, -1, 1] - wire.centre_line[:, -1, 1]
+    deeper = (wire.time > wire.contact.duration) & (depth > 0.0) & (np.gradient(depth) > 0.0)
+    return float(wire.time[np.argmax(deeper)]) if deeper.any() else None
 
 
 def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
@@ -183,7 +215,7 @@ def _reference(strike: FlexibleStrike, rigid_outcome: str) -> dict[str, float]:
 
 
 def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]:
-    """Return impulse, peak force, time in touch and crater depth of a contact, in the units of UNITS.
+    """Return impulse, peak force, time in touch and crater depth of a contact, in the units of MEASURES.
 
     Raises:
         ValueError: for a contact that was not resolved in time.
@@ -192,7 +224,7 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
         raise ValueError("speed_ratio, impact_angle_deg: must let the wire's end enter the workpart, it barely touches")
     depth = crater_depth(contact.compressive_work, CUTTING_FRICTION, strike.impact_angle)
     values = (contact.impulse[0], float(contact.history.normal_force.max()), contact.duration, depth)
-    return dict(zip(UNITS, values, strict=True))
+    return dict(zip(MEASURES, values, strict=True))
 
 
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
@@ -203,10 +235,10 @@ def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSE
     by_duration = {}
     for links in counts:
         found = [_compared(strike.of(links, duration, STUDY_ACCURACY)) for duration in durations.tolist()]
-        by_duration[links] = {name: np.array([each[name] for each in found]) for name in UNITS}
+        by_duration[links] = {name: np.array([each[name] for each in found]) for name in MEASURES}
     numbers = np.arange(1.0, max(2, most) + 1.0)
     found = [_compared(strike.of(int(links), accuracy=STUDY_ACCURACY)) for links in numbers]
-    by_links = {name: np.array([each[name] for each in found]) for name in UNITS}
+    by_links = {name: np.array([each[name] for each in found]) for name in MEASURES}
     return WireStudy(durations, by_duration, numbers, by_links)
 
 
@@ -216,7 +248,7 @@ def _compared(strike: FlexibleStrike) -> dict[str, float]:
     try:
         return _ratios(measures(strike, strike.run().contact), measures(rigid, rigid.run().contact))
     except ValueError:
-        return dict.fromkeys(UNITS, math.nan)
+        return dict.fromkeys(MEASURES, math.nan)
 
 
 def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
@@ -245,13 +277,16 @@ def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     found, beam, chain = wire_frequencies(tool), beam_frequencies(*wire, 3), chain_frequencies(*wire, bristle.links)
     found_rows = []
     for mode, name in enumerate(names, 1):
+        label = f"{name.split('_')[0]} bending frequency"
         if mode >= bristle.links:
-            found_rows.append(Quantity(name, "Hz", None, float(beam[mode])))
+            found_rows.append(Quantity(name, "Hz", None, float(beam[mode]), label=label))
             continue
         reference, within = (float(chain[mode]) if with_reference else None), None
         if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
             within = max(1e-6, rounding)  # an error of the largest eigenvalue's rounding in the square
-        found_rows.append(Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference, tolerance=within))
+        found_rows.append(
+            Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference, tolerance=within, label=label)
+        )
     return found_rows
 
 
