@@ -33,11 +33,23 @@ class Settings:
     """
 
     accuracy: float = quantity(
-        1e-6, "accuracy", source="chosen; less than 1e-11 is more than double precision gives", usual=ANY
+        1e-6,
+        "1e-11 <= accuracy <= 0.1",
+        "relative accuracy requested of the simulation",
+        "chosen; less than 1e-11 is more than double precision gives",
+        usual=ANY,
     )
-    step: float | None = quantity(None, "step", source="off: the step follows from accuracy", usual=ANY)
+    step: float | None = quantity(
+        None, "1e-12 <= step <= 1 s", "fixed engine step", "off: it follows from accuracy", usual=ANY
+    )
     maximum_steps: int = MAXIMUM_STEPS
-    hub_turn: float = quantity(4.71238898038469, "hub_turn", source="three quarters of a turn", usual=ANY)
+    hub_turn: float = quantity(
+        4.71238898038469,
+        "1e-12 <= hub_turn <= 1e6 rad",
+        "turn of the hub after which the pass ends",
+        "three quarters of a turn",
+        usual=ANY,
+    )
     samples_per_period: int | None = None
 
     def __post_init__(self) -> None:

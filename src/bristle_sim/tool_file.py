@@ -1,12 +1,11 @@
-"""A tool in a TOML file: one table a part, the keys of ``--set``, each with its unit, meaning and source in a comment.
+"""A tool in a TOML file: the keys of ``--set``, each with its unit, meaning and source in a comment.
 
 A number is in the unit that ``--list-keys`` shows, a text such as ``"27 mm"`` carries its own. A part that is absent is
-``bar = false``; what a file leaves out has its default.
+``bar = false``; what a file leaves out has its default. The keys of a part may also stand in a table of its name.
 """
 
 from __future__ import annotations
 
-import difflib
 import json
 import textwrap
 import tomllib
@@ -15,26 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from bristle_sim.files import complete_or_absent
-from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.units import Choice, Range, declarations, shown
+from bristle_sim.parameters import PARTS, Tool, tool_keys
+from bristle_sim.units import Choice, Range, likely_key, shown
 
 ABSENT = "false"  # what ``read_keys`` returns for a part that the file says is absent
 
 MAY_BE_ABSENT = ("bar", "workpart")
-
-
-def tool_keys() -> dict[str, dict[str, tuple[str, Range | Choice]]]:
-    """Return the keys of each part of a tool, and of the tool itself as part "", with fields and declarations."""
-    parts = {"": Tool, **{name: kinds[0] for name, kinds in PARTS.items()}}
-    return {part: {each.key: (name, each) for name, each in declarations(of).items()} for part, of in parts.items()}
-
-
-def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
-    """Return the advice to a misspelt word: the one that was likely meant, or else the one given, or all there are."""
-    known = sorted(keys)
-    likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
-    likely = likely or [each for each in known if each.endswith(f"_{key}")]
-    return f"did you mean {likely[0]}?" if likely else otherwise or f"must be one of {', '.join(known)}"
 
 
 def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
@@ -42,7 +27,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
 
     Args:
         path: of the file.
-        further: keys that may stand above the tables, besides those of the tool.
+        further: keys that may stand in the file besides those of the tool.
 
     Returns:
         Text by key, and ``"false"`` by the name of each part that is absent.
@@ -51,10 +36,10 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
         ValueError: in one line, for a file that is no TOML and for a key or table that nothing knows.
         OSError: for a file that cannot be read.
     """
+    content = Path(path).read_bytes()
     try:
-        with Path(path).open("rb") as stream:
-            found = tomllib.load(stream)
-    except ValueError as error:  # also text that is not UTF-8
+        found = tomllib.loads(content.decode("utf-8-sig"))  # editors may begin it with a byte order mark
+    except (ValueError, RecursionError) as error:
         raise ValueError(f"{path}: must be a TOML file ({error})") from error
     known, typed = tool_keys(), dict[str, str]()
     every = {key for keys in known.values() for key in keys} | {*further}
@@ -65,7 +50,7 @@ def read_keys(path: str | Path, further: Iterable[str] = ()) -> dict[str, str]:
             typed |= {key: _text(path, key, each, known[name], f"[{name}] ") for key, each in value.items()}
         elif value is False and name in MAY_BE_ABSENT:
             typed[name] = ABSENT
-        elif name in PARTS:
+        elif name in PARTS and name not in every:
             absent = ", or false where there is none" if name in MAY_BE_ABSENT else ""
             raise ValueError(f"{path}: {name} = {shown(value)}: must be a table [{name}]{absent}")
         else:
@@ -91,7 +76,7 @@ def read_tool(path: str | Path) -> Tool:
     typed, parts = read_keys(path), dict[str, Any]()
     try:
         for part, keys in tool_keys().items():
-            values = {name: declared.parse(typed[key]) for key, (name, declared) in keys.items() if key in typed}
+            values = {name: typed[key] for key, (name, _) in keys.items() if key in typed}
             if part:
                 parts[part] = None if part in MAY_BE_ABSENT and part in typed else PARTS[part][0](**values)
             else:
@@ -107,18 +92,16 @@ def write_tool(tool: Tool, path: str | Path) -> None:
     Raises OSError naming the file, if it cannot be written.
     """
     lines = ['# A tool of bristle_sim. Numbers are in the unit of their comment; a text carries its own: "27 mm".']
-    tables = list[str]()
     for part, keys in tool_keys().items():
         owner = getattr(tool, part) if part else tool
+        lines += ["", f"# The {part}."] if part else []
         if owner is None:
             lines.append(f"{part} = false  # absent")
             continue
-        target = tables if part else lines
-        target += ["", f"[{part}]"] if part else []
         for key, (name, declared) in keys.items():
-            target += _entry(key, getattr(owner, name), declared)
+            lines += _entry(key, getattr(owner, name), declared)
     with complete_or_absent(Path(path)) as partial:
-        partial.write_text("\n".join([*lines, *tables]) + "\n", encoding="utf-8")
+        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def _entry(key: str, value: Any, declared: Range | Choice) -> list[str]:

@@ -1,7 +1,7 @@
-"""Declared, checked fields for frozen parameter objects.
+"""Declared parameters: default, unit, range, meaning and source together, once, and the units that a person may type.
 
-A physical parameter is declared once, with its meaning, default, unit, range and source. The declaration validates every
-value that enters a parameter object and is what the scenario scripts list and parse.
+A declaration checks every value that enters a parameter object, from Python, a file or the command line; the scripts list and
+parse it; it is the documentation of its field.
 """
 
 from __future__ import annotations
@@ -12,15 +12,19 @@ import functools
 import math
 import re
 import reprlib
+import textwrap
+import warnings
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from numbers import Real
-from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from bristle_sim.glossary import KEYS, Key
+from bristle_sim.conversion import DECIMAL_COMMA, TYPED, TYPICAL_UNITS, conversion, likely_unit
 
 ANY = (0.0, math.inf)
 """Sizes that are usual for a number whose default does not tell which others are likely, such as an accuracy."""
+
+T = TypeVar("T")
 
 FAR = 100.0  # a value this many times its default, or less than the default by this factor, is unusual
 
@@ -69,16 +73,20 @@ class Range:
         """
         typed = TYPED.fullmatch(text.strip())
         number = math.nan if typed is None else float(typed["number"])
+        if typed is None and DECIMAL_COMMA.fullmatch(text.strip()):
+            raise self.refusal(text, f"; did you mean {text.strip().replace(',', '.')}?")
         if typed is not None and typed["unit"]:
             factor = conversion(typed["unit"], self.unit)
             if factor is None:
-                why = f", to which {typed['unit']} cannot be converted{_likely_unit(typed['unit'], self.unit)}"
+                why = f", to which {typed['unit']} cannot be converted{likely_unit(typed['unit'], self.unit)}"
                 raise self.refusal(text, why)
             number *= factor
         return self._checked(number, text)
 
     def check(self, value: Any) -> float:
-        """Return the value as a float, or raise ValueError naming key, value, range and unit."""
+        """Return the value as a float, a text such as "27 mm" as typed, or raise ValueError naming key, value, range and unit."""
+        if isinstance(value, str):
+            return self.parse(value)
         if isinstance(value, bool) or not isinstance(value, Real):
             raise self.refusal(value)
         try:
@@ -108,62 +116,13 @@ class Range:
         return value != 0.0 and not least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12)  # but for rounding
 
 
-_UNIT = r"[A-Za-z%\u00b0\u00b5\u03bc]+(?:(?:\^|\*\*)-?\d|[\u00b2\u00b3])?"
-
-TYPED = re.compile(
-    rf"(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(?P<unit>{_UNIT}(?:\s*[*/\u00b7 ]\s*{_UNIT})*)?",
-    re.ASCII,
-)
-"""A decimal number and perhaps a product of powers of units. Python's float() takes more: grouped digits, those of other
-scripts, which nobody types on purpose here."""
-
-
-TYPICAL_UNITS = (
-    *("m", "mm", "um", "cm", "inch", "metre", "millimetre", "micrometre", "kg", "g", "mg", "gram", "s", "ms", "us", "second"),
-    *("rad/s", "rpm", "deg/s", "rad", "deg", "degree", "N m/rad", "N m/deg", "N", "mN", "kN", "Hz", "kHz", "m/s", "m/s^2"),
-    *("Pa", "kPa", "MPa", "GPa", "N/mm^2", "N/m", "N/V", "N/mV", "percent"),
-)  # fmt: skip
-"""Units that a mistyped one is compared with."""
-
-
-def conversion(unit: str, to: str) -> float | None:
-    """Return the factor that converts a number from one unit to another; None where there is none.
-
-    An angle is a dimension of its own here: 250 Hz are not 250 rad/s, nor N m the same as N m/rad.
-    """
-    try:
-        factor = float(_registry().Quantity(1.0, unit).to(to.replace(" ", "*")).magnitude)
-    except Exception:  # pint passes on whatever its parser meets: TokenError, ZeroDivisionError, AssertionError, ...
-        return None
-    return factor if math.isfinite(factor) and factor > 0.0 else None
-
-
-def _likely_unit(unit: str, to: str) -> str:
-    """Advise the unit with the most similar name of those that can be converted, where nothing is called so."""
-    if conversion(unit, unit) is not None:
-        return ""
-    fitting = [name for name in TYPICAL_UNITS if conversion(name, to) is not None]
-    likely = difflib.get_close_matches(unit, fitting, n=1)
-    return f"; did you mean {likely[0]}?" if likely else ""
-
-
-@functools.cache
-def _registry() -> Any:
-    import pint
-
-    registry: Any = pint.UnitRegistry(filename=None)
-    registry.load_definitions(Path(pint.__file__).with_name("default_en.txt"))
-    registry.define("radian = [plane_angle] = rad")
-    return registry
-
-
 MISTAKEN = 0.02  # a value this close to a likely mistake, relative, is taken for it
 
 
-def unusual_value(declared: Any, default: Any, value: Any, text: str = "") -> str:
+def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
     """Return a line that says why a value is unusual, with the unit that may have been meant; empty where it is usual.
 
-    ``text`` is the value as typed; a bare number may have been meant in another unit.
+    ``given`` is the value as typed; a bare number may have been meant in another unit.
     """
     if not isinstance(declared, Range) or value is None:
         return ""
@@ -174,7 +133,7 @@ def unusual_value(declared: Any, default: Any, value: Any, text: str = "") -> st
     if not declared.unusual(value, default):
         return ""
     ratio = f" is {value / default:.3g} times the default, {default:.6g}{unit}" if default else " is unusual"
-    return f"{named}{ratio}{_meant_unit(declared, text or repr(value), default)}"
+    return f"{named}{ratio}{_meant_unit(declared, given if isinstance(given, str) else f'{given:g}', default)}"
 
 
 def _meant_unit(declared: Range, text: str, default: float | None) -> str:
@@ -229,67 +188,104 @@ def shown(value: Any) -> str:
     return line if len(line) <= LONGEST_SHOWN else f"{line[:LONGEST_SHOWN]}..."
 
 
+def likely_key(key: str, keys: Iterable[str], otherwise: str = "") -> str:
+    """Return the advice to a misspelt word: the one that was likely meant, or else the one given, or all there are."""
+    known = sorted(keys)
+    likely = difflib.get_close_matches(key.strip().lower().replace("-", "_"), known, n=1)
+    likely = likely or [each for each in known if each.endswith(f"_{key}")]
+    return f"did you mean {likely[0]}?" if likely else otherwise or f"must be one of {', '.join(known)}"
+
+
+RULE = re.compile(r"(\S+) (<=?) (\w+) <= (\S+)(?: (.+))?")
+"""A declared range: ``0 <= hub_speed <= 1e6 rad/s``."""
+
+
 def quantity(
     default: float | None,
-    key: str,
-    unit: str = "",
-    *,
-    above: float | None = None,
-    at_least: float | None = None,
-    at_most: float | None = None,
-    source: str,
+    rule: str,
     meaning: str = "",
+    source: str = "",
+    *,
     usual: tuple[float, float] | None = None,
     needs: str = "",
     whole: bool = False,
     mistaken: tuple[float, str] | None = None,
 ) -> Any:
-    """Declare a dataclass field that holds a real number; ``above`` excludes its bound, ``at_least`` includes it.
+    """Declare a dataclass field that holds a real number by its key's range and unit, ``0 <= hub_speed <= 1e6 rad/s``.
 
-    A default of None makes the parameter optional. ``meaning``, ``usual``, ``needs``, ``whole`` and ``mistaken`` are those of
-    :class:`Range`; unit, meaning and range are the glossary's unless given.
+    A default of None makes the parameter optional. The other arguments are the attributes of :class:`Range`.
     """
-    if above is not None and at_least is not None:
-        raise ValueError(f"{key}: declare one of above and at_least")
-    known = KEYS.get(key, Key())
-    lowest = next(each for each in (above, at_least, known.lowest) if each is not None)
-    highest = known.highest if at_most is None else at_most
-    allowed = above is None and (known.lowest_allowed or at_least is not None)
-    words = (source, default is None, meaning or known.meaning, usual, needs, whole, mistaken)
-    return _declared(default, Range(key, unit or known.unit, lowest, highest, allowed, *words))
+    found = RULE.fullmatch(rule)
+    assert found is not None, rule
+    lowest, sign, key, highest, unit = found.groups("1")
+    words = (source, default is None, meaning, usual, needs, whole, mistaken)
+    return declared_field(default, Range(key, unit, float(lowest), float(highest), sign == "<=", *words))
 
 
-count = functools.partial(quantity, unit="1", usual=ANY, whole=True)
+count = functools.partial(quantity, usual=ANY, whole=True)
 """Declare a dataclass field that holds a whole number between two bounds, which it may have."""
 
 
-def choice(default: str, key: str, options: tuple[str, ...], *, source: str, meaning: str = "") -> Any:
+def choice(default: str, key: str, options: tuple[str, ...], meaning: str = "", source: str = "") -> Any:
     """Declare a dataclass field that holds one word out of a few."""
-    return _declared(default, Choice(key, options, source, meaning=meaning or KEYS.get(key, Key()).meaning))
+    return declared_field(default, Choice(key, options, source, meaning=meaning))
 
 
-def _declared(default: Any, declared: Range | Choice) -> Any:
+def declared_field(default: Any, declared: Any) -> Any:
+    """Return a dataclass field with its declaration."""
     return field(default=default, metadata={"declaration": declared})
 
 
 def declarations(owner: Any) -> dict[str, Range | Choice]:
     """Return the declarations of a parameter class or object by the names of its fields."""
+    kind = owner if isinstance(owner, type) else type(owner)
+    return {name: declared for name, (declared, _) in _declared(kind).items()}
+
+
+def _fields_of(owner: Any) -> dict[str, tuple[Range | Choice, Any]]:
     fields = dataclasses.fields(owner)
-    return {each.name: each.metadata["declaration"] for each in fields if "declaration" in each.metadata}
+    return {
+        each.name: (each.metadata["declaration"], each.default) for each in fields if "declaration" in each.metadata
+    }
+
+
+_declared: Callable[[Any], dict[str, tuple[Range | Choice, Any]]] = functools.cache(_fields_of)
+"""Declarations and defaults of a parameter class by the names of its fields."""
 
 
 def validate(instance: Any) -> None:
     """Check every declared field of a frozen dataclass instance and store it as a plain number or word."""
-    for name, declared in declarations(instance).items():
+    for name, (declared, _) in _declared(type(instance)).items():
         value = getattr(instance, name)
         checked = None if value is None and declared.optional else declared.check(value)
         object.__setattr__(instance, name, checked)
 
 
+class UnusualValueWarning(UserWarning):
+    """A parameter's value is so far from its default that its unit may be mistaken."""
+
+
 class Declared:
-    """Base of frozen dataclasses whose declared fields are checked when an object is made."""
+    """Base of frozen dataclasses whose declared fields are checked when an object is made; unusual values are warned of."""
 
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        validate(self)
+        for name, (declared, default) in _declared(type(self)).items():
+            given = getattr(self, name)
+            value = None if given is None and declared.optional else declared.check(given)
+            object.__setattr__(self, name, value)
+            if value != default and (line := unusual_value(declared, default, value, given)):
+                warnings.warn(line, UnusualValueWarning, stacklevel=3)
+
+
+def described(owner: type[T]) -> type[T]:
+    """Decorate a parameter class: its docstring lists meaning, unit, range, default and source of each declared field."""
+    lines = [owner.__doc__ or "", "", "Attributes:"]
+    for name, (declared, default) in _declared(owner).items():
+        unit = "" if declared.unit in ("1", "word") else f", {declared.unit}"
+        shown_default = default if isinstance(default, str | None) else f"{default:.9g}"
+        words = f"{name}: {declared.meaning}{unit}. Must be {declared.allowed}. Default {shown_default} ({declared.source})."
+        lines += textwrap.wrap(words, 100, initial_indent="    ", subsequent_indent="        ")
+    owner.__doc__ = "\n".join(lines)
+    return owner

@@ -26,15 +26,15 @@ import pytest
 from bristle_sim import __version__
 from bristle_sim.cli import Scenario, ending, main, output
 from bristle_sim.comparison import Quantity, Report, Unfinished
-from bristle_sim.parameters.experiments import Measurement
+from bristle_sim.parameters import Measurement
 from bristle_sim.units import choice, quantity, validate
 
 
 @dataclass(frozen=True)
 class Body:
-    mass: float = quantity(2.0, "mass", "kg", above=0.0, at_most=1e3, source="a source", meaning="how heavy it is")
-    speed: float = quantity(0.5, "speed", "m/s", at_least=-10.0, at_most=10.0, source="another source")
-    drag: float | None = quantity(None, "drag", "1", at_least=0.0, at_most=1.0, source="off", needs="law = plastic")
+    mass: float = quantity(2.0, "0 < mass <= 1e3 kg", "how heavy it is", "a source")
+    speed: float = quantity(0.5, "-10 <= speed <= 10 m/s", "", "another source")
+    drag: float | None = quantity(None, "0 <= drag <= 1", "", "off", needs="law = plastic")
     inner: object = None
 
     def __post_init__(self) -> None:
@@ -44,7 +44,7 @@ class Body:
 @dataclass(frozen=True)
 class Law:
     name: str = choice("elastic", "law", ("elastic", "plastic"), source="a source")
-    unused: float = quantity(1.0, "unused", "1", at_least=0.0, at_most=1.0, source="a source")
+    unused: float = quantity(1.0, "0 <= unused <= 1", "", "a source")
 
     def __post_init__(self) -> None:
         validate(self)

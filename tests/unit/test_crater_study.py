@@ -7,8 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bristle, Hub
-from bristle_sim.parameters.experiments import Crater
+from bristle_sim.parameters import Bristle, Crater, Hub
 from bristle_sim.settings import Settings
 from bristle_sim.studies.crater_study import (
     FRICTIONS,

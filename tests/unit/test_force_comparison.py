@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bristle, Hub, Surface
-from bristle_sim.parameters.experiments import ForceHistory, Measurement
+from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import cubics, pieces
 from bristle_sim.studies.force_comparison import force_comparison

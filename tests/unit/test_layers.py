@@ -22,7 +22,7 @@ TESTS = sorted((ROOT / "tests").rglob("*.py"))
 
 RANKS = {
     "arrays": -1,
-    "glossary": -1,
+    "conversion": -1,
     "units": 0,
     "files": 0,
     "force_file": 1,
@@ -47,7 +47,7 @@ RANKS = {
 
 HOMES = {
     "pymunk": ("contact_space", "scene"),
-    "pint": ("units",),
+    "pint": ("conversion",),
     "scipy.integrate": ("reference",),
     "matplotlib": ("render",),
     "PIL": ("render",),

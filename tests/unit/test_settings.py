@@ -47,7 +47,7 @@ def test_what_is_allowed(name: str, values: tuple[float | None, ...]):
 @pytest.mark.parametrize(
     ("name", "values"),
     [
-        ("accuracy", (0.0, 0.99e-11, 0.11, math.nan, None, "1e-6")),
+        ("accuracy", (0.0, 0.99e-11, 0.11, math.nan, None, "small")),
         ("step", (0.0, 9e-13, -1e-6, 1.1, math.inf, "none")),
         ("hub_turn", (0.0, -1.0, 1.1e6, math.nan, None)),
         ("maximum_steps", (0, -1, 1.5, 10.0, True, None, "10", np.float64(10.0))),

@@ -37,7 +37,7 @@ def test_a_comment_tells_meaning_unit_and_source(tmp_path: Path):
     text = (tmp_path / "tool.toml").read_text()
     assert "# speed of the hub's rotation; rad/s (default: Zhang 2020, eq. 2.2)\nhub_speed = 261.8\n" in text
     assert "# restitution_friction = none" in text
-    assert tomllib.loads(text)["workpart"]["friction"] == 0.31
+    assert tomllib.loads(text)["friction"] == 0.31
 
 
 def read(tmp_path: Path, text: str) -> Tool:
@@ -72,6 +72,7 @@ def test_a_value_may_carry_its_unit_and_what_is_left_out_has_its_default(tmp_pat
         ("[workpart]\npenetration = 1", "penetration = 1: must be less"),
         ("hub_speed", "must be a TOML file"),
         ("\x00", "must be a TOML file"),
+        ("a = " + 100_000 * "[" + 100_000 * "]", "must be a TOML file"),
     ],
 )
 def test_what_is_no_tool_is_refused_in_one_line(text: str, words: str, tmp_path: Path):
@@ -79,6 +80,10 @@ def test_what_is_no_tool_is_refused_in_one_line(text: str, words: str, tmp_path:
         read(tmp_path, text)
     assert str(refusal.value).startswith(f"{tmp_path / 'tool.toml'}: ")
     assert "\n" not in str(refusal.value)
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_key(tmp_path: Path):
+    assert read(tmp_path, "\ufeffhub_speed = 300\n") == Tool(hub=Hub(speed=300.0))
 
 
 def test_further_keys_stand_above_the_tables(tmp_path: Path):

@@ -17,7 +17,7 @@ from bristle_sim.cli.main import BAD_INPUT, INTERRUPTED
 from bristle_sim.cli.main import main as run
 from bristle_sim.cli.output import say, tell
 from bristle_sim.cli.scenario import Scenario
-from bristle_sim.tool_file import likely_key
+from bristle_sim.units import likely_key
 
 PROGRAM = "bristle-sim"
 

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
+from warnings import catch_warnings, simplefilter
 
 from bristle_sim.cli.ending import ending_in_order
 from bristle_sim.cli.output import csv_text, document, in_words, progress, say, tell
@@ -17,6 +18,7 @@ from bristle_sim.cli.scenario import Scenario, Values, tool_of
 from bristle_sim.comparison import Report, Unfinished
 from bristle_sim.files import checked_target, complete_or_absent, is_special
 from bristle_sim.tool_file import write_tool
+from bristle_sim.units import UnusualValueWarning
 
 KINDS = {
     "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "report": (".html",),
@@ -34,10 +36,11 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
     ``program`` is the name of the command in messages; by default the script's.
     """
-    arguments, warnings = sys.argv[1:] if arguments is None else arguments, list[str]()
+    arguments, remarks = sys.argv[1:] if arguments is None else arguments, list[str]()
     command = shlex.join([*(program or f"python scenarios/{scenario.name}.py").split(), *arguments])
     program = program or f"{scenario.name}.py"
-    with ending_in_order(), progress(program):
+    with ending_in_order(), progress(program), catch_warnings():
+        simplefilter("ignore", UnusualValueWarning)  # those of typed values are printed in one line each
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
@@ -46,18 +49,18 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 say(scenario.key_list())
                 return 0
             if options.parameters is not None:
-                from_file, warnings = scenario.assignments_from(options.parameters)
+                from_file, remarks = scenario.assignments_from(options.parameters)
                 options.set = [*from_file, *options.set]
             values = scenario.values_of(options.set)
-            warnings += scenario.warnings_of(options.set, values)
+            remarks += scenario.warnings_of(options.set, values)
             status = _answer(scenario, options, values, command)
         except (ValueError, OSError) as error:
-            line = "; ".join([" ".join(str(error).split()), *warnings])
+            line = "; ".join([" ".join(str(error).split()), *remarks])
             tell(f"{program}: error: {line}")
             return BAD_INPUT
         except KeyboardInterrupt:
             status = INTERRUPTED
-    for line in warnings:
+    for line in remarks:
         tell(f"{program}: warning: {line}")
     if status == INTERRUPTED:
         tell(f"{program}: interrupted")

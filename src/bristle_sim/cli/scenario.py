@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_type_hints
 
 from bristle_sim.comparison import WIDTH, Report
 from bristle_sim.parameters import PARTS, Tool
-from bristle_sim.tool_file import MAY_BE_ABSENT, likely_key, read_keys
-from bristle_sim.units import Choice, Range, declarations, unusual_value
+from bristle_sim.tool_file import MAY_BE_ABSENT, read_keys
+from bristle_sim.units import Choice, Range, declarations, likely_key, unusual_value
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

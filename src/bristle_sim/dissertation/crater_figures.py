@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 from bristle_sim.arrays import Array
 from bristle_sim.dissertation.force_figures import FORCE, MICROSECONDS, bristle_contact
 from bristle_sim.dissertation.redrawn import Axis, Curve, Level, Mark, Panel, Redrawn, curve_of
-from bristle_sim.parameters.experiments import Crater
+from bristle_sim.parameters import Crater
 from bristle_sim.studies.crater_study import MEASURED, cut_of, energy_depth_course, merchant_depth_course
 from bristle_sim.theory.crater import (
     energy_crater_depth,

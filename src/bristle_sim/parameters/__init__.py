@@ -11,18 +11,14 @@ positive in the hub's sense of rotation; a bristle at angle phi points from its 
 from bristle_sim.parameters.experiments import (
     Comparison,
     ContactStiffness,
-    Crater,
     DoublePendulum,
-    ForceHistory,
-    Measurement,
     Neighbours,
     Release,
     SinglePendulum,
     Strike,
 )
-from bristle_sim.parameters.studies import Assembly, MapGrid, Sampling, Spreads
-from bristle_sim.parameters.tool import (
-    PARTS,
+from bristle_sim.parameters.force import Crater, ForceHistory, Measurement
+from bristle_sim.parameters.parts import (
     PRINTED_BELT_STIFFNESS,
     RETRACTION_AT_RELEASE,
     SHAPE_KEYS,
@@ -33,14 +29,14 @@ from bristle_sim.parameters.tool import (
     Contact,
     Hub,
     Surface,
-    Tool,
     Workpart,
-    operating_point,
 )
+from bristle_sim.parameters.studies import Assembly, MapGrid, Sampling, Spreads
+from bristle_sim.parameters.tool import PARTS, Tool, operating_point, tool_keys
 
 __all__ = [
     "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt",
     "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "ForceHistory", "Hub", "MapGrid",
     "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
-    "operating_point",
+    "operating_point", "tool_keys",
 ]  # fmt: skip

@@ -3,34 +3,40 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.glossary import KEYS
-from bristle_sim.units import ANY, Declared, choice, count, quantity, shown, validate
+from bristle_sim.units import ANY, Declared, choice, count, described, quantity
 
+GAMMA = "angle between the radial bristle and the workpart's normal, gamma"
 STEEL_ON_STEEL = "assumed: steel on steel, as between tip and workpart"
 
 
 def speed_ratio_at_strike() -> Any:
     """Declare the bristle's rate over the hub's speed."""
     source = "Zhang 2020, caption of fig. 2.7: R, bristle rate over hub speed"
-    return quantity(3.23, "speed_ratio", source=source)
+    return quantity(3.23, "0 <= speed_ratio <= 1e6", "bristle's rate over the hub's speed when it strikes, R", source)
 
 
-def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = "") -> Any:
+def impact_angle_at_strike(source: str, at_most: float = 90.0, meaning: str = GAMMA) -> Any:
     """Declare the angle gamma of a strike, in degrees."""
-    return quantity(23.4, "impact_angle_deg", at_most=at_most, source=source, meaning=meaning)
+    return quantity(23.4, f"1e-30 <= impact_angle_deg <= {at_most} deg", meaning, source)
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class Release(Declared):
     """Release of the bristle from rest relative to the hub."""
 
-    retraction_deg: float = quantity(44.5, "retraction_deg", source="Zhang 2020, eq. 2.2: theta_p")
+    retraction_deg: float = quantity(
+        44.5,
+        "1e-6 <= retraction_deg <= 89.9 deg",
+        "angle by which the released bristle lags the radial direction",
+        "Zhang 2020, eq. 2.2: theta_p",
+    )
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class Strike(Declared):
     """State of a radial bristle at the instant of its strike."""
@@ -39,17 +45,16 @@ class Strike(Declared):
     impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, sec. 2.3: gamma")
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class ContactStiffness(Declared):
     """Stiffness of a contact resolved in time, given by its half periods as a frictionless spring on a rigid bristle's K."""
 
     duration: float = quantity(
         7.1e-5,
-        "contact_duration",
-        at_least=1e-9,
-        at_most=1e-2,
-        source="50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*",
-        meaning="half periods of a frictionless spring on K at the touch, T; a rigid bristle is in touch some per cent longer",
+        "1e-9 <= contact_duration <= 0.01 s",
+        "half periods of a frictionless spring on K at the touch, T; a rigid bristle is in touch some per cent longer",
+        "50 us of compression (Zhang 2020, sec. 3.3) times 1 + e*",
     )
 
     def stiffness(self, inverse_mass: float, restitution: float) -> float:
@@ -57,161 +62,124 @@ class ContactStiffness(Declared):
         return (0.5 * math.pi * (1.0 + restitution) / self.duration) ** 2 / inverse_mass
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class SinglePendulum(Declared):
     """Stronge's single pendulum: a rod that swings about a fixed hinge and strikes with its end."""
 
-    mass: float = quantity(8.387e-5, "rod_mass", source="the bristle's: Zhang 2020, 2.4.1")
-    length: float = quantity(0.027, "rod_length", source="the bristle's: Zhang 2020, 2.4.1")
+    mass: float = quantity(
+        8.387e-5, "1e-30 <= rod_mass <= 1e6 kg", "mass of the rod", "the bristle's: Zhang 2020, 2.4.1"
+    )
+    length: float = quantity(
+        0.027, "1e-9 <= rod_length <= 1e3 m", "length of the rod", "the bristle's: Zhang 2020, 2.4.1"
+    )
     impact_angle_deg: float = impact_angle_at_strike(
         "Zhang 2020, fig. 2.25: rod to the normal", meaning="angle between the rod and the surface's normal, gamma"
     )
-    rate: float = quantity(-845.6, "rate", source="Zhang 2020, fig. 2.30; negative approaches")
+    rate: float = quantity(
+        -845.6,
+        "-1e9 <= rate <= 1e9 rad/s",
+        "rate of the rod before the impact; negative approaches",
+        "Zhang 2020, fig. 2.30; negative approaches",
+    )
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class DoublePendulum(Declared):
     """Stronge's double pendulum: rods of equal length, the first ``mass_ratio`` times as heavy as the second."""
 
     mass: float = quantity(
-        5.0, "rod_mass", source="Zhang 2020, fig. 2.28: m_2", meaning="mass of the second rod, whose end strikes, m_2"
+        5.0,
+        "1e-30 <= rod_mass <= 1e6 kg",
+        "mass of the second rod, whose end strikes, m_2",
+        "Zhang 2020, fig. 2.28: m_2",
     )
-    mass_ratio: float = quantity(1.0, "mass_ratio", source="Zhang 2020, sec. 2.4.2.1: n = m_1/m_2", usual=ANY)
+    mass_ratio: float = quantity(
+        1.0,
+        "1e-9 <= mass_ratio <= 1e12",
+        "mass of the first rod over the second's, n",
+        "Zhang 2020, sec. 2.4.2.1: n = m_1/m_2",
+        usual=ANY,
+    )
     length: float = quantity(
-        1.0, "rod_length", source="Zhang 2020, sec. 2.4.2: both rods", meaning="length of each rod"
+        1.0, "1e-9 <= rod_length <= 1e3 m", "length of each rod", "Zhang 2020, sec. 2.4.2: both rods"
     )
-    angle_1_deg: float = quantity(20.0, "angle_1_deg", source="Zhang 2020, fig. 2.28: theta_1, to the normal")
-    angle_2_deg: float = quantity(30.0, "angle_2_deg", source="Zhang 2020, fig. 2.28: theta_2, to the normal")
-    rate_1: float = quantity(-0.1, "rate_1", source="Zhang 2020, fig. 2.28; negative approaches")
-    rate_2: float = quantity(-0.2, "rate_2", source="Zhang 2020, fig. 2.28; negative approaches")
+    angle_1_deg: float = quantity(
+        20.0,
+        "-90 <= angle_1_deg <= 90 deg",
+        "angle of the first rod to the surface's normal",
+        "Zhang 2020, fig. 2.28: theta_1, to the normal",
+    )
+    angle_2_deg: float = quantity(
+        30.0,
+        "-90 <= angle_2_deg <= 90 deg",
+        "angle of the second rod to the surface's normal",
+        "Zhang 2020, fig. 2.28: theta_2, to the normal",
+    )
+    rate_1: float = quantity(
+        -0.1,
+        "-1e9 <= rate_1 <= 1e9 rad/s",
+        "rate of the first rod before the impact; negative approaches",
+        "Zhang 2020, fig. 2.28; negative approaches",
+    )
+    rate_2: float = quantity(
+        -0.2,
+        "-1e9 <= rate_2 <= 1e9 rad/s",
+        "rate of the second rod before the impact; negative approaches",
+        "Zhang 2020, fig. 2.28; negative approaches",
+    )
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class Neighbours(Declared):
     """Bristles that follow each other in one plane, and how two wires that touch rub and rebound."""
 
-    bristles: int = count(2, "bristles", source="chosen: one bristle and its follower")
-    pitch_deg: float = quantity(
-        15.0, "pitch_deg", source="chosen: the wires touch at the bar, and again before the last one strikes"
+    bristles: int = count(
+        2,
+        "2 <= bristles <= 12",
+        "number of bristles in the row; the quantities at a pitch are those of the last one",
+        "chosen: one bristle and its follower",
     )
-    friction: float = quantity(0.31, "neighbour_friction", source=STEEL_ON_STEEL)
-    restitution: float = quantity(0.42, "neighbour_restitution", source=STEEL_ON_STEEL)
-    search: str = choice("yes", "search", ("yes", "no"), source="chosen: it takes some twenty rows of two bristles")
+    pitch_deg: float = quantity(
+        15.0,
+        "0 < pitch_deg <= 180 deg",
+        "angle about the hub from one bristle to the next",
+        "chosen: the wires touch at the bar, and again before the last one strikes",
+    )
+    friction: float = quantity(
+        0.31, "0 <= neighbour_friction <= 1e6", "coefficient of friction between two wires", STEEL_ON_STEEL
+    )
+    restitution: float = quantity(
+        0.42,
+        "0 <= neighbour_restitution <= 1",
+        "energetic coefficient of restitution between two wires",
+        STEEL_ON_STEEL,
+    )
+    search: str = choice(
+        "yes",
+        "search",
+        ("yes", "no"),
+        "whether the least pitches are also searched on simulated rows",
+        "chosen: it takes some twenty rows of two bristles",
+    )
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class Comparison(Declared):
     """What a run is compared with."""
 
-    reference: str = choice("no", "reference", ("no", "yes"), source="chosen: the independent solution takes longer")
+    reference: str = choice(
+        "no",
+        "reference",
+        ("no", "yes"),
+        "whether the independent solution is computed too and judges the result",
+        "chosen: the independent solution takes longer",
+    )
 
     @property
     def with_reference(self) -> bool:
         """Whether the independent solution is requested."""
         return self.reference == "yes"
-
-
-@dataclass(frozen=True, slots=True)
-class Text:
-    """A declared text: the name of a file, or the heading or number of one of its columns; None where there is none."""
-
-    key: str
-    source: str
-    unit: str
-    meaning: str
-    optional: bool = True
-    needs: str = ""
-
-    @property
-    def allowed(self) -> str:
-        """Say what the text must be, for messages and listings."""
-        return "a readable file" if self.unit == "file" else "the heading of a column, or its number from 1 on"
-
-    def check(self, value: Any) -> str:
-        """Return the text, or raise ValueError with key, value and what it must be."""
-        if not isinstance(value, str) or not (_is_file(value) if self.unit == "file" else value.strip()):
-            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
-        return str(value)
-
-    parse = check
-
-
-def _is_file(name: str) -> bool:
-    try:
-        return bool(name) and Path(name).is_file()
-    except (OSError, ValueError):  # a name too long, a null character
-        return False
-
-
-def _text(key: str, source: str) -> Any:
-    return field(default=None, metadata={"declaration": Text(key, source, KEYS[key].unit, KEYS[key].meaning)})
-
-
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """A measured force history that takes the place of the published curve."""
-
-    force_csv: str | None = _text("force_csv", "none: the measured points are not in print")
-    time_column: str | None = _text("time_column", "the one that the file marks as time, else the first")
-    force_column: str | None = _text("force_column", "the one that the file marks as force, or the only other one")
-    force_per_volt: float | None = quantity(
-        None, "force_per_volt", source="none: the file holds a force, not a voltage"
-    )
-
-    def __post_init__(self) -> None:
-        validate(self)
-        for key in ("time_column", "force_column", "force_per_volt"):
-            value = getattr(self, key)
-            if value is not None and self.force_csv is None:
-                raise ValueError(f"{key} = {shown(value)}: must be given with force_csv, which it describes")
-        if self.force_per_volt == 0.0:
-            raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
-
-
-@dataclass(frozen=True, slots=True)
-class ForceHistory(Declared):
-    """The contact compared with a force curve.
-
-    ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse needs, as long as
-    its force rises.
-    """
-
-    speed_ratio: float | None = quantity(
-        None,
-        "speed_ratio",
-        above=0.0,
-        at_most=1e6,
-        source="the one that gives the curve's compressive impulse",
-        meaning="bristle's rate over the hub's speed when it strikes, R; none: from the curve's impulse",
-    )
-    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 3.9: gamma")
-    compression_time: float | None = quantity(
-        None,
-        "compression_time",
-        source="the curve's: Zhang 2020, eq. 3.20, 5e-5",
-        meaning="time from first touch to the highest force; none: the curve's",
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Crater(Declared):
-    """A bristle's tip that cuts."""
-
-    speed_ratio: float = speed_ratio_at_strike()
-    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
-    friction: float = quantity(
-        0.5,
-        "friction",
-        at_least=1e-6,
-        source="Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
-        meaning="coefficient of friction between tip and workpart while it cuts",
-    )
-    shear_yield_stress: float = quantity(1.2e8, "shear_yield_stress", source="Zhang 2020, eq. 4.53: steel API 5L")
-    plies: int = count(300, "plies", source="Zhang 2020, below fig. 4.13: n, of equal time")
-    compression_time: float = quantity(
-        5e-5,
-        "compression_time",
-        at_least=1e-8,
-        at_most=1e-4,
-        source="Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
-    )

@@ -5,61 +5,49 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from bristle_sim.units import ANY, Declared, count, quantity, validate
+from bristle_sim.units import ANY, Declared, count, described, quantity
 
 FINE, MEDIUM = "ISO 2768-1 fine", "ISO 2768-1 medium"
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class MapGrid(Declared):
     """Resolution of the maps, and the processes that compute them."""
 
-    points: int = count(
-        25, "map_points", at_least=2, at_most=2000, source="chosen", meaning="points of each axis of the maps"
-    )
+    points: int = count(25, "2 <= map_points <= 2000", "points of each axis of the maps", "chosen")
     half_width: float = quantity(
-        0.008,
-        "map_half_width",
-        "m",
-        above=0.0,
-        at_most=1e3,
-        source="chosen",
-        meaning="half-width of the maps about the bar's position",
+        0.008, "0 < map_half_width <= 1e3 m", "half-width of the maps about the bar's position", "chosen"
     )
-    workers: int = count(1, "workers", at_least=1, at_most=64, source="chosen", meaning="processes for the maps")
+    workers: int = count(1, "1 <= workers <= 64", "processes for the maps", "chosen")
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class Assembly(Declared):
     """How many bristles the tool has, and the load cell under the workpart."""
 
     bristles: int = count(
         42,
-        "bristles",
-        at_least=1,
-        at_most=10_000,
-        source="chosen: six staggered rows of seven, which do not touch each other",
-        meaning="number of bristles, evenly spaced about the hub",
+        "1 <= bristles <= 10000",
+        "number of bristles, evenly spaced about the hub",
+        "chosen: six staggered rows of seven, which do not touch each other",
         usual=None,
     )
     bandwidth: float = quantity(
         1000.0,
-        "load_cell_bandwidth",
-        "Hz",
-        at_least=1e-3,
-        at_most=1e5,
-        source="chosen: a stiff load cell with a workpart on it",
-        meaning="bandwidth of the load cell under the workpart, a low-pass of second order",
+        "0.001 <= load_cell_bandwidth <= 100000 Hz",
+        "bandwidth of the load cell under the workpart, a low-pass of second order",
+        "chosen: a stiff load cell with a workpart on it",
     )
 
 
 def _spread(default: float, key: str, unit: str, source: str) -> Any:
     meaning = f"half-width of the interval of {key}"
-    return quantity(
-        default, f"spread_{key}", unit, at_least=0.0, at_most=1e6, source=source, meaning=meaning, usual=ANY
-    )
+    return quantity(default, f"0 <= spread_{key} <= 1e6 {unit}", meaning, source, usual=ANY)
 
 
+@described
 @dataclass(frozen=True, slots=True)
 class Spreads(Declared):
     """Half-widths of the inputs' intervals, in the inputs' units; an input with 0 stays at its value."""
@@ -79,8 +67,9 @@ class Spreads(Declared):
     restitution: float = _spread(0.05, "restitution", "1", "assumed: between places of a workpart")
 
 
+@described
 @dataclass(frozen=True, slots=True)
-class Sampling:
+class Sampling(Declared):
     """Size and seed of the samples; a study takes samples (d + 2) passes for d inputs.
 
     In a Sobol sequence of 26 dimensions, two for each of 13 inputs, the first 64 points leave pairs of dimensions correlated:
@@ -89,19 +78,12 @@ class Sampling:
     """
 
     samples: int = count(
-        256,
-        "samples",
-        at_least=2,
-        at_most=2**24,
-        source="chosen; fewer give poor indices",
-        meaning="points of the Sobol sequence, a power of 2",
+        256, f"2 <= samples <= {2**24}", "points of the Sobol sequence, a power of 2", "chosen; fewer give poor indices"
     )
-    seed: int = count(1, "seed", at_least=0, at_most=2**32 - 1, source="chosen", meaning="of the sequence's scrambling")
-    workers: int = count(
-        1, "workers", at_least=1, at_most=64, source="chosen", meaning="processes that simulate the passes"
-    )
+    seed: int = count(1, f"0 <= seed <= {2**32 - 1}", "of the sequence's scrambling", "chosen")
+    workers: int = count(1, "1 <= workers <= 64", "processes that simulate the passes", "chosen")
 
     def __post_init__(self) -> None:
-        validate(self)
+        Declared.__post_init__(self)
         if self.samples & (self.samples - 1):
             raise ValueError(f"samples = {self.samples:g}: must be a power of 2 (dimensionless)")

@@ -38,21 +38,17 @@ LONGEST = 1e5  # radians of the fastest motion that a run may last
 class Request:
     """What was requested, checked."""
 
-    start_hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
+    start_hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad", "", "requested")
     start_relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-1.57, at_most=1.57, source="requested: within a quarter turn"
+        0.0, "-1.57 <= start_relative_angle <= 1.57 rad", "", "requested: within a quarter turn"
     )
-    start_relative_rate: float = quantity(
-        0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested"
-    )
-    hub_turn: float = quantity(1.0, "hub_turn", "rad", above=0.0, at_most=1e6, source="requested")
-    duration: float | None = quantity(None, "duration", "s", above=0.0, at_most=1e9, source="requested")
-    accuracy: float = quantity(1e-10, "accuracy", "1", at_least=1e-12, at_most=0.1, source="requested")
-    sample_interval: float | None = quantity(None, "sample_interval", "s", above=0.0, at_most=1e9, source="requested")
-    contact_stiffness: float | None = quantity(
-        None, "contact_stiffness", "N/m", above=0.0, at_most=1e20, source="requested"
-    )
-    bar_stiffness: float | None = quantity(None, "bar_stiffness", "N/m", above=0.0, at_most=1e20, source="requested")
+    start_relative_rate: float = quantity(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s", "", "requested")
+    hub_turn: float = quantity(1.0, "0 < hub_turn <= 1e6 rad", "", "requested")
+    duration: float | None = quantity(None, "0 < duration <= 1e9 s", "", "requested")
+    accuracy: float = quantity(1e-10, "1e-12 <= accuracy <= 0.1", "", "requested")
+    sample_interval: float | None = quantity(None, "0 < sample_interval <= 1e9 s", "", "requested")
+    contact_stiffness: float | None = quantity(None, "0 < contact_stiffness <= 1e20 N/m", "", "requested")
+    bar_stiffness: float | None = quantity(None, "0 < bar_stiffness <= 1e20 N/m", "", "requested")
     stop_after: str | None = None
 
     def __post_init__(self) -> None:

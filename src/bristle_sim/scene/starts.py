@@ -26,10 +26,10 @@ PLACES = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",
 class Row(Declared):
     """Bristles of one plane on one hub, each a pitch behind the one before it, and how they rub and rebound on each other."""
 
-    bristles: int = count(1, "bristles", at_least=1, at_most=100, source="requested", meaning="number of bristles")
-    pitch: float = quantity(0.0, "pitch", "rad", at_least=0.0, at_most=2.0 * math.pi, source="requested")
-    friction: float = quantity(0.0, "neighbour_friction", "1", at_least=0.0, at_most=1e6, source="requested")
-    restitution: float = quantity(0.0, "neighbour_restitution", "1", at_least=0.0, at_most=1.0, source="requested")
+    bristles: int = count(1, "1 <= bristles <= 100", "number of bristles", "requested")
+    pitch: float = quantity(0.0, f"0 <= pitch <= {2.0 * math.pi} rad", "", "requested")
+    friction: float = quantity(0.0, "0 <= neighbour_friction <= 1e6", "", "requested")
+    restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1", "", "requested")
 
 
 LONE = Row()
@@ -40,11 +40,11 @@ LONE = Row()
 class StartRelativeToHub(Declared):
     """A start at which every wire has the same angle and rate relative to its root; the numbers are checked."""
 
-    hub_angle: float = quantity(0.0, "start_hub_angle", "rad", at_least=-1e6, at_most=1e6, source="requested")
+    hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad", "", "requested")
     relative_angle: float = quantity(
-        0.0, "start_relative_angle", "rad", at_least=-RETRACTION_LIMIT, at_most=RETRACTION_LIMIT, source="requested"
+        0.0, f"{-RETRACTION_LIMIT} <= start_relative_angle <= {RETRACTION_LIMIT} rad", "", "requested"
     )
-    relative_rate: float = quantity(0.0, "start_relative_rate", "rad/s", at_least=-1e9, at_most=1e9, source="requested")
+    relative_rate: float = quantity(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s", "", "requested")
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,8 +22,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Values, rows
-from bristle_sim.parameters import Bristle, Hub, Surface
-from bristle_sim.parameters.experiments import Crater
+from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import reported, timed_contact, work_row

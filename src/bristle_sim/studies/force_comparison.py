@@ -20,8 +20,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.force_file import read_force_csv
-from bristle_sim.parameters import Bristle, Hub, Surface
-from bristle_sim.parameters.experiments import ForceHistory, Measurement
+from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import reported, timed_contact, work_row

@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import PARTS, Bar, Bristle, Tool
+from bristle_sim.parameters import PARTS, Bar, Bristle, Tool, tool_keys
 from bristle_sim.scene.tool import refuse_endless, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
-from bristle_sim.tool_file import tool_keys
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 STATE = {

@@ -24,10 +24,9 @@ from scipy.stats import sobol_indices, uniform
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
-from bristle_sim.parameters import Sampling, Spreads, Tool
+from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
 from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys
-from bristle_sim.tool_file import tool_keys
 from bristle_sim.units import Range
 
 Measures = Mapping[str, float | None]

@@ -33,8 +33,10 @@ TABLES = {
 class HardCaseChoice(Declared):
     """Which cases to try."""
 
-    theme: str = choice("all", "theme", ("all", *TABLES), source="chosen: every theme")
-    effort: str = choice("full", "effort", ("full", "quick"), source="chosen: quick leaves out what takes long")
+    theme: str = choice("all", "theme", ("all", *TABLES), "kind of hard case that is tried", "chosen: every theme")
+    effort: str = choice(
+        "full", "effort", ("full", "quick"), "how much is tried: quick leaves out long cases", "chosen: all cases"
+    )
 
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:

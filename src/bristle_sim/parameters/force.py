@@ -1,0 +1,143 @@
+"""Parameters of the force history and of the crater: the curve or the measured points, and the tip that cuts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bristle_sim.parameters.experiments import impact_angle_at_strike, speed_ratio_at_strike
+from bristle_sim.units import Declared, count, declared_field, described, quantity, shown
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A declared text: the name of a file, or the heading or number of one of its columns; None where there is none."""
+
+    key: str
+    source: str
+    unit: str
+    meaning: str
+    optional: bool = True
+    needs: str = ""
+
+    @property
+    def allowed(self) -> str:
+        """Say what the text must be, for messages and listings."""
+        return "a readable file" if self.unit == "file" else "the heading of a column, or its number from 1 on"
+
+    def check(self, value: Any) -> str:
+        """Return the text, or raise ValueError with key, value and what it must be."""
+        if not isinstance(value, str) or not (_is_file(value) if self.unit == "file" else value.strip()):
+            raise ValueError(f"{self.key} = {shown(value)}: must be {self.allowed}")
+        return str(value)
+
+    parse = check
+
+
+def _is_file(name: str) -> bool:
+    try:
+        return bool(name) and Path(name).is_file()
+    except (OSError, ValueError):  # a name too long, a null character
+        return False
+
+
+def _text(key: str, unit: str, meaning: str, source: str) -> Any:
+    return declared_field(None, Text(key, source, unit, meaning))
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Measurement(Declared):
+    """A measured force history that takes the place of the published curve."""
+
+    force_csv: str | None = _text(
+        "force_csv",
+        "file",
+        "measured force history: columns of time and force as an oscilloscope exports them",
+        "none: the measured points are not in print",
+    )
+    time_column: str | None = _text(
+        "time_column",
+        "column",
+        "column of the time in the file",
+        "the one whose heading has a unit of time, else the first",
+    )
+    force_column: str | None = _text(
+        "force_column",
+        "column",
+        "column of the force in the file",
+        "the one whose heading has a unit of force, or the only other one",
+    )
+    force_per_volt: float | None = quantity(
+        None,
+        "-1e12 <= force_per_volt <= 1e12 N/V",
+        "calibration of a force that was recorded as a voltage",
+        "none: the file holds a force, not a voltage",
+    )
+
+    def __post_init__(self) -> None:
+        Declared.__post_init__(self)
+        for key in ("time_column", "force_column", "force_per_volt"):
+            value = getattr(self, key)
+            if value is not None and self.force_csv is None:
+                raise ValueError(f"{key} = {shown(value)}: must be given with force_csv, which it describes")
+        if self.force_per_volt == 0.0:
+            raise ValueError("force_per_volt = 0: must be positive, or negative for an inverted signal (in N/V)")
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class ForceHistory(Declared):
+    """The contact compared with a force curve.
+
+    ``speed_ratio`` and ``compression_time`` are those of the curve when None: as fast as its impulse needs, as long as
+    its force rises.
+    """
+
+    speed_ratio: float | None = quantity(
+        None,
+        "0 < speed_ratio <= 1e6",
+        "bristle's rate over the hub's speed when it strikes, R; none: from the curve's impulse",
+        "the one that gives the curve's compressive impulse",
+    )
+    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 3.9: gamma")
+    compression_time: float | None = quantity(
+        None,
+        "1e-9 <= compression_time <= 1 s",
+        "time from first touch to the highest force; none: the curve's",
+        "the curve's: Zhang 2020, eq. 3.20, 5e-5",
+    )
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Crater(Declared):
+    """A bristle's tip that cuts."""
+
+    speed_ratio: float = speed_ratio_at_strike()
+    impact_angle_deg: float = impact_angle_at_strike("Zhang 2020, eq. 4.51: gamma", at_most=89.0)
+    friction: float = quantity(
+        0.5,
+        "1e-6 <= friction <= 1e9",
+        "coefficient of friction between tip and workpart while it cuts",
+        "Zhang 2020, eq. 4.51: while cutting; chapter 2 has 0.31",
+    )
+    shear_yield_stress: float = quantity(
+        1.2e8,
+        "1 <= shear_yield_stress <= 1e15 Pa",
+        "shear yield stress of the workpart's steel",
+        "Zhang 2020, eq. 4.53: steel API 5L",
+    )
+    plies: int = count(
+        300,
+        "1 <= plies <= 1e5",
+        "number of layers into which the cut is divided",
+        "Zhang 2020, below fig. 4.13: n, of equal time",
+    )
+    compression_time: float = quantity(
+        5e-5,
+        "1e-8 <= compression_time <= 0.0001 s",
+        "time from first touch to deepest penetration, t_c",
+        "Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
+    )

@@ -1,0 +1,286 @@
+"""The parts of a tool: hub, belt, bristle, bar, workpart, and how a contact is resolved."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+
+from bristle_sim.units import Declared, choice, count, described, quantity
+
+Vector = tuple[float, float]
+
+PRINTED_BELT_STIFFNESS = 0.00041  # as printed, "N m/rad" (Zhang 2020, eq. 2.2); it can only be meant per degree
+USUAL_HUB_SPEEDS = (1.0, 1500.0)  # 10 to 14 000 rpm in rad/s: a speed typed in rpm without saying so is larger
+
+RETRACTION_AT_RELEASE = math.radians(44.5)  # theta_p (Zhang 2020, eq. 2.2)
+WIRE_KEYS = ("wire_links", "wire_modulus", "wire_damping_ratio")  # keys of a wire that bends
+SHAPE_KEYS = ("knee_position", "knee_angle_deg", *WIRE_KEYS)  # keys of a wire that is not one straight rod
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Hub(Declared):
+    """Rotating hub that keeps its speed."""
+
+    speed: float = quantity(
+        261.8,
+        "0 <= hub_speed <= 1e6 rad/s",
+        "speed of the hub's rotation",
+        "Zhang 2020, eq. 2.2",
+        usual=USUAL_HUB_SPEEDS,
+    )
+    radius: float = quantity(
+        0.0275,
+        "0 <= hub_radius <= 1e3 m",
+        "distance of the bristle's root from the hub's centre",
+        "Zhang 2020, eq. 2.2: root circle",
+    )
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Belt(Declared):
+    """Flexible belt: a torsion spring, perhaps damped, at the bristle's root."""
+
+    stiffness: float = quantity(
+        math.degrees(PRINTED_BELT_STIFFNESS),
+        "0 <= belt_stiffness <= 1e9 N m/rad",
+        "torsional stiffness of the belt at the bristle's root",
+        "Zhang 2020, eq. 2.2: 0.00041 N m read per degree",
+        mistaken=(
+            PRINTED_BELT_STIFFNESS,
+            "the number in print, which is per degree: belt_stiffness='0.00041 N m/deg'",
+        ),
+    )
+    damping_ratio: float = quantity(
+        0.0,
+        "0 <= belt_damping_ratio <= 1e3",
+        "damping ratio of the bristle on its belt; 1 is critical",
+        "undamped as in Zhang 2020",
+    )
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Bristle(Declared):
+    """Slender wire, straight or with one knee: one rigid rod, or a chain of equal rigid links that bends."""
+
+    length: float = quantity(
+        0.027,
+        "1e-9 <= bristle_length <= 1e3 m",
+        "length of the wire from root to tip, along its centre line",
+        "Zhang 2020, eq. 2.2",
+    )
+    mass: float = quantity(
+        8.387e-5, "1e-30 <= bristle_mass <= 1e6 kg", "mass of one bristle", "Zhang 2020, caption of fig. 2.7"
+    )
+    wire_diameter: float = quantity(
+        7.1e-4,
+        "0 <= wire_diameter <= 100 m",
+        "thickness of the wire, half of which touches the bar",
+        "Zhang 2020, sec. 4.1: tip ellipse",
+    )
+    knee_position: float = quantity(
+        0.75,
+        "0.01 <= knee_position <= 0.99",
+        "distance of the knee from the root, as a fraction of the length",
+        "assumed: fraction of the length; Zhang 2020, fig. 1.3",
+        needs="knee_angle_deg != 0",
+    )
+    knee_angle_deg: float = quantity(
+        0.0,
+        "-90 <= knee_angle_deg <= 90 deg",
+        "bend at the knee; positive bends the tip forward, in the hub's sense",
+        "straight as in Zhang 2020, fig. 2.5",
+    )
+    links: int = count(
+        1,
+        "1 <= wire_links <= 64",
+        "number of equal rigid links of the wire; 1 is a rigid bristle",
+        "rigid as in Zhang 2020, sec. 2.3",
+    )
+    modulus: float = quantity(
+        2e11,
+        "0 < wire_modulus <= 1e15 Pa",
+        "Young's modulus of the wire, which stiffens the hinges between its links",
+        "steel: E = 2e11 Pa",
+        needs="wire_links != 1",
+    )
+    bending_damping_ratio: float = quantity(
+        0.0,
+        "0 <= wire_damping_ratio <= 1e3",
+        "damping ratio of the wire's first bending mode",
+        "undamped as in Zhang 2020",
+        needs="wire_links != 1",
+    )
+
+    @property
+    def path(self) -> tuple[Vector, ...]:
+        """Return the centre line's corners from root to tip, seen from the root with the shank along (0, -1), m."""
+        if self.knee_angle_deg == 0.0:
+            return ((0.0, -self.length),)
+        shank, bend = self.knee_position * self.length, math.radians(self.knee_angle_deg)
+        rest = self.length - shank
+        return ((0.0, -shank), (rest * math.sin(bend), -shank - rest * math.cos(bend)))
+
+    @property
+    def tip(self) -> Vector:
+        """Return the end of the centre line, seen from the root as in ``path``, m."""
+        return self.path[-1]
+
+    @property
+    def centre(self) -> Vector:
+        """Return the centre of mass, seen from the root as in ``path``, m."""
+        pieces = self._pieces()
+        x, y = (sum(part * 0.5 * (start[axis] + end[axis]) for start, end, part in pieces) for axis in (0, 1))
+        return (x, y)
+
+    @property
+    def inertia_about_centre(self) -> float:
+        """Return the moment of inertia about the centre of mass, m L^2/12 (2.22) for a straight bristle, kg m^2."""
+        if self.knee_angle_deg == 0.0:
+            return self.mass * self.length**2 / 12.0
+        centre, total = self.centre, 0.0
+        for start, end, fraction in self._pieces():
+            middle = (0.5 * (start[0] + end[0]) - centre[0], 0.5 * (start[1] + end[1]) - centre[1])
+            own = ((end[0] - start[0]) ** 2 + (end[1] - start[1]) ** 2) / 12.0
+            total += fraction * self.mass * (own + middle[0] ** 2 + middle[1] ** 2)
+        return total
+
+    @property
+    def inertia_about_root(self) -> float:
+        """Return the moment of inertia about the root, m L^2/3 for a straight bristle, kg m^2."""
+        if self.knee_angle_deg == 0.0:
+            return self.mass * self.length**2 / 3.0
+        centre = self.centre
+        return self.inertia_about_centre + self.mass * (centre[0] ** 2 + centre[1] ** 2)
+
+    def _pieces(self) -> list[tuple[Vector, Vector, float]]:
+        """Return the straight pieces of the centre line with their fractions of the length."""
+        corners = ((0.0, 0.0), *self.path)
+        return [
+            (start, end, math.hypot(end[0] - start[0], end[1] - start[1]) / self.length)
+            for start, end in itertools.pairwise(corners)
+        ]
+
+
+def _bar_radius() -> float:
+    """Return the bar radius that makes the printed bar position touch the wire at the printed retraction angle."""
+    hub_radius, length, wire_diameter = 0.0275, 0.027, 7.1e-4
+    tip_radius = math.sqrt(hub_radius**2 + length**2 + 2.0 * hub_radius * length * math.cos(RETRACTION_AT_RELEASE))
+    return math.hypot(0.05037, 0.0225) - wire_diameter / 2.0 - tip_radius
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Bar(Declared):
+    """Accelerator bar: a fixed circle on the incoming side, rigid."""
+
+    radius: float = quantity(
+        _bar_radius(),
+        "0 < bar_radius <= 1e3 m",
+        "radius of the accelerator bar",
+        "from Zhang 2020, eqs. 2.1-2.3: touches the wire at a retraction of 44.5 deg",
+    )
+    horizontal: float = quantity(
+        0.05037,
+        "0 <= bar_horizontal <= 1e3 m",
+        "distance of the bar's centre from the hub's, along the workpart, on the incoming side",
+        "Zhang 2020, eq. 2.3: S_H",
+    )
+    vertical: float = quantity(
+        0.0225,
+        "-1000 <= bar_vertical <= 1e3 m",
+        "distance of the bar's centre below the hub's",
+        "Zhang 2020, eq. 2.3: S_V",
+    )
+    friction: float = quantity(
+        0.0,
+        "0 <= bar_friction <= 1e6",
+        "coefficient of friction between wire and bar",
+        "frictionless as in Zhang 2020, sec. 2.2",
+    )
+    restitution: float = quantity(
+        0.0,
+        "0 <= bar_restitution <= 1",
+        "energetic coefficient of restitution between wire and bar",
+        "assumed: the bar does not throw the wire back",
+    )
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Return the centre of the bar, (-S_H, -S_V), m."""
+        return (-self.horizontal, -self.vertical)
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Surface(Declared):
+    """How a tip rubs and rebounds on a flat, rigid surface."""
+
+    friction: float = quantity(
+        0.31,
+        "0 <= friction <= 1e9",
+        "coefficient of friction between tip and workpart during compression, mu_1",
+        "Zhang 2020, caption of fig. 2.8: mu_1",
+    )
+    restitution_friction: float | None = quantity(
+        None,
+        "0 <= restitution_friction <= 1e9",
+        "coefficient of friction during restitution, mu_2; none: equal to friction",
+        "Zhang 2020, case II: equal to friction",
+    )
+    restitution: float = quantity(
+        0.42,
+        "0 <= restitution <= 1",
+        "energetic coefficient of restitution between tip and workpart, e*",
+        "Zhang 2020, caption of fig. 2.13: energetic coefficient e*",
+    )
+
+    @property
+    def friction_in_restitution(self) -> float:
+        """Return mu_2, equal to mu_1 unless given."""
+        return self.friction if self.restitution_friction is None else self.restitution_friction
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Workpart(Surface):
+    """Flat, rigid workpart below the hub."""
+
+    penetration: float = quantity(
+        0.0045,
+        "-1000 <= penetration <= 1e3 m",
+        "depth by which the workpart cuts into the circle of undeflected tips, Delta",
+        "Zhang 2020, eq. 2.2: Delta = hub radius + bristle length - height of the hub's centre",
+    )
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Contact(Declared):
+    """How a contact is resolved: by the energetic impact law, in time as a compliance, or by the engine's own."""
+
+    law: str = choice(
+        "energetic",
+        "contact",
+        ("energetic", "compliant", "engine"),
+        "law of impact: by energy, resolved in time on a spring, or the engine's own",
+        "Stronge 1990: energetic restitution",
+    )
+    duration: float | None = quantity(
+        None,
+        "1e-18 <= contact_duration <= 1 s",
+        "half periods of a frictionless spring on K at the touch; none: short enough for the rigid-body limit",
+        "short enough for the rigid-body limit",
+        needs="contact = compliant",
+    )
+
+    def __post_init__(self) -> None:
+        Declared.__post_init__(self)
+        if self.duration is not None and self.law != "compliant":
+            raise ValueError(
+                f"contact_duration = {self.duration:g}: must be left out with contact = {self.law}, whose impacts are not"
+                " resolved in time (in s)"
+            )
