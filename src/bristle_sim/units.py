@@ -84,9 +84,7 @@ class Range:
         return self._checked(number, text)
 
     def check(self, value: Any) -> float:
-        """Return the value as a float, a text such as "27 mm" as typed, or raise ValueError naming key, value, range and unit."""
-        if isinstance(value, str):
-            return self.parse(value)
+        """Return the value as a float, or raise ValueError naming key, value, range and unit."""
         if isinstance(value, bool) or not isinstance(value, Real):
             raise self.refusal(value)
         try:
@@ -256,9 +254,14 @@ _declared: Callable[[Any], dict[str, tuple[Range | Choice, Any]]] = functools.ca
 def validate(instance: Any) -> None:
     """Check every declared field of a frozen dataclass instance and store it as a plain number or word."""
     for name, (declared, _) in _declared(type(instance)).items():
-        value = getattr(instance, name)
-        checked = None if value is None and declared.optional else declared.check(value)
-        object.__setattr__(instance, name, checked)
+        object.__setattr__(instance, name, _checked(declared, getattr(instance, name)))
+
+
+def _checked(declared: Any, given: Any) -> Any:
+    """Return a value as a plain number or word, a text such as "27 mm" as if it was typed."""
+    if given is None and declared.optional:
+        return None
+    return declared.parse(given) if isinstance(given, str) else declared.check(given)
 
 
 class UnusualValueWarning(UserWarning):
@@ -273,7 +276,7 @@ class Declared:
     def __post_init__(self) -> None:
         for name, (declared, default) in _declared(type(self)).items():
             given = getattr(self, name)
-            value = None if given is None and declared.optional else declared.check(given)
+            value = _checked(declared, given)
             object.__setattr__(self, name, value)
             if value != default and (line := unusual_value(declared, default, value, given)):
                 warnings.warn(line, UnusualValueWarning, stacklevel=3)

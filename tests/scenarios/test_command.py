@@ -27,8 +27,9 @@ def test_alone_it_lists_every_scenario_with_its_question(capsys: pytest.CaptureF
     assert command.main([]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("usage: bristle-sim SCENARIO")
-    assert [line.split()[0] for line in lines[2:]] == NAMES
-    assert all(line.endswith("?") for line in lines[2:])
+    listed = lines[2 : lines.index("", 2)]
+    assert [line.split()[0] for line in listed] == NAMES
+    assert all(line.endswith("?") for line in listed)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -108,7 +109,7 @@ def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):
     with zipfile.ZipFile(tmp_path / "package.zip", "w") as archive:
         package = Path(bristle_sim.__file__).parent
         for folder, place in ((package, "bristle_sim"), (ROOT / "scenarios", "bristle_sim/scenarios")):
-            for path in (each for each in folder.rglob("*") if each.suffix in (".py", ".jinja", ".mplstyle")):
+            for path in (each for each in folder.rglob("*") if each.suffix in (".py", ".jinja", ".mplstyle", ".html", ".js", ".css")):
                 archive.write(path, f"{place}/{path.relative_to(folder).as_posix()}")
         archive.extractall(site)
     environment = {**os.environ, "PYTHONPATH": str(site)}

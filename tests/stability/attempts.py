@@ -11,6 +11,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from bristle_sim.units import UnusualValueWarning
+
 T = TypeVar("T")
 
 BAD: tuple[Any, ...] = (
@@ -39,6 +41,7 @@ class Tally:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
+                warnings.simplefilter("ignore", UnusualValueWarning)
                 kept = good(call())
         except ValueError as error:
             line = str(error)

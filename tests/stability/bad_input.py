@@ -23,7 +23,6 @@ from bristle_sim.parameters import (
     Surface,
     Tool,
     Workpart,
-    experiments,
 )
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.tool import build_tool, simulate
@@ -37,10 +36,6 @@ T = TypeVar("T")
 
 CLASSES: tuple[type[Any], ...] = (
     *(getattr(parameters, name) for name in parameters.__all__ if inspect.isclass(getattr(parameters, name))),
-    parameters.Surface,
-    parameters.SinglePendulum,
-    parameters.DoublePendulum,
-    *(getattr(experiments, name) for name in ("Crater", "ForceHistory", "Measurement")),
     Settings,
 )
 """Every class of parameters."""

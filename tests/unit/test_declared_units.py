@@ -230,7 +230,7 @@ def test_real_numbers_become_plain_floats(value: object):
     assert checked == 5.0
 
 
-@pytest.mark.parametrize("value", [True, np.bool_(True), None, b"5", 5j, [5.0], np.array([5.0]), np.array(5.0)])
+@pytest.mark.parametrize("value", [True, np.bool_(True), None, b"5", 5j, [5.0], np.array([5.0]), np.array(5.0), "5"])
 def test_a_value_that_is_no_real_number_is_refused(value: object):
     with pytest.raises(ValueError, match=r"^friction = ") as refusal:
         FROM_ZERO.check(value)
