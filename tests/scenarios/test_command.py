@@ -109,7 +109,11 @@ def test_an_installed_package_runs_in_an_empty_folder(tmp_path: Path):
     with zipfile.ZipFile(tmp_path / "package.zip", "w") as archive:
         package = Path(bristle_sim.__file__).parent
         for folder, place in ((package, "bristle_sim"), (ROOT / "scenarios", "bristle_sim/scenarios")):
-            for path in (each for each in folder.rglob("*") if each.suffix in (".py", ".jinja", ".mplstyle", ".html", ".js", ".css")):
+            for path in (
+                each
+                for each in folder.rglob("*")
+                if each.suffix in (".py", ".jinja", ".mplstyle", ".html", ".js", ".css")
+            ):
                 archive.write(path, f"{place}/{path.relative_to(folder).as_posix()}")
         archive.extractall(site)
     environment = {**os.environ, "PYTHONPATH": str(site)}
