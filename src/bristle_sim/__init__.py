@@ -64,10 +64,20 @@ def __getattr__(name: str) -> Any:
     except ModuleNotFoundError as error:
         if name != "sweep":
             raise
-        raise ImportError(f"bristle_sim.sweep: {error}; pip install 'bristle_sim[sweep]'") from error
+        return _sweep_without_extra(error)
     globals()[name] = value
     return value
 
 
+def _sweep_without_extra(error: ModuleNotFoundError) -> Any:
+    """Return a function that says what to install, so that help and star imports work without the extra."""
+
+    def sweep(*_: Any, **__: Any) -> Any:
+        """Evaluate a function at many points; needs the extra: pip install 'bristle_sim[sweep]'."""
+        raise ImportError(f"bristle_sim.sweep: {error}; pip install 'bristle_sim[sweep]'") from error
+
+    return sweep
+
+
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

@@ -23,8 +23,8 @@ import zarr
 from tqdm import tqdm
 
 from bristle_sim.studies.sweep_identity import identity_of, name_of
-from bristle_sim.studies.sweep_point import Outcome, Point, evaluated
-from bristle_sim.studies.sweep_store import BLOCK, FAILURE, SweepStore, check_name
+from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point, evaluated
+from bristle_sim.studies.sweep_store import BLOCK, SweepStore, check_name
 from bristle_sim.units import shown
 
 Outcomes = Generator[tuple[Point, Outcome], None, None]
@@ -56,7 +56,7 @@ def sweep(
 
     Args:
         function: takes keyword arguments and returns a number, a small array, or a mapping of names to such; None stands
-            for NaN. ``functools.partial`` binds arguments that are the same at every point. Other processes need it picklable.
+            for NaN. ``failure`` in the mapping says why some are missing. ``functools.partial`` binds arguments that are the same at every point. Other processes need it picklable.
         space: parameters as xarray takes coordinates. ``{"friction": [0.1, 0.2]}`` is an axis of its own;
             ``{"friction": ("sample", [...]), "restitution": ("sample", [...])}`` vary together, and an array with
             several dimensions, ``(("sample", "hub_speed"), array)``, varies along all of them. A number is one value for

@@ -150,8 +150,10 @@ def _used(value: Any, names: set[str]) -> Any:
 @functools.cache
 def _is_library(module: str) -> bool:
     """Whether a module is installed, or built into Python."""
-    if module == "__main__" or module.partition(".")[0] == "bristle_sim":
-        return module != "__main__"
+    if module == "__main__" or module.startswith("bristle_sim.scenarios."):  # a work tree has them beside the package
+        return False
+    if module.partition(".")[0] == "bristle_sim":
+        return True
     file = getattr(sys.modules.get(module) or import_module(module), "__file__", None)
     installed = {"site-packages", "dist-packages"} & {*Path(file or "").parts}
     return file is None or bool(installed) or Path(file).is_relative_to(sysconfig.get_path("stdlib"))

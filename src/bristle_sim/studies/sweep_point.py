@@ -32,6 +32,9 @@ Point = tuple[int, dict[str, Any]]
 Outcome = tuple[dict[str, Array], str]
 """Results of a point by name, and the reason why there are none, empty where there are."""
 
+FAILURE = "failure"
+"""Variable that says why a point has no results, or lacks some."""
+
 CONTACT_FIELDS = {each.name for each in dataclasses.fields(ContactRecord)}
 
 TURN = 0.3
@@ -58,8 +61,9 @@ def _outcome(function: Function, arguments: dict[str, Any]) -> Outcome:
     """Return the results of a function, or why it raised: a ValueError in its own words, others with their type."""
     try:
         result = function(**arguments)
-        named = result if isinstance(result, Mapping) else {"result": result}
-        return {str(name): np.asarray(value, dtype=float) for name, value in named.items()}, ""
+        named = dict(result) if isinstance(result, Mapping) else {"result": result}
+        reason = str(named.pop(FAILURE, ""))
+        return {str(name): np.asarray(value, dtype=float) for name, value in named.items()}, reason
     except Exception as error:
         reason = " ".join(str(error).split())
         if isinstance(error, AttributeError) and error.obj is None and error.name in CONTACT_FIELDS:

@@ -20,10 +20,7 @@ import zarr
 from numpy.typing import NDArray
 from zarr.codecs import Crc32cCodec, ZstdCodec
 
-from bristle_sim.studies.sweep_point import Outcome, Point
-
-FAILURE = "failure"
-"""Variable that says why a point has no results."""
+from bristle_sim.studies.sweep_point import FAILURE, Outcome, Point
 
 NOT_COMPUTED = "not computed"
 """The reason of points that are still to be computed."""
@@ -124,8 +121,8 @@ class SweepStore:
 
     def _add(self, name: str, inner: list[int]) -> None:
         """Add a result, which points that are computed already do not have."""
-        if name in {*self.grid.coords, *self.grid.sizes, FAILURE}:
-            raise ValueError(f"function: its result {name} must not be named as a parameter, dimension or {FAILURE}")
+        if name in {*self.grid.coords, *self.grid.sizes}:
+            raise ValueError(f"function: its result {name} must not be named as a parameter or dimension")
         check_name("function: its result", name)
         self.shapes[name] = inner
         self.group.attrs["results"] = json.dumps(self.shapes)

@@ -1,0 +1,65 @@
+"""A scenario's quantities over one or two of its keys: one table, with a reason at every point that has no result."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from bristle_sim.comparison import Report
+from bristle_sim.studies.sweep import sweep
+from bristle_sim.studies.sweep_point import FAILURE
+
+MOST_KEYS = 2
+"""Keys of a table that can be drawn: as lines over one, as maps over two."""
+
+
+def sweep_scenario(
+    run: Callable[..., Report],
+    axes: Mapping[str, Sequence[float]],
+    *,
+    units: Mapping[str, str] | None = None,
+    workers: int | Executor | None = None,
+    store: str | Path | None = None,
+    progress: bool | None = None,
+) -> xr.Dataset:
+    """Run a scenario at every combination of the values of one or two keys, and return its quantities as one table.
+
+    Args:
+        run: takes the keys as keyword arguments and returns the scenario's report; the ValueError of a point is its reason.
+        axes: the values of each key, in SI units.
+        units: of the keys; those of the quantities come from the report.
+        workers, store, progress: as :func:`bristle_sim.sweep` takes them.
+
+    Returns:
+        The simulated values of the report's quantities by their names, NaN where there are none, with ``units`` and
+        ``long_name``; and ``failure``, which says why a point lacks some: the error, or the report's answer.
+
+    Raises:
+        ValueError: for no keys or more than two, and as :func:`bristle_sim.sweep` does.
+    """
+    if not 1 <= len(axes) <= MOST_KEYS:
+        raise ValueError(f"axes = {', '.join(axes) or 'none'}: must be one key or two")
+    space = {key: np.asarray(values, dtype=float) for key, values in axes.items()}
+    found = sweep(
+        functools.partial(_quantities, run), space, units=units, workers=workers, store=store, progress=progress
+    ).load()
+    known = [np.isfinite(each.values) for name, each in found.data_vars.items() if name != FAILURE]
+    finished = np.argwhere(np.any(known, axis=0))
+    if finished.size:  # a report there knows labels and units
+        point = {key: float(values[i]) for (key, values), i in zip(space.items(), finished[0], strict=True)}
+        for each in run(**point).quantities:
+            found[each.name].attrs = {"units": each.unit, "long_name": each.label}
+    return found
+
+
+def _quantities(run: Callable[..., Report], /, **keys: float) -> dict[str, float | str | None]:
+    """Return the simulated values of a report, and why some are missing."""
+    report = run(**keys)
+    values: dict[str, Any] = {each.name: each.simulated for each in report.quantities}
+    return values | {FAILURE: (report.answer or report.outcome) if None in values.values() else ""}
