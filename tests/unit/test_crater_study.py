@@ -86,7 +86,13 @@ def test_everything_agrees_at_the_operating_point():
     assert [each.name for each in found.quantities if each.ok is False] == []
     assert row(found, "contact_work").ok
     assert row(found, "merchant_crater_depth").printed == 1.4e-4
-    assert row(found, "contact_energy_depth").printed == MEASURED == 1.3e-4
+    # 130 um were measured; no number of that kind is printed for the contact.
+    assert row(found, "contact_energy_depth").printed is None
+    assert MEASURED == 1.3e-4
+    assert found.answer == (
+        "Merchant's plies cut 139 um (printed 140 um), work and energy 9.65 mm (printed 75.8 um), the simulated contact 104 um to"
+        " 172 um; measured 130 um."
+    )
     assert found.extra["measured_crater_depth"] == 1.3e-4
 
 
@@ -130,13 +136,14 @@ def test_without_a_chip_there_is_no_merchant_depth(friction, angle):
     assert f"{math.tan(math.radians(angle)):g}" in line
     assert row(found, "contact_energy_depth_inclined").simulated > 0.0
     assert row(found, "contact_work").ok
+    assert found.answer.startswith("Merchant's plies cut no chip, ")
 
 
 def test_a_tip_that_does_not_move_has_no_contact():
     found = crater_study(Hub(speed=0.0), Bristle(), Crater(), Settings())
     assert found.outcome == "no contact"
     assert row(found, "merchant_crater_depth").theory == pytest.approx(1.394e-4, abs=5e-9)
-    assert any(line.startswith("no contact simulated") for line in found.remarks)
+    assert "there is no simulated contact (speed_ratio: must let the tip strike" in found.answer
 
 
 @pytest.mark.parametrize("hub", [Hub(speed=1e6), Hub(radius=4e-5)])

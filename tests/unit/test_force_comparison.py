@@ -162,6 +162,11 @@ def test_the_report_beside_print():
     assert peak.ok is None
     # A spring's quarter wave of that impulse and time has pi/2 p/t = 50.6 N; the turning hub takes some per cent.
     assert peak.simulated == pytest.approx(math.pi / 2.0 * impulse.theory / time.theory, rel=0.05)
+    difference = f"({peak.simulated / peak.theory - 1.0:+.0%})"
+    assert report().answer == (
+        f"The simulated force peaks at {peak.simulated:.3g} N, chapter 3's curve 56.9 N {difference}, at the same impulse of"
+        " 1.61 mN s and compression time of 50 us."
+    )
 
 
 def test_speed_and_time_may_be_given():
@@ -171,6 +176,7 @@ def test_speed_and_time_may_be_given():
     assert contact.compression_time == pytest.approx(2e-5, rel=2e-6)
     assert row(found, "compression_time").ok is None
     assert row(found, "compressive_impulse").ok is None
+    assert "at an impulse of" in found.answer
 
 
 def test_without_a_contact_there_is_still_the_curve():
@@ -178,6 +184,7 @@ def test_without_a_contact_there_is_still_the_curve():
     assert found.outcome == "no contact"
     assert row(found, "peak_force").simulated is None
     assert row(found, "compressive_impulse").ok is False
+    assert found.answer.startswith("There is no simulated force: ")
     assert any("simulated: nothing" in line for line in found.remarks)
 
 

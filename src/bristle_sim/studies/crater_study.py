@@ -24,6 +24,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Values, rows
 from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
+from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
 from bristle_sim.theory.crater import (
@@ -47,8 +48,19 @@ MEASURED = 1.3e-4
 PRINTED = {"merchant_crater_depth": 1.4e-4, "merchant_crater_depth_limit": 1.4e-4, "energy_crater_depth": 7.58e-5}
 """m; Zhang 2020, fig. 4.13, where 300 plies are called converged, and fig. 4.19."""
 
-CONTACT_DEPTHS = ("contact_force_depth", "contact_energy_depth", "contact_energy_depth_inclined")
+FORMULA_DEPTHS = {
+    "merchant_crater_depth": ("depth by Merchant's plies", "m"),
+    "merchant_crater_depth_limit": ("depth by plies without end", "m"),
+    "energy_crater_depth": ("depth by work and energy", "m"),
+}
+"""Chapter 4's depths: label and unit."""
 
+CONTACT_DEPTHS = {
+    "contact_force_depth": ("depth by the contact's force", "m"),
+    "contact_energy_depth": ("depth by the contact's energy", "m"),
+    "contact_energy_depth_inclined": ("depth by energy, inclined surface", "m"),
+}
+"""Depths that follow from the simulated contact: label and unit."""
 
 FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
 IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
@@ -87,10 +99,16 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
     study = _study(hub, bristle, crater, settings, speed)
     simulated, theory = _contact_depths(study, bristle, speed)
-    printed = {**PRINTED, **dict.fromkeys(CONTACT_DEPTHS, MEASURED)} if crater == Crater() else {}
-    formulas = rows(dict.fromkeys(PRINTED, "m"), {}, _formula_depths(study), printed=printed)
-    contact = rows(dict.fromkeys(CONTACT_DEPTHS, "m"), simulated, theory, printed=printed)
-    constant = Quantity("constant_for_measured_depth_deg", "deg", None, _closed_form_deg(crater, MEASURED))
+    depths = _formula_depths(study)
+    formulas = rows(FORMULA_DEPTHS, {}, depths, printed=PRINTED if crater == Crater() else {})
+    contact = rows(CONTACT_DEPTHS, simulated, theory)
+    constant = Quantity(
+        "constant_for_measured_depth_deg",
+        "deg",
+        None,
+        _closed_form_deg(crater, MEASURED),
+        label="C for the measured depth",
+    )
     works = () if study.contact is None else (work_row(study.contact),)
     report = Report(
         outcome="no contact",
@@ -98,8 +116,28 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         remarks=_remarks(study),
         extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
+        answer=_answer(study, depths, simulated),
     )
     return report if study.contact is None else reported(report, study.contact)
+
+
+def _answer(study: CraterStudy, depths: Values, simulated: Values) -> str:
+    """Return the depths by plies, by energy and by the simulated contact beside the measured one."""
+    shown = {name: amount(value, "m") for name, value in {**depths, **simulated}.items() if value is not None}
+    printed = {
+        name: f" (printed {amount(value, 'm')})" if study.crater == Crater() else "" for name, value in PRINTED.items()
+    }
+    by_plies, by_energy = "merchant_crater_depth", "energy_crater_depth"
+    found = "Merchant's plies cut no chip"
+    if by_plies in shown:
+        found = f"Merchant's plies cut {shown[by_plies]}{printed[by_plies]}"
+    found += f", work and energy {shown[by_energy]}{printed[by_energy]}"
+    own = [value for value in simulated.values() if value is not None]
+    contact = f"there is no simulated contact ({study.no_contact})"
+    if own:
+        depths_in_words = dict.fromkeys(amount(each, "m") for each in (min(own), max(own)))
+        contact = f"the simulated contact {' to '.join(depths_in_words)}"
+    return f"{found}, {contact}; measured {amount(MEASURED, 'm')}."
 
 
 def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float) -> CraterStudy:
@@ -138,7 +176,7 @@ def _formula_depths(study: CraterStudy) -> dict[str, float | None]:
         return {"energy_crater_depth": energy}
     cut = cut_of(crater)
     depths = (merchant_crater_depth(plies=crater.plies, **cut), merchant_crater_depth_limit(**cut), energy)
-    return dict(zip(PRINTED, map(float, depths), strict=True))
+    return dict(zip(FORMULA_DEPTHS, map(float, depths), strict=True))
 
 
 def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[Values, Values]:
@@ -167,7 +205,7 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
 def _remarks(study: CraterStudy) -> tuple[str, ...]:
     """Say what is missing and why, and how the contact's depths are meant."""
     lines = [
-        f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13), shown as printed where the dissertation has no number",
+        f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
         "energy_crater_depth grows with the plies, since the force begins near zero; (4.66) reads it as a ratio of two sums",
     ]
     if study.no_chip:
@@ -178,7 +216,7 @@ def _remarks(study: CraterStudy) -> tuple[str, ...]:
         else "contact depths: all of its force, or all of its energy, cuts a chip by Merchant's relation on a straight path,"
         " its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it"
     )
-    return ("", *lines)
+    return tuple(lines)
 
 
 def cut_of(crater: Crater) -> dict[str, Any]:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,6 +23,7 @@ from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.force_file import read_force_csv
 from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
+from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
 from bristle_sim.theory.force_fit import fit_force_history
@@ -107,25 +109,49 @@ def force_comparison(
         no_contact = str(error)
     subject = ForceComparison(curve, contact, measured, no_contact)
     tolerance = 10.0 * max(1e-6, settings.accuracy)  # timed_contact's own, and what a coarse contact adds to it
+    main = _main_rows(subject, history, tolerance)
     found = Report(
-        outcome="no contact",
+        # A measurement is fitted whether this bristle could make such a contact or not.
+        outcome="no contact" if measured is None else None,
         quantities=(
-            *_main_rows(subject, history, tolerance),
+            *main,
             *(() if contact is None else (work_row(contact),)),
             *(() if measured is None else _measured_rows(measured)),
         ),
         remarks=_remarks(subject),
         extra={"measured_fit": None if measured is None else _as_dict(measured.fit)},
         subject=subject,
+        answer=_answer(subject, main),
     )
     return found if contact is None else reported(found, contact, end=float(contact.time[-1]))
+
+
+def _answer(subject: ForceComparison, main: Sequence[Quantity]) -> str:
+    """Return the peak of the simulated force beside that of the curve, and whether impulse and time are the same."""
+    peak, time, impulse = main
+    curve = "chapter 3's curve" if subject.measured is None else "the curve fitted to the measurement"
+    own = f"{curve} {amount(peak.theory or 0.0, 'N')}"
+    if peak.simulated is None or time.simulated is None or impulse.simulated is None:
+        return f"There is no simulated force: {subject.no_contact}. By {own} is the peak."
+    same = (
+        all(each.ok for each in (time, impulse) if each.tolerance is not None) and time.tolerance and impulse.tolerance
+    )
+    compared = "at the same" if same else "at an"
+    return (
+        f"The simulated force peaks at {amount(peak.simulated, 'N')}, {own} ({peak.relative_difference or 0.0:+.0%}), {compared}"
+        f" impulse of {amount(impulse.simulated, 'N s')} and compression time of {amount(time.simulated, 's')}."
+    )
 
 
 def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float) -> tuple[Quantity, ...]:
     """Compare force, time and impulse; the last two agree by construction where they are taken from the curve."""
     curve, contact = subject.curve, subject.contact
     peak = curve.peak_time()
-    units = {"peak_force": "N", "compression_time": "s", "compressive_impulse": "N s"}
+    units = {
+        "peak_force": ("peak force", "N"),
+        "compression_time": ("compression time", "s"),
+        "compressive_impulse": ("impulse of compression p_c", "N s"),
+    }
     simulated = {} if contact is None else {name: float(getattr(contact, name)) for name in units}
     theory = dict(zip(units, (curve.peak_force(), peak, float(curve.impulse(peak))), strict=True))
     same = {"compression_time": history.compression_time is None, "compressive_impulse": history.speed_ratio is None}
@@ -142,7 +168,7 @@ def _remarks(subject: ForceComparison) -> tuple[str, ...]:
     if contact is not None:
         speed = f"{contact.tip_speed:.2f} m/s with mu = {contact.surface.friction:g}"
         simulated = f"simulated: resultant force of a bristle whose tip strikes at {speed}"
-    return "", *source, simulated
+    return *source, simulated
 
 
 def _as_dict(fit: ForceFit) -> dict[str, Any]:

@@ -96,7 +96,9 @@ def reported(report: Report, contact: TimedContact, **later: float) -> Report:
 
 def work_row(contact: TimedContact) -> Quantity:
     """Compare the work of the force over the path with the energy given up."""
-    return Quantity("contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE)
+    return Quantity(
+        "contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE, label="work of the force"
+    )
 
 
 def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
