@@ -28,9 +28,9 @@ def plot(report: Report) -> Picture:
 
 def film(report: Report, **size: int) -> Film:
     """Film the pass."""
-    from bristle_sim.render.tool_films import PassFilm
+    from bristle_sim.render.tool_films import pass_film
 
-    return PassFilm(report.subject.trajectory, report.subject.tool, **size)
+    return pass_film(report.subject.trajectory, report.subject.tool, **size)
 
 
 def series(report: Report) -> Columns:

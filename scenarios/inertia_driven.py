@@ -28,9 +28,9 @@ def plot(report: Report) -> Picture:
 
 def film(report: Report, **size: int) -> Film:
     """Film both tools side by side."""
-    from bristle_sim.render.tool_films import InertiaFilm
+    from bristle_sim.render.tool_films import inertia_film
 
-    return InertiaFilm(report.subject, **size)
+    return inertia_film(report.subject, **size)
 
 
 SCENARIO = Scenario(

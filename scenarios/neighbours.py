@@ -30,9 +30,9 @@ def plot(report: Report) -> Picture:
 
 def film(report: Report, **size: int) -> Film:
     """Film the row."""
-    from bristle_sim.render.tool_films import RowFilm
+    from bristle_sim.render.tool_films import row_film
 
-    return RowFilm(report.subject, **size)
+    return row_film(report.subject, **size)
 
 
 def series(report: Report) -> Columns:

@@ -91,7 +91,7 @@ PROMISES = {
             *IMPACT,
         ),
         (*TOOL, "wire_diameter", *BELT, *BAR, "bar_friction", "bar_restitution", "penetration", *RUBBING, *LAW),
-        film=("bristle_sim.render.tool_films", "PassFilm"),
+        film=("bristle_sim.render.tool_films", "pass_film"),
     ),
     "cue_timing": Promise(
         (
@@ -140,7 +140,7 @@ PROMISES = {
         (*TOOL, *BELT, *BAR, "penetration", "reference"),
         integrates=True,
         strikes=False,
-        film=("bristle_sim.render.tool_films", "InertiaFilm"),
+        film=("bristle_sim.render.tool_films", "inertia_film"),
     ),
     "flexible_wire": Promise(
         (
@@ -205,7 +205,7 @@ PROMISES = {
         ),
         (*TOOL, "wire_diameter", *BELT, *BAR, "penetration", *RUBBING, "accuracy", "bristles", "pitch_deg"),
         quick=("--set", "search=no", "--set", "accuracy=1e-2"),
-        film=("bristle_sim.render.tool_films", "RowFilm"),
+        film=("bristle_sim.render.tool_films", "row_film"),
     ),
     "whole_tool": Promise(
         (

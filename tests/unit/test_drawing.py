@@ -19,7 +19,7 @@ from bristle_sim.reference import simulate_reference
 from bristle_sim.render.drawing import WireDrawing, close_up
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.story import key_events
-from bristle_sim.render.tool_films import PassFilm
+from bristle_sim.render.tool_films import pass_film
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, artist, make_trajectory
@@ -58,10 +58,10 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
     path = np.concatenate([artist(figure, name).get_xydata() for name in ("tip path", "tip path after the strike")])
     for sample in 1e3 * odd.tip:
         assert np.hypot(*(path - sample).T).min() < 1e-9  # mm: every recorded tip is on the path
-    scene = PassFilm(odd, Tool(), width=320, height=240, duration=1.0, until=END)
+    scene = pass_film(odd, Tool(), width=320, height=240, duration=1.0, until=END)
     for number in (10, 30, 60, 100):
         scene.show(float(scene.warp.film_time(odd.time[number])))
-        shown = scene.wire.wire.get_xydata()
+        shown = scene.wires[0][0].wire.get_xydata()
         # The warp's inverse is linear between 4001 nodes: an instant off by rounding, times 40 m/s.
         assert shown == pytest.approx(1e3 * odd.centre_line[number], abs=1e-6)
         assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * odd.tip[number], abs=1e-6)

@@ -15,7 +15,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render import film
 from bristle_sim.render.colours import BLACK
 from bristle_sim.render.film import HEADER, LEFTS, Film, slow_motion
-from bristle_sim.render.tool_films import PassFilm
+from bristle_sim.render.tool_films import pass_film
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import make_trajectory
 
@@ -69,7 +69,7 @@ def test_the_header_shows_time_and_slow_down():
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_mp4_has_every_frame_in_the_format_that_plays_everywhere(run, tmp_path):
     reader = pytest.importorskip("imageio_ffmpeg")
-    path = PassFilm(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.mp4", fps=10.0)
+    path = pass_film(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.mp4", fps=10.0)
     frames = reader.read_frames(str(path))
     about = next(frames)
     assert (about["size"], about["fps"], about["codec"]) == ((160, 120), 10.0, "h264")
@@ -117,7 +117,7 @@ def test_bad_films_are_refused_before_the_first_frame(run, tmp_path, name, size,
     with pytest.raises(ValueError, match=words):
         Dot(*size).write(tmp_path / name, fps)
     with pytest.raises(ValueError, match=words):
-        PassFilm(run, Tool(), width=size[0], height=size[1]).write(tmp_path / name, fps)
+        pass_film(run, Tool(), width=size[0], height=size[1]).write(tmp_path / name, fps)
     assert not list(tmp_path.iterdir())
 
 

@@ -21,7 +21,7 @@ from bristle_sim.parameters import Bar, Belt, Hub, Neighbours, Tool, Workpart
 from bristle_sim.reference.strike import strike_reference
 from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.inertia_figure import inertia_figure
-from bristle_sim.render.tool_films import InertiaFilm, RowFilm
+from bristle_sim.render.tool_films import inertia_film, row_film
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -52,7 +52,7 @@ OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
             "contact = energetic: must be compliant",
         ),
         (
-            lambda: InertiaFilm(inertia_driven(OUT_OF_REACH, Settings(), with_reference=False).subject),
+            lambda: inertia_film(inertia_driven(OUT_OF_REACH, Settings(), with_reference=False).subject),
             "the bristle must strike with the bar",
         ),
         (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "must be above 0"),
@@ -66,7 +66,12 @@ def test_what_cannot_be_done_is_refused_in_one_line(call, words: str):
 
 def test_a_row_out_of_reach_is_filmed_to_the_end():
     tool = dataclasses.replace(OUT_OF_REACH, bar=None)
-    film = RowFilm(neighbours(tool, Neighbours(search="no", pitch_deg=60.0), Settings()).subject, 160, 120, 1.0)
+    film = row_film(
+        neighbours(tool, Neighbours(search="no", pitch_deg=60.0), Settings()).subject,
+        width=160,
+        height=120,
+        duration=1.0,
+    )
     assert film.move(1e-4)[0] == "turning with the hub"
 
 
@@ -181,7 +186,7 @@ def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(ffmpeg, "get_ffmpeg_exe", absent)
     monkeypatch.setattr(ffmpeg, "write_frames", lambda *_, **__: absent())
     with pytest.raises(ValueError, match=r"ffmpeg for this machine: pip install .*, or a \.gif"):
-        InertiaFilm(inertia_driven(Tool(), Settings(), with_reference=False).subject, duration=0.5).write(
+        inertia_film(inertia_driven(Tool(), Settings(), with_reference=False).subject, duration=0.5).write(
             tmp_path / "film.mp4"
         )
     assert not list(tmp_path.iterdir())

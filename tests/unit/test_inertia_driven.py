@@ -9,7 +9,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
-from bristle_sim.render.tool_films import InertiaFilm
+from bristle_sim.render.tool_films import inertia_film
 from bristle_sim.settings import Settings
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.theory.inertia_drive import (
@@ -150,12 +150,11 @@ def test_without_a_strike_there_is_nothing_to_equal():
 
 def test_film_of_both_tools():
     """Both roots are at the strike's place at the end; before it enters the pulley the bristle goes straight on, as fast."""
-    scene = InertiaFilm(
-        inertia_driven(Tool(), Settings(accuracy=1e-6), with_reference=False).subject, width=96, height=48, duration=1.0
-    )
-    ends = [scene.cued(scene.ends[0]).centre_line[0], scene._without_bar(scene.ends[1])[0]]
-    assert ends[0] == pytest.approx(ends[1], abs=1e-9)
-    entered, before = scene._without_bar(0.0), scene._without_bar(-1e-4)
+    driven = inertia_driven(Tool(), Settings(accuracy=1e-6), with_reference=False).subject
+    scene = inertia_film(driven, width=96, height=48, duration=1.0)
+    cued, thrown = (stage.wires[0][0] for stage in scene.stages)
+    assert cued(0.0).centre_line[0] == pytest.approx(thrown(0.0).centre_line[0], abs=1e-9)
+    entered, before = (thrown(time - driven.radial.time).centre_line for time in (0.0, -1e-4))
     assert entered - before == pytest.approx(np.tile(entered[0] - before[0], (2, 1)), abs=1e-15)
     assert math.dist(entered[0], before[0]) == pytest.approx(SPEED * 0.0275 * 1e-4, rel=1e-12)
     assert (entered[0] - before[0]) @ entered[0] == pytest.approx(0.0, abs=1e-15)

@@ -11,7 +11,7 @@ import pytest
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Neighbours, Tool, Workpart
 from bristle_sim.render.drawing import touch_places
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
-from bristle_sim.render.tool_films import RowFilm
+from bristle_sim.render.tool_films import row_film
 from bristle_sim.settings import Settings
 from bristle_sim.studies import neighbours as module
 from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
@@ -186,13 +186,13 @@ class TestPictures:
 
     def test_the_film_marks_touches_and_says_how_fast_the_spoilt_strike_is(self):
         subject = report().subject
-        scene = RowFilm(subject, 160, 120, 4.0)
+        scene = row_film(subject, width=160, height=120, duration=4.0)
         strike = subject.bristles[1].first_contact("workpart")
         touch = [
             each.time for each in subject.bristles[1].events if each.name == "wire touch" and each.time < strike.time
         ][-1]
         scene.show(float(scene.warp.film_time(touch)) + 0.01)
-        assert len(scene.ring.get_xdata()) == 1
+        assert len(scene.rings.get_xdata()) == 1
         scene.show(float(scene.warp.film_time(strike.time)) + 0.01)
         rate = strike.rates_before[0] - Tool().hub.speed
         assert scene.texts[0] == f"bristle 2 strikes at {rate:.0f} rad/s relative to the hub"

@@ -13,7 +13,7 @@ from PIL import Image
 from bristle_sim.parameters import Bar, Hub, Tool
 from bristle_sim.render.film import slow_motion
 from bristle_sim.render.pass_figure import pass_figure
-from bristle_sim.render.tool_films import PassFilm
+from bristle_sim.render.tool_films import pass_film
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, STRIKE, make_trajectory
 
@@ -51,11 +51,11 @@ def test_bad_slow_motion_is_refused(bad):
 
 
 def test_scene_shows_the_run(run):
-    scene = PassFilm(run, Tool(), width=320, height=240, duration=4.0, until=END)
+    scene = pass_film(run, Tool(), width=320, height=240, duration=4.0, until=END)
     film_time = float(scene.warp.film_time(run.time[20]))
     scene.show(film_time)
     # The sample's instant comes back from the warp but for rounding, times a tip speed of some 20 m/s.
-    assert scene.wire.wire.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
+    assert scene.wires[0][0].wire.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
     assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
     retraction, clock = -math.degrees(run.relative_angle[20]), 1e3 * run.time[20]
     texts = [text.replace("\N{MINUS SIGN}", "-") for text in scene.texts[1:]]
@@ -64,23 +64,23 @@ def test_scene_shows_the_run(run):
 
 
 def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
-    scene = PassFilm(run, Tool(), width=320, height=240, duration=4.0, until=END)
+    scene = pass_film(run, Tool(), width=320, height=240, duration=4.0, until=END)
     for offset, caption in ((-0.1, "released: the belt throws the tip"), (0.1, "strike"), (0.6, "rebound")):
         scene.show(float(scene.warp.film_time(STRIKE)) + offset)
         assert scene.texts[0] == caption
-        assert scene.mark.get_visible() == (caption == "strike")
-    assert scene.mark.get_xydata()[0] == pytest.approx(1e3 * run.tip[60], abs=1e-9)
+        assert scene.star.get_visible() == (caption == "strike")
+    assert scene.star.get_xydata()[0] == pytest.approx(1e3 * run.tip[60], abs=1e-9)
 
 
 def test_odd_tools_are_drawn(run):
     thin = Tool(hub=Hub(radius=0.0), bar=Bar(radius=1e-4))
     pass_figure(run, thin).draw_without_rendering()
-    scene = PassFilm(run, thin, width=320, height=240, duration=1.0)
+    scene = pass_film(run, thin, width=320, height=240, duration=1.0)
     assert scene.frame(0.5).size == (320, 240)
 
 
 def test_gif_has_every_frame_at_its_time(run, tmp_path):
-    path = PassFilm(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.gif", fps=15.0)
+    path = pass_film(run, Tool(), width=160, height=120, duration=1.0).write(tmp_path / "a.gif", fps=15.0)
     with Image.open(path) as film:
         assert (film.n_frames, film.size) == (15, (160, 120))
         durations = []

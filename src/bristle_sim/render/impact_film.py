@@ -40,6 +40,9 @@ LEAST_DEPTH = 0.08
 LETTERS = 15.0
 """Height of the letters in a picture of normal size, px."""
 
+CRATER = 0.02
+"""Depth at which the tip leaves, as a fraction of the largest, from which on the picture says why it does not come back up."""
+
 TIP_RADIUS, ROD_LENGTH = 9.0, 300.0
 """Size of the enlarged rod's end, which is not to scale, points in a picture of normal size."""
 
@@ -76,6 +79,11 @@ class TipDrawing:
         self.moving = [self.trail, self.rod, *self.forces]
         strongest = float(np.hypot(motion.normal_force, motion.tangential_force).max()) or 1.0
         self._newton, self._shortest = (part * (view.top - view.bottom) for part in (LONGEST_FORCE / strongest, 0.02))
+        left = motion.at("depth", motion.touch_end)
+        if left > CRATER * motion.depth.max():
+            crater = scale_for(left, "m")
+            words = f"It unloads more stiffly than it loads:\nthe tip leaves a crater of {left * crater.factor:.3g} {crater.unit},\nbelow the old surface."
+            axes.text(0.03, 0.1, words, transform=axes.transAxes, fontsize=0.92 * size, color=BLACK)
         for place, words, color in ((0.03, "normal force", NORMAL), (0.97, "friction on the tip", TANGENTIAL)):
             side = "left" if place < 0.5 else "right"
             axes.text(place, 0.02, words, transform=axes.transAxes, fontsize=size, color=color, ha=side)

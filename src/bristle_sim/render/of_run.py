@@ -30,10 +30,10 @@ def plot(run: Trajectory, until: float | None) -> Figure:
 
 def film(run: Trajectory, path: str | Path, fps: float, size: tuple[int, int], options: Mapping[str, Any]) -> Path:
     """Film a run, with frames a second and a size in px."""
-    from bristle_sim.render.tool_films import PassFilm
+    from bristle_sim.render.tool_films import pass_film
 
     width, height = size
-    return PassFilm(run, run.tool, width=width, height=height, **options).write(path, fps)
+    return pass_film(run, run.tool, width=width, height=height, **options).write(path, fps)
 
 
 def view(run: Trajectory) -> Html:

@@ -1,9 +1,11 @@
-"""Films of the tool to scale, in slow motion: a whole pass, a row of bristles, and two tools side by side."""
+"""Film of the tool to scale, in slow motion: a whole pass, a row of bristles, or two tools side by side."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,10 +14,10 @@ from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, SERIES, SKY, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, touch_places
-from bristle_sim.render.film import HEADER, Film, slow_motion
+from bristle_sim.render.film import HEADER, Film, TimeWarp, slow_motion
 from bristle_sim.render.story import Phase, phase_at, phases, story_end
 from bristle_sim.render.style import MILLIMETRES, signed, styled
-from bristle_sim.trajectory import Interpolation, Trajectory
+from bristle_sim.trajectory import Interpolation, Motion, Trajectory
 
 if TYPE_CHECKING:
     from bristle_sim.studies.inertia_driven import InertiaDriven
@@ -24,100 +26,146 @@ if TYPE_CHECKING:
 CAPTION_SHOWN = 0.5
 """Film time for which the instant of the strike keeps its caption, s."""
 
+ROW_SLOWER, ROW_AFTER = 10.0, 0.15
+"""How much slower touches and strikes in a row are shown than the rest; how long a film of a row goes on after the last
+bristle's strike, as a fraction of the time before."""
 
-class PassFilm(Film):
-    """The drawing that a film of a pass shows, by default until shortly after the tip has left the workpart.
 
-    Options are width and height (px), duration of the film (s), how much ``slower`` the strike is shown than the rest, and
-    the last instant shown, ``until`` (s).
+@dataclass(frozen=True, slots=True)
+class Stage:
+    """A tool with its wires, in a drawing of its own.
+
+    Attributes:
+        tool: with hub, bar and workpart as drawn.
+        wires: of each the motion at an instant of the film's clock, s, and its colour.
+        shown: centre lines that the view holds, m.
+        details: whether the radial line and a ring of roots are drawn.
+        trail: motion whose tip leaves a trail.
+        strike: where a star marks the strike, m.
     """
+
+    tool: Tool
+    wires: Sequence[tuple[Callable[[float], Motion], str]]
+    shown: Array
+    details: bool = False
+    trail: Motion | None = None
+    strike: Array | None = None
+
+
+class ToolFilm(Film):
+    """Tools side by side with any number of wires and links, and rings where wires of one tool touch."""
 
     def __init__(
         self,
-        trajectory: Trajectory,
-        tool: Tool,
-        *,
-        width: int = 640,
-        height: int = 480,
-        duration: float = 8.0,
-        slower: float = 4.0,
-        until: float | None = None,
+        stages: Sequence[Stage],
+        warp: TimeWarp,
+        story: Sequence[Phase],
+        readings: Callable[[Sequence[Motion]], Sequence[str]],
+        colours: Sequence[str],
+        pixels: tuple[int, int],
+        margin: float = 0.04,
     ) -> None:
-        self.motion = Interpolation(trajectory)
-        course = self.motion.course(story_end(trajectory) if until is None else until)
-        strike = trajectory.event_time("strike")
-        focus = () if strike is None else (strike,)
-        warp = slow_motion(float(trajectory.time[0]), float(course.time[-1]), duration, focus, slower=slower)
-        super().__init__(warp, width, height, (BLACK, BLACK))
-        shown = 0.0 if strike is None else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
-        self._phases = phases(trajectory, shown)
-        self._trail_time, self._trail = course.time, course.tip * MILLIMETRES
+        """``readings`` writes the read-outs, in these colours, from the motion of all wires in their order."""
+        self.size = (960, 480) if len(stages) > 1 else (640, 480)
+        super().__init__(warp, *pixels, colours)
+        self.stages, self.story, self._readings = stages, tuple(story), readings
+        self.wires: list[list[WireDrawing]] = []
         with styled():
-            axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
-            view = close_up(course.centre_line, tool, width / (height * (1.0 - HEADER)), margin=0.04)
-            draw_film_tool(axes, tool, view, 0.75 * self.letters)
-            struck = self.motion(trajectory.time[-1] if strike is None else strike).tip[None] * MILLIMETRES
-            (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-            self.wire = WireDrawing(axes, tool, details=True)
-            (self.mark,) = axes.plot(*struck.T, "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
-        self.moving = [self.trail, *self.wire.artists, self.mark]
+            width, height = pixels[0] / len(stages), pixels[1] * (1.0 - HEADER)
+            shown = np.concatenate([np.reshape(stage.shown, (-1, 2)) for stage in stages])
+            for number, stage in enumerate(stages):
+                axes = self.figure.add_axes((number / len(stages), 0.0, 1.0 / len(stages), 1.0 - HEADER))
+                draw_film_tool(
+                    axes, stage.tool, close_up(shown, stages[0].tool, width / height, margin), 0.75 * self.letters
+                )
+                (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
+                wires = [WireDrawing(axes, stage.tool, color=color, details=stage.details) for _, color in stage.wires]
+                (self.star,) = axes.plot([], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
+                (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
+                self.wires.append(wires)
+                self.moving += [
+                    self.trail,
+                    *(artist for wire in wires for artist in wire.artists),
+                    self.star,
+                    self.rings,
+                ]
 
     def move(self, time: float) -> tuple[str, ...]:
-        """Move wire and path to an instant, s; a star marks the strike while it is new."""
-        now, caption = self.motion(time), phase_at(self._phases, time).caption
-        past = self._trail[: np.searchsorted(self._trail_time, time, side="right")]
-        self.wire.place(now.centre_line)
-        self.trail.set_data(*np.vstack([past, now.tip * MILLIMETRES]).T)
-        self.mark.set_visible(caption == "strike")
-        retraction = math.degrees(float(now.retraction))
-        return caption, f"retraction {signed(retraction, 1, 6)}°", f"tip speed {now.tip_speed:5.1f} m/s"
+        """Move wires, trails, stars and rings to an instant of the film's clock, s."""
+        every, caption = [], phase_at(self.story, time).caption
+        for stage, drawings in zip(self.stages, self.wires, strict=True):
+            now = [motion(time) for motion, _ in stage.wires]
+            for drawing, each in zip(drawings, now, strict=True):
+                drawing.place(each.centre_line)
+            if len(self.stages) == 1:
+                self._mark(stage, now, time, caption)
+            every += now
+        return caption, *self._readings(every)
+
+    def _mark(self, stage: Stage, now: Sequence[Motion], time: float, caption: str) -> None:
+        """Draw the trail, the star and the rings."""
+        if stage.trail is not None:
+            past = stage.trail.tip[: np.searchsorted(stage.trail.time, time, side="right")]
+            self.trail.set_data(*(MILLIMETRES * np.vstack([past, now[0].tip])).T)
+        if stage.strike is not None:
+            self.star.set_data(*(MILLIMETRES * stage.strike[:, np.newaxis]))
+            self.star.set_visible(caption == "strike")
+        if len(now) > 1:
+            self.rings.set_data(*touch_places([each.centre_line for each in now], stage.tool.bristle.wire_diameter).T)
 
 
-SLOWER = 10.0
-"""How much slower touches and strikes are shown than the rest."""
+def pass_film(
+    run: Trajectory, tool: Tool, *, width: int = 640, height: int = 480, duration: float = 8.0, slower: float = 4.0,
+    until: float | None = None,
+) -> ToolFilm:  # fmt: skip
+    """Return a film of a pass, by default until shortly after the tip has left the workpart.
 
-AFTER = 0.15
-"""How long the film goes on after the last bristle's strike, as a fraction of the time before."""
+    Args:
+        run, tool: the pass.
+        width, height: px.
+        duration: of the film, s.
+        slower: how much slower the strike is shown than the rest.
+        until: the last instant shown, s.
+    """
+    motion, contact = Interpolation(run), run.first_contact("workpart")
+    course = motion.course(story_end(run) if until is None else until)
+    strike = run.event_time("strike")
+    warp = slow_motion(
+        float(run.time[0]), float(course.time[-1]), duration, () if strike is None else (strike,), slower=slower
+    )
+    shown = 0.0 if strike is None else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
+    place = None if strike is None else motion(strike).tip
+    stage = Stage(tool, [(motion, BLUE)], course.centre_line, details=True, trail=course, strike=place)
+    in_time = contact is not None and contact.history is not None
 
+    def readings(now: Sequence[Motion]) -> tuple[str, str]:
+        speed = f"tip {now[0].tip_speed:5.1f} m/s"
+        force = f"{speed} {now[0].normal_force:5.1f} N" if in_time else f"tip speed {now[0].tip_speed:5.1f} m/s"
+        return f"retraction {signed(math.degrees(float(now[0].retraction)), 1, 6)}°", force
 
-class RowFilm(Film):
-    """The drawing that a film of a row shows, at any film time."""
-
-    def __init__(self, row: NeighbourRow, width: int = 640, height: int = 480, duration: float = 12.0) -> None:
-        self.motions = [Interpolation(run) for run in row.bristles]
-        strike, end = row.bristles[-1].event_time("strike"), float(row.bristles[-1].time[-1])
-        begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
-        until = end if strike is None else min(end, strike + AFTER * (strike - begin))
-        touches = [each for each in row.touches if begin <= each <= until]
-        strikes = [each for run in row.bristles if (each := run.event_time("strike")) is not None and each <= until]
-        colors = (SERIES * 2)[: len(row.bristles)]
-        warp = slow_motion(begin, until, duration, (*touches, *strikes), slower=SLOWER, width=0.012)
-        super().__init__(warp, width, height, (colors[-1],))
-        self._phases, self._diameter = _phases(row), row.tool.bristle.wire_diameter
-        with styled():
-            axes = self.figure.add_axes((0.0, 0.0, 1.0, 1.0 - HEADER))
-            times = np.linspace(begin, until, 200)
-            paths = np.concatenate([motion(times).centre_line for motion in self.motions])
-            view = close_up(paths, row.tool, width / (height * (1.0 - HEADER)), margin=0.08)
-            draw_film_tool(axes, row.tool, view, 0.75 * self.letters)
-            self.wires = [WireDrawing(axes, row.tool, color=color) for color in colors]
-            (self.ring,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
-        self.moving = [*(artist for wire in self.wires for artist in wire.artists), self.ring]
-
-    def move(self, time: float) -> tuple[str, ...]:
-        """Move wires to an instant, s, and rings to where they touch."""
-        now = [motion(time) for motion in self.motions]
-        lines = [each.centre_line for each in now]
-        for wire, line in zip(self.wires, lines, strict=True):
-            wire.place(line)
-        self.ring.set_data(*touch_places(lines, self._diameter).T)
-        retraction = math.degrees(float(now[-1].retraction))
-        return phase_at(
-            self._phases, time
-        ).caption, f"retraction of bristle {len(self.wires)} {signed(retraction, 1, 6)}°"
+    return ToolFilm([stage], warp, phases(run, shown), readings, (BLACK, BLACK), (width, height))
 
 
-def _phases(row: NeighbourRow) -> tuple[Phase, ...]:
+def row_film(row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0) -> ToolFilm:
+    """Return a film of a row of bristles, from the first touch of the bar until after the last strike."""
+    last = row.bristles[-1]
+    strike, end = last.event_time("strike"), float(last.time[-1])
+    begin = min(row.bristles[0].event_time("bar touch") or 0.0, 0.8 * end)
+    until = end if strike is None else min(end, strike + ROW_AFTER * (strike - begin))
+    touches = [each for each in row.touches if begin <= each <= until]
+    strikes = [each for run in row.bristles if (each := run.event_time("strike")) is not None and each <= until]
+    motions, colors = [Interpolation(run) for run in row.bristles], (SERIES * 2)[: len(row.bristles)]
+    warp = slow_motion(begin, until, duration, (*touches, *strikes), slower=ROW_SLOWER, width=0.012)
+    shown = np.concatenate([motion(np.linspace(begin, until, 200)).centre_line for motion in motions])
+
+    def readings(now: Sequence[Motion]) -> tuple[str]:
+        return (f"retraction of bristle {len(now)} {signed(math.degrees(float(now[-1].retraction)), 1, 6)}°",)
+
+    stage = Stage(row.tool, list(zip(motions, colors, strict=True)), shown)
+    return ToolFilm([stage], warp, _story(row), readings, colors[-1:], (width, height), margin=0.08)
+
+
+def _story(row: NeighbourRow) -> tuple[Phase, ...]:
     """Return what happens from when on, in order."""
     found = [Phase(-math.inf, "turning with the hub"), *(Phase(each, "wires touch each other") for each in row.touches)]
     for number, run in enumerate(row.bristles, 1):
@@ -133,50 +181,44 @@ def _phases(row: NeighbourRow) -> tuple[Phase, ...]:
     return tuple(sorted(found, key=lambda phase: (phase.start, phase.caption)))
 
 
-class InertiaFilm(Film):
-    """A film of both tools; its time is zero at its end, where the bar-cued bristle strikes and the other one is radial."""
+def inertia_film(driven: InertiaDriven, *, width: int = 960, height: int = 480, duration: float = 8.0) -> ToolFilm:
+    """Return a film of the tool with the bar beside that without; its clock is zero where the one strikes, the other is radial.
 
-    size = (960, 480)
+    Raises ValueError unless the bristle strikes with the bar, and comes back to radial without.
+    """
+    contact, radial = driven.pass_with_bar.first_contact("workpart"), driven.radial
+    if contact is None or radial is None:
+        raise ValueError("film of both tools: the bristle must strike with the bar, and come back to radial without")
+    cued, thrown = Interpolation(driven.pass_with_bar), Interpolation(radial.trajectory)
+    # Without gravity the pulley may be entered anywhere: where the bristle is radial at the other one's strike.
+    touch, root = cued(contact.time).centre_line[0], thrown(radial.time).centre_line[0]
+    angle = math.atan2(touch[1], touch[0]) - math.atan2(root[1], root[0])
+    turn = np.array([[math.cos(angle), math.sin(angle)], [-math.sin(angle), math.cos(angle)]])
+    entered = thrown(0.0).centre_line[0] @ turn
+    belt = driven.tool.hub.speed * np.array([-entered[1], entered[0]])
 
-    def __init__(self, driven: InertiaDriven, *, width: int = 960, height: int = 480, duration: float = 8.0) -> None:
-        contact, radial = driven.pass_with_bar.first_contact("workpart"), driven.radial
-        if contact is None or radial is None:
-            raise ValueError(
-                "film of both tools: the bristle must strike with the bar, and come back to radial without"
-            )
-        self.cued, self.thrown = Interpolation(driven.pass_with_bar), Interpolation(radial.trajectory)
-        self.ends, speed = (contact.time, radial.time), driven.tool.hub.speed
-        touch = self.cued(contact.time).centre_line[0]
-        root = self.thrown(radial.time).centre_line[0]
-        # Without gravity the pulley may be entered anywhere: where the bristle is radial at the other one's strike.
-        turn = math.atan2(touch[1], touch[0]) - math.atan2(root[1], root[0])
-        self._turn = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
-        entered = self._turn @ self.thrown(0.0).centre_line[0]
-        self._belt = speed * np.array([-entered[1], entered[0]])
-        super().__init__(slow_motion(-contact.time, 0.0, duration), width, height, (BLUE, VERMILION))
-        with styled():
-            course = self.cued.course(contact.time)
-            view = close_up(course.centre_line, driven.tool, 0.5 * width / (height * (1.0 - HEADER)), margin=0.04)
-            self.wires = []
-            for number, color in enumerate((BLUE, VERMILION)):
-                axes = self.figure.add_axes((0.5 * number, 0.0, 0.5, 1.0 - HEADER))
-                tool = dataclasses.replace(driven.tool, bar=None) if number else driven.tool
-                draw_film_tool(axes, tool, view, 0.75 * self.letters)
-                self.wires.append(WireDrawing(axes, tool, color=color, details=True))
-        self.wires[1].ring.set_visible(False)  # on the straight belt, roots are not on the hub
-        self.moving = [artist for wire in self.wires for artist in wire.artists]
+    def with_bar(time: float) -> Motion:
+        return cued(min(max(time + contact.time, 0.0), contact.time), "before")
 
-    def move(self, time: float) -> tuple[str, ...]:
-        """Move both wires to an instant, s; the one without a bar translates on its belt until it enters the pulley."""
-        cued, thrown = self.cued(max(time + self.ends[0], 0.0), "before"), time + self.ends[1]
-        self.wires[0].place(cued.centre_line)
-        self.wires[1].place(self._without_bar(thrown))
-        on_belt = thrown < 0.0
-        speed = float(np.hypot(*self._belt)) if on_belt else float(self.thrown(thrown).tip_speed)
-        place = "still on the straight belt" if on_belt else "round the pulley"
-        bar, without = f"bar-cued tip {cued.tip_speed:5.1f} m/s", f"thrown by inertia {speed:5.1f} m/s"
-        return f"with the bar, and without it, {place}", bar, without
+    def without(time: float) -> Motion:
+        """Return the other one's motion; until it enters the pulley it goes straight on with its belt."""
+        late, early = max(time + radial.time, 0.0), min(time + radial.time, 0.0)
+        now = thrown(min(late, radial.time))
+        velocity = now.centre_line_velocity @ turn if early == 0.0 else np.broadcast_to(belt, now.centre_line.shape)
+        return dataclasses.replace(
+            now, centre_line=now.centre_line @ turn + early * belt, centre_line_velocity=velocity
+        )
 
-    def _without_bar(self, time: float) -> Array:
-        line = self.thrown(max(time, 0.0)).centre_line @ self._turn.T
-        return np.asarray(line + min(time, 0.0) * self._belt)
+    def readings(now: Sequence[Motion]) -> tuple[str, str]:
+        return f"bar-cued tip {now[0].tip_speed:5.1f} m/s", f"thrown by inertia {now[1].tip_speed:5.1f} m/s"
+
+    words = "with the bar, and without it, {}"
+    story = (
+        Phase(-math.inf, words.format("still on the straight belt")),
+        Phase(-radial.time, words.format("round the pulley")),
+    )
+    shown, bare = cued.course(contact.time).centre_line, dataclasses.replace(driven.tool, bar=None)
+    stages = [Stage(driven.tool, [(with_bar, BLUE)], shown, details=True), Stage(bare, [(without, VERMILION)], shown)]
+    return ToolFilm(
+        stages, slow_motion(-contact.time, 0.0, duration), story, readings, (BLUE, VERMILION), (width, height)
+    )

@@ -148,7 +148,7 @@ class Trajectory(Motion):
     def animate(
         self, path: str | Path, *, fps: float = 30.0, size: tuple[int, int] = (640, 480), **options: Any
     ) -> Path:
-        """Film the run to an mp4 or gif file of a size in px; options are those of ``bristle_sim.render.film_of_tool.ToolFilm``."""
+        """Film the run to an mp4 or gif file of a size in px; options are those of ``bristle_sim.render.film_of_tool.``."""
         return drawn_by().film(self, path, fps, size, options)
 
     def show(self) -> Html:
