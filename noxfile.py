@@ -23,21 +23,21 @@ def lint(session: nox.Session) -> None:
 def tests(session: nox.Session) -> None:
     """Run the tests; arguments after ``--`` go to pytest."""
     session.install("-e", ".[test]")
-    session.run("pytest", "-n", "auto", *session.posargs)
+    session.run("pytest", *session.posargs)
 
 
 @nox.session(default=False)
 def coverage(session: nox.Session) -> None:
     """Run the tests with every peer, and print the branches that no test takes."""
     session.install("-e", ".[test,peers]", "playwright", "slipcover")
-    session.run("python", "-W", "ignore", "-m", "slipcover", "-m", "pytest", "-n", "auto", *session.posargs)
+    session.run("python", "-W", "ignore", "-m", "slipcover", "-m", "pytest", *session.posargs)
 
 
 @nox.session(python="3.11", default=False)
 def minimum(session: nox.Session) -> None:
     """Run the tests with the oldest versions of the libraries that pyproject.toml admits."""
     session.install("-e", ".[test]", "-c", "minimum-versions.txt")
-    session.run("pytest", "-n", "auto", *session.posargs)
+    session.run("pytest", *session.posargs)
 
 
 @nox.session(default=False)
@@ -45,6 +45,21 @@ def docs(session: nox.Session) -> None:
     """Build the site with warnings as errors; every example on it runs."""
     session.install("-e", ".[docs]")
     session.run("python", "-m", "sphinx", "-W", "--keep-going", "-b", "html", "docs", "build/docs")
+
+
+@nox.session(default=False)
+def nightly(session: nox.Session) -> None:
+    """Run what takes long: long wires, long random lists and lines, with every peer."""
+    session.install("-e", ".[test,peers]", "playwright")
+    session.run("pytest", "-m", "nightly", *session.posargs)
+
+
+@nox.session(default=False)
+def mutants(session: nox.Session) -> None:
+    """Change the physics in every way that mutmut knows, and list the changes that no test notices; hours."""
+    session.install("-e", ".[test]", "mutmut>=3.3")
+    session.run("mutmut", "run", *session.posargs)
+    session.run("mutmut", "results")
 
 
 @nox.session(default=False)

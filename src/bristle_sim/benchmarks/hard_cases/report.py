@@ -2,31 +2,24 @@
 
 from __future__ import annotations
 
-import importlib
 import logging
 import textwrap
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from bristle_sim.benchmarks.hard_cases import contact, motion, strikes
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
 from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
 from bristle_sim.units import Declared, choice
 
-TABLES = {
-    "mass_ratio": "impacts",
-    "belt_stiffness": "motion",
-    "damping": "motion",
-    "jam": "impacts",
-    "grazing": "impacts",
-    "hub_speed": "motion",
-    "tunnelling": "motion",
-    "long_run": "motion",
-    "chatter": "contact",
-    "touching": "contact",
-    "wires": "wires",
-}
-"""Module of this package with the rows of each theme, which the function of the theme's name returns."""
+THEMES: tuple[Callable[[], Iterator[HardCase]], ...] = (
+    *(strikes.mass_ratio, motion.belt_stiffness, motion.damping, strikes.jam, strikes.grazing, motion.hub_speed),
+    *(motion.tunnelling, motion.long_run, contact.chatter, contact.touching, motion.wires, motion.size, motion.budget),
+)
+"""Functions that yield the cases of a theme, which has the function's name."""
+
+TABLES = {theme.__name__: theme for theme in THEMES}
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,8 +34,7 @@ class HardCaseChoice(Declared):
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
     """Return the cases of one theme, without those that take long unless ``full``."""
-    module = importlib.import_module(f"bristle_sim.benchmarks.hard_cases.{TABLES[theme]}")
-    return tuple(case for case in getattr(module, theme)() if full or case.quick)
+    return tuple(case for case in TABLES[theme]() if full or case.quick)
 
 
 def hard_cases(requested: HardCaseChoice) -> Report:

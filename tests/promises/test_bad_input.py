@@ -32,9 +32,9 @@ from bristle_sim.studies.impacts import single_pendulum
 from bristle_sim.theory import cueing, monofilament
 from bristle_sim.theory.checks import checked, ranges
 from bristle_sim.units import Choice, Range, shown
-from stability.attempts import Tally, finite
-from stability.bad_input import trials
-from stability.theory_samples import MODULES, WHOLE, public_functions, samples_of
+from promises.attempts import Tally, finite
+from promises.bad_input import trials
+from promises.theory_samples import MODULES, WHOLE, public_functions, samples_of
 
 SCRIPTS = sorted((Path(__file__).parents[2] / "scenarios").glob("*.py"))
 
@@ -179,7 +179,7 @@ def test_refusals_do_not_rest_on_asserts(name: str) -> None:
 def test_refusals_stay_without_asserts() -> None:
     """Everything again in a process that leaves asserts out, where the engine would end the process for a bad mass."""
     program = (
-        "from stability.bad_input import trials\n"
+        "from promises.bad_input import trials\n"
         "for name, trial in trials().items():\n"
         "    if 'every' in name and 'theory' not in name: print(not trial().faults)\n"
     )

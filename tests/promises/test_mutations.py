@@ -14,7 +14,7 @@ from bristle_sim.scene.contact import laws as contact_laws
 from bristle_sim.scene.mechanism import Link
 from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Trajectory
-from validation.test_operating_point import check_bar, check_retraction, check_strike, check_strike_ledger
+from closed_forms.test_operating_point import check_bar, check_retraction, check_strike, check_strike_ledger
 
 Check = Callable[[Trajectory], None]
 

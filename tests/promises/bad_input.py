@@ -29,8 +29,8 @@ from bristle_sim.scene.tool import build_tool, simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range, shown
-from stability.attempts import BAD, Tally, finite
-from stability.theory_samples import MODULES, WHOLE, public_functions, samples_of
+from promises.attempts import BAD, Tally, finite
+from promises.theory_samples import MODULES, WHOLE, public_functions, samples_of
 
 T = TypeVar("T")
 

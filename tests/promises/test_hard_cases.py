@@ -20,28 +20,8 @@ from bristle_sim.scene.integrate import time_scales
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.impact import energetic_impact
-from stability.cases.budget import budget
-from stability.cases.chatter import chatter
-from stability.cases.grazing import grazing
-from stability.cases.impacts import limits
-from stability.cases.jam import jam
-from stability.cases.mass_ratio import mass_ratio
-from stability.cases.motion import belt_stiffness, damping, hub_speed
-from stability.cases.similarity import size
-from stability.cases.touching import touching
-from stability.cases.tunnelling import tunnelling
 
-CLOSER = [
-    case
-    for table in (
-        *(mass_ratio, belt_stiffness, damping, hub_speed, jam, grazing, limits),
-        *(size, tunnelling, chatter, touching, budget),
-    )
-    for case in table()
-]
-"""Cases with measures of their own, which the scenario leaves out."""
-
-QUICK = [*(case for theme in TABLES for case in cases_of(theme, full=False)), *CLOSER]
+QUICK = [case for theme in TABLES for case in cases_of(theme, full=False)]
 
 
 @pytest.mark.parametrize("case", QUICK, ids=lambda case: f"{case.theme}: {case.name}")
@@ -54,7 +34,7 @@ def test_promise(case: HardCase) -> None:
 def test_every_case_has_a_name_of_its_own_and_quick_ones_are_some_of_all(theme: str) -> None:
     names = [case.name for case in cases_of(theme, full=True)]
     assert len(set(names)) == len(names)
-    assert {case.name for case in cases_of(theme, full=False)} < set(names)
+    assert {case.name for case in cases_of(theme, full=False)} <= set(names)
 
 
 def law(change: Callable[..., Any]) -> tuple[object, str, Any]:
@@ -80,11 +60,6 @@ def slow_is_none(matrix: Any, velocity: Any, *rest: Any) -> Any:
     """Take an approach of 1e-10 of the slip for none."""
     slow = abs(velocity[0]) < 1e-10 * abs(velocity[1])
     return energetic_impact(matrix, (0.0, velocity[1]) if slow else velocity, *rest)
-
-
-def one_sided(matrix: Any, velocity: Any, mu: float, *rest: Any) -> Any:
-    """Add friction of 1e-3 to slip of one sign."""
-    return energetic_impact(matrix, velocity, mu + 1e-3 * (velocity[1] > 0), *rest)
 
 
 def part(name: str, **factors: float) -> tuple[object, str, Any]:
@@ -122,11 +97,6 @@ def livelier(obstacle: Any) -> Coefficients:
     return Coefficients(obstacle.friction, obstacle.restitution_friction, min(1.02 * obstacle.restitution, 1.0))
 
 
-def at_the_end(_mechanism: object, gap: Any, _start: Any, end: Any, *_: Any) -> float | None:
-    """Search a touch at the end of the interval only."""
-    return 1.0 if gap(end)[0] < 0.0 else None
-
-
 def later(**given: Any) -> Any:
     """Allow 50,000 more steps than requested."""
     return PLAN(**(given | {"maximum_steps": given["maximum_steps"] + 50_000}))
@@ -152,14 +122,13 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["grazing: strike at 1e-09 rad", "grazing: approach 1e-12 of the tip's speed"],
     ),
     "an approach taken for none": (law(slow_is_none), ["grazing: approach 1e-12 of the tip's speed"]),
-    "friction to one side": (law(one_sided), ["limits: two rods, restitution 1, mirrored"]),
     "a jam without its name": (
         (EnergeticLaw, "resolve", nameless),
-        ["limits: bar's friction 1e+06, restitution 0", "jam: rod pushed, friction 0.001 off the jam"],
+        ["jam: rod pushed, friction 0.001 off the jam"],
     ),
     "energy gained": (
         (EnergeticLaw, "resolve", gaining),
-        ["limits: two rods, restitution 1, friction 0"],
+        ["mass_ratio: strike of rods of lengths 1, 1e-3, 1, 1e-3"],
     ),
     "compliance in stick from K alone": (
         law(lambda *given: energetic_impact(*given[:-1])),
@@ -170,58 +139,37 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         [
             "belt_stiffness: belt x 1: released, accuracy 1e-06",
             "belt_stiffness: belt x 10: whole pass",
-            "hub_speed: 0 rad/s: three periods",
+            "hub_speed: 0 rad/s: released, accuracy 1e-09",
         ],
     ),
     "damping off by a thousandth": (
         part("Effects", damping=1.001),
-        ["damping: ratio 0.5: decay, accuracy 1e-06", "damping: ratio 0.5: whole pass"],
+        ["damping: ratio 0.5: decay", "damping: ratio 0.5: whole pass"],
     ),
-    "a belt that freezes": (
-        (time_scales, "MOST_DAMPING", 1e9),
-        ["damping: ratio 100: decay, accuracy 1e-06"],
-    ),
-    "a hub 1e-5 too fast": (
-        part("Mechanism", hub_speed=1.0 + 1e-5),
-        ["hub_speed: 1000 rad/s: whole pass", "hub_speed: 100000 rad/s: released, no belt"],
-    ),
+    "a belt that freezes": ((time_scales, "MOST_DAMPING", 1e9), ["damping: ratio 100: decay"]),
+    "a hub 1e-5 too fast": (part("Mechanism", hub_speed=1.0 + 1e-5), ["hub_speed: 1000 rad/s: whole pass"]),
     "coarse integration": (
         (scene_tool, "stepper_for", lambda *_: Extrapolation(1e-4)),
-        [
-            "long_run: 10 hub turns, accuracy 1e-06",
-            "belt_stiffness: belt x 1: fixed step of 2.5 rad",
-            "grazing: swing that ends 1e-09 into the workpart",
-        ],
+        ["long_run: 10 hub turns, accuracy 1e-09", "grazing: swing that ends 1e-09 into the workpart"],
     ),
     "a scene in SI units": (
         (scene_tool, "tool_units", lambda _: Units(1.0, 1.0, 1.0)),
-        ["size: 1 um, 1e-12 kg: flight", "size: 0.82 um, 1.2e-12 kg: whole pass"],
-    ),
-    "a search at the ends of intervals": (
-        (touch_search, "first_touch", at_the_end),
-        ["tunnelling: accuracy 0.1, bristle thrown at 1e+06 rad/s, hub at rest, no belt"],
+        ["size: 0.82 um, 1.2e-12 kg: whole pass"],
     ),
     "touches that are not located": (
         (touch_search, "settle", lambda _value, _start, _again, _near, last, _tolerance: last),
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
-    "another restitution": (
-        (Coefficients, "of", livelier),
-        ["chatter: hops on the bar, restitution 0.5", "chatter: hops after a fall, restitution 0.5, friction 0.1"],
-    ),
-    "fixed steps that tap for ever": (
-        (transitions, "_stays", lambda _progress, record: record.velocity_after[0] <= 1e-8),
-        ["chatter: whole pass in steps of 1e-05 s"],
-    ),
+    "another restitution": ((Coefficients, "of", livelier), ["jam: default pass, friction 0.001 off the jam"]),
     "a jam that is not seen": (
         (transitions, "opening_rate", lambda *_: math.inf),
-        ["touching: wedge that closes, restitution 0.5"],
+        ["touching: wedged in, restitution 0.5"],
     ),
     "starts that are not checked": (
         (scene_tool, "check_start", lambda *_: None),
-        [f"touching: starts 0.001 of its length inside the {obstacle}" for obstacle in ("bar", "workpart")],
+        [f"touching: starts 1e-10 of its length inside the {obstacle}" for obstacle in ("bar", "workpart")],
     ),
-    "a budget that is not kept": ((scene_tool, "Plan", later), ["budget: flight; 1, 10, 1000 steps"]),
+    "a budget that is not kept": ((scene_tool, "Plan", later), ["budget: flight; 1 engine steps"]),
 }
 """What is broken, by which attribute of which module and how, and the cases that must notice it."""
 

@@ -106,7 +106,7 @@ def test_again_among_other_runs_and_in_threads(first: dict[str, str]) -> None:
 
 
 def test_in_another_process_without_asserts_and_with_other_hashes(first: dict[str, str]) -> None:
-    program = "from stability.test_repeatability import RUNS, bits\nprint([bits(run()) for run in RUNS.values()])"
+    program = "from promises.test_repeatability import RUNS, bits\nprint([bits(run()) for run in RUNS.values()])"
     done = subprocess.run(
         [sys.executable, "-OO", "-c", program],
         capture_output=True,

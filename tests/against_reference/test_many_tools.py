@@ -1,0 +1,97 @@
+"""Random tools at the default accuracy, 1e-6, against 1e-9 and the reference: strikes, whole passes, and friction's work.
+
+Every third strike is without restitution, friction goes up to 3 and damping beyond critical. A few run with the suite, the
+list of 300 without a bar and 300 with one at night.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.reference import simulate_reference
+from bristle_sim.scene.tool import simulate
+from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Trajectory
+
+ACCURACY = 1e-6
+
+STRIKE, IMPULSE, PASS = 30.0 * ACCURACY, 300.0 * ACCURACY, 1e-3
+"""Limits of a strike's instant and rates, of its impulse, and of all impulse on the workpart over the largest of one contact.
+
+A graze of the bar and a strike near the jam magnify errors; a whole pass adds up hops of which each magnifies the last.
+"""
+
+
+def tool_of(seed: int, bar: bool) -> Tool:
+    rng = np.random.default_rng([seed, bar])
+
+    def some(value: float, fraction: float = 0.7) -> float:
+        return value if rng.random() < fraction else 0.0
+
+    length, radius = rng.uniform(0.02, 0.04), rng.uniform(0.02, 0.04)
+    bristle = Bristle(length=length, mass=10.0 ** rng.uniform(-5, -3), wire_diameter=some(rng.uniform(1e-4, 2e-3)))
+    speed, ratio = 10.0 ** rng.uniform(1.8, 2.8), rng.uniform(1.5, 6.0)
+    belt = Belt((speed * ratio) ** 2 * bristle.inertia_about_root, some(rng.uniform(0.0, 1.5)))
+    bar_radius, direction = rng.uniform(2e-3, 8e-3), rng.uniform(0.9, 1.25)
+    away = radius + length * rng.uniform(0.75, 0.97) + bar_radius + 0.5 * bristle.wire_diameter
+    surface = some(rng.uniform(0.0, 0.6)), some(rng.uniform(0.0, 0.9))
+    held = Bar(bar_radius, away * math.sin(direction), away * math.cos(direction), *surface)
+    friction = rng.uniform(0.0, 0.6) if seed % 2 else rng.uniform(0.6, 3.0)
+    restitution = rng.uniform(0.0, 1.0) if seed % 3 else 0.0
+    part = Workpart(float(friction), None, float(restitution), length * rng.uniform(0.02, 0.4))
+    return Tool(Hub(speed, radius), belt, bristle, held if bar else None, part, gravity=some(rng.uniform(0.0, 500.0)))
+
+
+def differences(one: Trajectory, other: Trajectory) -> list[str]:
+    """What differs between two runs, in words; nothing if they are the same motion."""
+    found = [] if one.stop_reason is other.stop_reason else [f"ends by {one.stop_reason}, {other.stop_reason}"]
+    first, second = one.first_contact("workpart"), other.first_contact("workpart")
+    if first is None or second is None:
+        return found if first is second else [*found, "strike or none"]
+    rates = (*second.rates_before, *second.rates_after)
+    sums = [
+        np.sum([each.impulse for each in run.contacts if each.obstacle == "workpart"], axis=0) for run in (one, other)
+    ]
+    largest = max(abs(value) for each in other.contacts for value in each.impulse)
+    off = {
+        "instant": (abs(first.time / second.time - 1.0), STRIKE),
+        "rates": (
+            np.abs(np.subtract((*first.rates_before, *first.rates_after), rates)).max() / max(map(abs, rates)),
+            STRIKE,
+        ),
+        "impulse": (np.abs(np.subtract(first.impulse, second.impulse)).max() / max(map(abs, second.impulse)), IMPULSE),
+        "all impulse": (float(np.abs(sums[0] - sums[1]).max()) / largest, PASS),
+    }
+    found += [] if first.outcome == second.outcome else [f"{first.outcome}, {second.outcome}"]
+    return found + [f"{name} off by {value:.1e}" for name, (value, limit) in off.items() if not value <= limit]
+
+
+def faults(seed: int, bar: bool) -> list[str]:
+    tool = tool_of(seed, bar)
+    coarse, fine = simulate(tool), simulate(tool, Settings(accuracy=1e-9))
+    reference = simulate_reference(tool, accuracy=1e-10)
+    found = [f"1e-9: {each}" for each in differences(coarse, fine)]
+    found += [f"reference: {each}" for each in differences(coarse, reference)]
+    for name, run in {"1e-6": coarse, "1e-9": fine, "reference": reference}.items():
+        rub = [((c.compressive_work or (0, 0))[1] + (c.restitutive_work or (0, 0))[1]) for c in run.contacts]
+        # Rounding, of the largest energy around.
+        if max(rub, default=0.0) > 1e-12 * run.kinetic_energy.max():
+            found.append(f"{name}: friction does work, {max(rub):.1e} J")
+    return [f"{seed}: {each}" for each in found]
+
+
+@pytest.mark.parametrize("bar", [False, True], ids=["no bar", "bar"])
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 5])
+def test_a_tool(seed: int, bar: bool) -> None:
+    assert faults(seed, bar) == []
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("bar", [False, True], ids=["no bar", "bar"])
+@pytest.mark.parametrize("first", range(0, 300, 25))
+def test_many_tools(first: int, bar: bool) -> None:
+    assert [fault for seed in range(first, first + 25) for fault in faults(seed, bar)] == []
