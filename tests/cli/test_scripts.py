@@ -357,7 +357,7 @@ def test_a_run_keeps_the_contract(name: str, tmp_path: Path):
     """Table, JSON, imports and picture; and the same numbers in a process of its own and here, where others ran before.
 
     The two differ by their hash seed; and here each parameter is set to its default, which must give the same numbers as
-    none set. Without assertions: tests/stability/test_repeatability.py.
+    none set. Without assertions: tests/promises/test_repeatability.py.
     """
     quick, target = promise(name).quick, tmp_path / "results.json"
     command = [sys.executable, "-c", IMPORTED, str(SCRIPTS[name]), *quick, "--json", str(target)]
