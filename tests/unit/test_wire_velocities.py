@@ -6,6 +6,7 @@ import math
 import numpy as np
 import pytest
 
+from bristle_sim.contact_space.jacobian import joined
 from bristle_sim.contact_space.projection import close_joints
 from bristle_sim.parameters import Belt, Bristle, Tool, Workpart
 from bristle_sim.scene.build import Effects, Scene
@@ -46,7 +47,7 @@ def test_nearest_velocities_that_obey_the_joints(count: int, hub: float) -> None
             body.angular_velocity += float(random.normal())
         if closes:
             for wire in range(count):
-                close_joints(scene.links[3 * wire])
+                close_joints(*joined([scene.links[3 * wire]]))
         else:
             assert scene.joint_solver is not None
             scene.joint_solver.solve(1.0)

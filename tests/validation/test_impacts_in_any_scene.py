@@ -28,6 +28,7 @@ import pytest
 
 from bristle_sim.contact_space.contact_pair import LocatedImpact
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
+from bristle_sim.contact_space.jacobian import joined
 from bristle_sim.contact_space.projection import close_joints
 
 IMPACTS = int(os.environ.get("BRISTLE_IMPACTS", "200"))
@@ -437,7 +438,7 @@ def undriven_scene(chance: np.random.Generator, *, free: bool) -> Scene:
 
 
 def collided(seed: int, *, free: bool) -> tuple[Scene, np.ndarray, int]:
-    """A scene after the impacts of its touches, its velocities before, and the number of impacts, -1 where they are refused."""
+    """A scene after the impacts of its touches, its velocities before, and the number of impacts."""
     chance = np.random.default_rng(seed)
     scene = undriven_scene(chance, free=free)
     for _ in range(1 if free else chance.choice([1, 2, 3], p=[0.98, 0.01, 0.01])):
@@ -447,34 +448,27 @@ def collided(seed: int, *, free: bool) -> tuple[Scene, np.ndarray, int]:
     scene.set_velocities(before)
     coefficients = {"friction": float(chance.uniform(0, 1.5)), "restitution": float(chance.uniform(0, 1))}
     impacts: list[LocatedImpact] = []
-    try:
-        EnergeticContact(scene.space, 1, 2, **coefficients, report=impacts.append).step(INSTANT)
-    except RuntimeError as error:
-        assert str(error).endswith("in one step: increase resting_speed"), seed  # noqa: PT017
-        return scene, before, -1
+    EnergeticContact(scene.space, 1, 2, **coefficients, report=impacts.append).step(INSTANT)
     return scene, before, len(impacts)
 
 
 def test_no_impact_gains_energy() -> None:
     """Relative to that of the random velocities, but for rounding times the condition of the joints: 1e-16 times some 1e5.
 
-    Between three touches impacts may go to and fro without end, which is refused. A scene counts as one impact.
+    A scene counts as one impact, however many there are between up to three touches.
     """
-    count, refused, worst = 0, 0, (0.0, 0)
+    count, worst = 0, (0.0, 0)
     for seed in itertools.count():
         scene, before, impacts = collided(seed, free=False)
-        if impacts < 0:
-            refused += 1
-        elif impacts:
+        if impacts:
             count += 1
             random = undriven_scene(np.random.default_rng(seed), free=False).velocities()
             gain = float(scene.masses() @ (scene.velocities() ** 2 - before**2)) / float(scene.masses() @ random**2)
             worst = max(worst, (gain, seed))
         if count >= IMPACTS:
             break
-    print(f"{count} scenes, {refused} refused, largest gain of energy {worst[0]:.2e} at seed {worst[1]}")
+    print(f"{count} scenes, largest gain of energy {worst[0]:.2e} at seed {worst[1]}")
     assert worst[0] < 1e-11, worst
-    assert refused <= 0.01 * count
 
 
 def test_free_chains_keep_their_momentum() -> None:
@@ -510,5 +504,5 @@ def test_joints_are_closed_with_the_least_change(seed: int) -> None:
     after = nearest(scene)
     if after is None:
         pytest.skip("joints that contradict each other")
-    close_joints(*scene.bodies)
+    close_joints(*joined(scene.bodies))
     np.testing.assert_allclose(scene.velocities(), after, rtol=0.0, atol=1e-10 * max(1.0, np.abs(after).max()))

@@ -15,9 +15,10 @@ from typing import Any
 
 import pymunk
 
-from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, TouchingPoint, refusal, touching_points
+from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, refusal
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
+from bristle_sim.contact_space.touching import Contacts, Shapes, TouchingPoint, read_contact
 from bristle_sim.theory.impact import Impact, energetic_impact
 
 LONGEST = 1e9
@@ -132,7 +133,6 @@ class EnergeticContact:
 
         Raises:
             ValueError: for a duration that is negative or not finite.
-            RuntimeError: if impacts at one point come to no end.
         """
         if type(duration) is not float or not 0.0 <= duration <= LONGEST:
             duration = _not_negative("duration", duration, LONGEST, "time")
@@ -146,10 +146,12 @@ class EnergeticContact:
             self._filter.end()
         self.time += duration
         if self._filter.skipped:
+            self._filter.motion.finish(duration)
             try:
                 self._resolve()
             finally:
                 self._filter.skipped.clear()
+                self._filter.motion.clear()
 
     def _notice(self, pair: ContactPair, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         """Leave a contact at rest to the engine; keep the engine from responding to one that approaches."""
@@ -166,12 +168,35 @@ class EnergeticContact:
 
         def record(point: TouchingPoint, impact: Impact) -> None:
             if self.report is not None:
-                self.report(LocatedImpact.of(impact, point, self.time))
+                self.report(point.located(impact, self.time))
 
-        points_of = functools.partial(touching_points, self.pairs, self._filter.surface_velocity)
-        sequence = ImpactSequence(points_of, self._filter.resting_approach(), record)
-        sequence.resolve(moved, set(skipped))
+        resting = self._filter.resting_approach()
+        sequence = ImpactSequence(self._read, skipped, resting, self._filter.motion, record)
+        sequence.resolve(moved)
+        for body in sequence.struck:
+            self.space.reindex_shapes_for_body(body)
         self._filter.jammed |= sequence.jammed
+
+    def _read(self, body: pymunk.Body, known: Contacts) -> list[Shapes]:
+        """Add the contacts of a body in all pairs to the known ones, and return the shapes of all of its.
+
+        They are without those that the engine was told to ignore.
+        """
+        found: list[Shapes] = []
+
+        def read(arbiter: pymunk.Arbiter) -> None:
+            """Add a contact if its shapes are those of a pair."""
+            first, second = arbiter.shapes
+            shapes = frozenset((first, second))
+            if shapes not in known:
+                pair = self.pairs.get(frozenset((first.collision_type, second.collision_type)))
+                if pair is None:
+                    return
+                known[shapes] = read_contact(arbiter, pair, self._filter.surface_velocity((first, second)))
+            found.append(shapes)
+
+        body.each_arbiter(read)
+        return found
 
 
 def _not_negative(name: str, value: Any, most: float, unit: str) -> float:

@@ -8,12 +8,14 @@ a plastic impact of the joints. Limits take part where they would be passed, and
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
 from bristle_sim.arrays import Array
-from bristle_sim.contact_space.jacobian import MassCentres, joined, joint_rows, scaled_jacobian
+from bristle_sim.contact_space.jacobian import MassCentres, joint_rows, scaled_jacobian
 
 Flags = NDArray[np.bool_]
 
@@ -24,17 +26,16 @@ DEPENDENT = 1e-12
 """Singular values below this fraction of the largest belong to joints that repeat what others say."""
 
 
-def close_joints(*ends: pymunk.Body) -> None:
-    """Change the velocities of all bodies joined to these so that no joint opens, as little as possible.
+def close_joints(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], with_limits: bool = True) -> None:
+    """Change the velocities of jointed bodies so that no joint opens, as little as possible.
 
-    The size of the change is that of the kinetic energy.
+    The size of the change is that of the kinetic energy. Limits are left alone unless ``with_limits``.
 
     Raises:
         RuntimeError: if limits take turns at pushing without end.
     """
-    bodies, joints = joined(ends)
     centres = MassCentres()
-    rows = [row for joint in joints for row in joint_rows(joint, centres)]
+    rows = [row for joint in joints for row in joint_rows(joint, centres) if with_limits or not row.limit]
     if not rows:
         return
     rates, sizes = np.array([row.excess() for row in rows]).T
@@ -50,6 +51,19 @@ def close_joints(*ends: pymunk.Body) -> None:
         x, y, turn = change[3 * index : 3 * index + 3].tolist()
         body.velocity += (x, y)
         body.angular_velocity += turn
+
+
+def allowed_part(bodies: Sequence[pymunk.Body], joints: Sequence[pymunk.Constraint], changes: Array) -> Array:
+    """Return the part of changes of velocity, shape (3 bodies), that the joints let pass: the rest is orthogonal to it."""
+    centres = MassCentres()
+    rows = [row.entries for joint in joints for row in joint_rows(joint, centres)]
+    if not rows:
+        return changes
+    columns, scale = scaled_jacobian(rows, bodies)
+    lengths = np.sqrt((columns**2).sum(axis=0))
+    rigid = columns / np.where(lengths > 0.0, lengths, 1.0)
+    scaled = np.divide(changes, scale, out=np.zeros_like(changes), where=scale > 0.0)
+    return np.asarray(scale * (scaled - rigid @ np.linalg.lstsq(rigid, scaled, rcond=DEPENDENT)[0]))
 
 
 def _least_change(columns: Array, rates: Array, rounding: Array, limits: Flags) -> Array:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pymunk
 
 from bristle_sim.contact_space.engine_calls import approach_reader, contact_tuner
-from bristle_sim.contact_space.jacobian import Vector
+from bristle_sim.contact_space.jacobian import Vector, joined
 from bristle_sim.contact_space.sequence import ROUNDING
+from bristle_sim.contact_space.step_motion import StepMotion
 
 STEPS_OF_GRAVITY = 2.0
 """An approach that gravity makes up in this number of steps is rest: one step passes before the engine finds a contact that
@@ -25,6 +26,7 @@ class RestFilter:
         skipped: contacts of this step that the engine was kept from, with their shapes and surface velocity.
         jammed: contacts that jammed in the last step; they are left to the engine while they last.
         still_jammed: those of them that were met in this step.
+        motion: of the bodies of skipped contacts, and of those joined to them.
         active: whether a step is being taken.
         resting: approach at rest in this step; None before its first contact.
     """
@@ -36,6 +38,7 @@ class RestFilter:
         self.skipped: dict[frozenset[pymunk.Shape], tuple[tuple[pymunk.Shape, pymunk.Shape], Vector]] = {}
         self.jammed: set[frozenset[pymunk.Shape]] = set()
         self.still_jammed: set[frozenset[pymunk.Shape]] = set()
+        self.motion = StepMotion()
         self.active = False
         self.resting: float | None = None
         self._approach_of, self._tune = approach_reader(space), contact_tuner(space)
@@ -72,10 +75,17 @@ class RestFilter:
         if jams or approach <= self.resting or approach <= ROUNDING * speeds:
             self._tune(arbiter, friction)
             return
-        # The engine keeps the contact, wakes its bodies and reduces overlap, but takes it to fly apart.
+        # The engine keeps the contact and wakes its bodies, but takes it to fly apart, and to have no overlap to reduce.
+        for each in shapes:
+            if each.body is not None:
+                self.motion.note(joined([each.body]))
         normal, slide = arbiter.normal, arbiter.surface_velocity
         self.skipped[frozenset(shapes)] = (shapes, (slide.x, slide.y))
         self._tune(arbiter, 0.0)
+        found = arbiter.contact_point_set
+        for point in found.points:
+            point.point_b = point.point_a
+        arbiter.contact_point_set = found
         arbiter.surface_velocity = (OUT_OF_REACH * normal.x, OUT_OF_REACH * normal.y)
 
     def surface_velocity(self, shapes: tuple[pymunk.Shape, pymunk.Shape]) -> Vector | None:
