@@ -14,6 +14,7 @@ from bristle_sim.benchmarks.accuracy_cost import (
     cases,
     effects,
     exudyn_methods,
+    heyoka_methods,
     measure,
     mujoco_methods,
     own_methods,
@@ -210,6 +211,13 @@ class TestPeers:
         )
         assert math.log2(coarse / fine) == pytest.approx(4, abs=0.06)
 
+    def test_heyoka_flight(self):
+        pytest.importorskip("heyoka")
+        attempts = heyoka_methods.flight_attempts(FLIGHT)
+        # Each tolerance bounds a step's remainder; the flight takes some ten steps, and ends at rounding.
+        assert all(FLIGHT.error(each.run().values) < 10.0 * 10.0**-k + 1e-14 for k, each in enumerate(attempts, 1))
+        assert attempts[-1].run() == attempts[-1].run()
+
     def test_exudyn_adapts_its_steps(self):
         pytest.importorskip("exudyn")
         attempts = exudyn_methods.flight_attempts(FLIGHT)
@@ -220,7 +228,7 @@ class TestPeers:
 
 
 class TestMissingPeers:
-    @pytest.mark.parametrize("name", ["mujoco", "exudyn"])
+    @pytest.mark.parametrize("name", ["mujoco", "exudyn", "heyoka"])
     def test_a_peer_that_cannot_be_imported_is_named_and_left_out(self, name, tmp_path, monkeypatch):
         """Installed, but built for another machine: its import fails, and the study goes on without it."""
         (tmp_path / f"{name}.py").write_text('raise ImportError("lib.so: wrong\\nELF class")', encoding="utf-8")

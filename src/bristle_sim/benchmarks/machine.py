@@ -9,7 +9,7 @@ import platform
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn")
+PACKAGES = ("bristle_sim", "pymunk", "numpy", "scipy", "mujoco", "exudyn", "heyoka")
 
 
 def installed() -> set[str]:

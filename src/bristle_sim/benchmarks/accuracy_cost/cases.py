@@ -89,7 +89,7 @@ def release_flight() -> FlightCase:
         scale=(retraction, speed),
         source="energy integral; its quarter period by Gauss-Legendre quadrature",
         notes=(
-            "scipy: the equation of motion, derived by hand; all others: bodies",
+            "scipy, heyoka: the equation of motion, derived by hand; all others: bodies",
             "and joints, the model built beforehand (but for simulate)",
         ),
         tool=tool,

@@ -7,7 +7,14 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
-from bristle_sim.benchmarks.accuracy_cost import cases, exudyn_methods, mujoco_methods, own_methods, scipy_methods
+from bristle_sim.benchmarks.accuracy_cost import (
+    cases,
+    exudyn_methods,
+    heyoka_methods,
+    mujoco_methods,
+    own_methods,
+    scipy_methods,
+)
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.effects import effects
 from bristle_sim.benchmarks.accuracy_cost.measure import (
@@ -30,6 +37,7 @@ FLIGHT: Offers = {
     "scipy": scipy_methods.flight_attempts,
     "mujoco": mujoco_methods.flight_attempts,
     "exudyn": exudyn_methods.flight_attempts,
+    "heyoka": heyoka_methods.flight_attempts,
 }
 STRIKE: Offers = {OURS: own_methods.strike_attempts, "scipy": scipy_methods.strike_attempts}
 PASS: Offers = {
