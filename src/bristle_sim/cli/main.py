@@ -44,7 +44,9 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
-            options = _parser(scenario, program).parse_args(arguments)
+            options = _parser(
+                scenario, program, sweeping=any(each.startswith("--sweep") for each in arguments)
+            ).parse_args(arguments)
             if options.list_keys:
                 say(scenario.key_list())
                 return 0
@@ -53,7 +55,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 options.set = [*from_file, *options.set]
             values = scenario.values_of(options.set)
             remarks += scenario.warnings_of(options.set, values)
-            status = _answer(scenario, options, values, command)
+            status = _answer(scenario, options, values, command) if not options.sweep else _swept(scenario, options)
         except (ValueError, OSError) as error:
             line = "; ".join([" ".join(str(error).split()), *remarks])
             tell(f"{program}: error: {line}")
@@ -80,6 +82,16 @@ def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, com
         _written("json", target, lambda: _write_text(target, text + "\n"))
     say(text if options.json == "-" else series if options.csv == "-" else in_words(report))
     return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
+
+
+def _swept(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Run the scenario over one or two keys."""
+    try:
+        from bristle_sim.cli.sweep import run_sweep
+
+        return run_sweep(scenario, options)
+    except ImportError as error:
+        raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
 
 
 def _run(scenario: Scenario, values: Values, assignments: Sequence[str]) -> Report:
@@ -178,6 +190,8 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
     A device such as /dev/null may serve several options.
     """
     found = dict.fromkeys(KINDS, None) | dict[str, Path | None]()
+    if options.workers is not None or options.store is not None:
+        raise ValueError("--workers, --store: must be given with --sweep")
     if options.json == options.csv == "-":
         raise ValueError("--csv = '-': must be a file where --json is on standard output")
     if options.video is None and (options.size or options.fps):
@@ -216,8 +230,8 @@ class _Parser(argparse.ArgumentParser):
         raise ValueError(message)
 
 
-def _parser(scenario: Scenario, program: str) -> _Parser:
-    """Return a parser of the options that the scenario has; those it has not are as if left out."""
+def _parser(scenario: Scenario, program: str, *, sweeping: bool = False) -> _Parser:
+    """Return a parser of the options that the scenario has, or that a sweep of it has; others are as if left out."""
     parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
     words = "override a parameter, in SI units or with a unit (27mm); the last of a key counts"
     parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
@@ -226,19 +240,29 @@ def _parser(scenario: Scenario, program: str) -> _Parser:
     options: tuple[tuple[str, Any, str, str, Any], ...] = (
         ("parameters", has_tool, "FILE.toml", "read the tool from a file; --set overrides it", str),
         ("json", True, "FILE", "write the results as JSON; - for standard output", str),
-        ("csv", scenario.series, "FILE.csv", "write the time series, one row a sample; - for standard output", str),
-        ("plot", pictures, where, "draw a figure (png, svg, pdf)", str),
+        (
+            "csv",
+            scenario.series or sweeping,
+            "FILE.csv",
+            "write the time series, one row a sample; - for standard output",
+            str,
+        ),
+        ("plot", pictures or sweeping, where, "draw a figure (png, svg, pdf)", str),
         ("video", scenario.film, "FILE", "render a video (mp4, gif)", str),
         ("size", scenario.film, "WIDTHxHEIGHT", "of the video, in px", _size),
         ("fps", scenario.film, "NUMBER", "pictures a second of the video", float),
         ("report", True, "FILE.html", "write a page with question, answer, figures and parameters", str),
         ("write_tool", has_tool, "FILE.toml", "write the tool that was run, or found", str),
+        ("workers", True, "N", "processes of a sweep; -1: one a core", int),
+        ("store", True, "FOLDER", "keep finished points of a sweep, and go on from them", str),
     )
     for name, offered, what, words, kind in options:
         if offered:
             parser.add_argument(_flag(name), metavar=what, help=words, type=kind)
         else:
             parser.set_defaults(**{name: None})
+    words = "the quantities over one key, or two by two options, in N steps; with --csv, --json and --plot of the table"
+    parser.add_argument("--sweep", metavar="KEY=FROM:TO:N", action="append", default=[], help=words)
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
     for key in scenario.options:
         setting: dict[str, Any] = {"dest": "set", "action": "append", "type": f"{key}={{}}".format}

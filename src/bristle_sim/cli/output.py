@@ -54,6 +54,9 @@ class _Progress(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Note a report."""
+        if record.levelno >= logging.WARNING:
+            tell(f"{self.program}: warning: {record.getMessage()}")
+            return
         self.last = record.getMessage()
         if self.terminal:
             print(f"\r\x1b[K{self.program}: {self.last}", end="", file=sys.stderr, flush=True)
@@ -81,17 +84,17 @@ def document(name: str, values: Mapping[str, Any], report: Report, *, finished: 
         **report.extra,
         **({} if finished else {"finished": False}),
     }
-    return json.dumps(_plain(found), indent=1, allow_nan=False)
+    return json.dumps(plain(found), indent=1, allow_nan=False)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Turn values into JSON's own types; a number that is not finite becomes null."""
     if isinstance(value, Mapping):
-        return {key: _plain(each) for key, each in value.items()}
+        return {key: plain(each) for key, each in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
+        return [plain(each) for each in value]
     if hasattr(value, "tolist"):  # NumPy's scalars and arrays
-        return _plain(value.tolist())
+        return plain(value.tolist())
     return finite(value) if isinstance(value, float) else value
 
 
@@ -100,7 +103,7 @@ def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows(zip(*(_plain(list(column)) for column in columns.values()), strict=True))
+    writer.writerows(zip(*(plain(list(column)) for column in columns.values()), strict=True))
     return text.getvalue()
 
 

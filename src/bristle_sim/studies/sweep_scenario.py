@@ -53,8 +53,10 @@ def sweep_scenario(
     finished = np.argwhere(np.any(known, axis=0))
     if finished.size:  # a report there knows labels and units
         point = {key: float(values[i]) for (key, values), i in zip(space.items(), finished[0], strict=True)}
-        for each in run(**point).quantities:
-            found[each.name].attrs = {"units": each.unit, "long_name": each.label}
+        quantities = {each.name: each for each in run(**point).quantities}
+        found = found[[*quantities, *(name for name in found.data_vars if name not in quantities)]]
+        for name, each in quantities.items():
+            found[name].attrs = {"units": each.unit, "long_name": each.label}
     return found
 
 

@@ -1,0 +1,154 @@
+"""``--sweep KEY=FROM:TO:N``: a scenario's quantities over one or two of its keys, as a table, JSON, CSV, and lines or maps."""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import json
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from bristle_sim import __version__
+from bristle_sim.cli.output import csv_text, plain, say, tell
+from bristle_sim.cli.scenario import Scenario
+from bristle_sim.comparison import WIDTH, Report, Table, readable_unit
+from bristle_sim.files import checked_target, complete_or_absent
+from bristle_sim.units import Range, likely_key
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_POINTS = 10**6
+"""Values of a key at most."""
+
+MOST_ROWS = 60
+"""Points that a terminal shows; files have all."""
+
+SUFFIXES = {"csv": (".csv",), "json": (), "plot": (".png", ".svg", ".pdf")}
+
+
+def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Sweep, write the requested files, print the table; return the exit status.
+
+    Raises:
+        ValueError: for bad input, or if no point has a result.
+    """
+    from bristle_sim.studies.sweep_scenario import sweep_scenario
+
+    for name in ("video", "report", "write_tool"):
+        if getattr(options, name) is not None:
+            raise ValueError(f"--{name.replace('_', '-')}: must be left out with --sweep")
+    targets = {
+        name: checked_target(path, suffixes, option=f"--{name}")
+        for name, suffixes in SUFFIXES.items()
+        if (path := getattr(options, name)) is not None and path != "-"
+    }
+    keys = scenario.keys()
+    axes = dict(_axis(scenario, text) for text in options.sweep)
+    if len(axes) < len(options.sweep):
+        raise ValueError(f"--sweep = {', '.join(options.sweep)}: must name each key once")
+    point = functools.partial(answer_at, scenario, tuple(options.set))
+    units = {key: keys[key][0].unit for key in axes}
+    found = sweep_scenario(point, axes, units=units, workers=options.workers, store=options.store)
+    columns = table_columns(found)
+    answer = _summary(found, axes)
+    contents = {
+        "csv": csv_text(columns),
+        "json": json.dumps(
+            {
+                "scenario": scenario.name,
+                "answer": answer,
+                "version": __version__,
+                "parameters": {key: value for key, value in scenario.values_of(options.set).items() if key not in axes},
+                "columns": plain(columns),
+            },
+            indent=1,
+            allow_nan=False,
+        ),
+    }
+    for name, target in targets.items():
+        if name == "plot":
+            from bristle_sim.render.style import save_figure
+            from bristle_sim.render.sweep_figure import sweep_figure
+
+            save_figure(sweep_figure(found, list(axes)), target)
+        else:
+            with complete_or_absent(target) as partial:
+                partial.write_text(contents[name].rstrip("\n") + "\n", encoding="utf-8", newline="")
+        tell(f"--{name}: wrote {target}")
+    shown = next((contents[name].rstrip("\n") for name in contents if getattr(options, name) == "-"), None)
+    say(shown or "\n\n".join([answer, *map(str, _tables(found, list(axes)))]))
+    return 0
+
+
+def answer_at(scenario: Scenario, assignments: Sequence[str], /, **keys: float) -> Report:
+    """Answer a scenario's question at these values of its keys; the ValueError of a value that is refused says why."""
+    return scenario.answer(scenario.values_of([*assignments, *(f"{key}={value!r}" for key, value in keys.items())]))
+
+
+def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:
+    """Return a key and the values that KEY=FROM:TO:N names, in equal steps from end to end."""
+    import numpy as np
+
+    key, _, interval = text.partition("=")
+    ends, keys = interval.split(":"), scenario.keys()
+    if len(ends) != 3 or not ends[2].isdecimal() or not 1 <= int(ends[2]) <= MOST_POINTS:
+        raise ValueError(
+            f"--sweep = {text!r}: must be KEY=FROM:TO:N with N from 1 to {MOST_POINTS}, such as friction=0.1:0.5:9"
+        )
+    if key not in keys:
+        raise ValueError(
+            f"--sweep = {text!r}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}"
+        )
+    declared = keys[key][0]
+    if not isinstance(declared, Range):
+        raise ValueError(f"--sweep = {text!r}: must name a key that is a number, not a word")
+    low, high = (float(declared.parse(end)) for end in ends[:2])
+    return key, np.linspace(low, high, int(ends[2])).tolist()
+
+
+def table_columns(found: xr.Dataset) -> dict[str, list[Any]]:
+    """Return keys, quantities and reasons by name and unit, one entry a point."""
+    import xarray as xr
+
+    names = [*map(str, found.dims), *(str(name) for name in found.data_vars if name != "failure"), "failure"]
+    full = dict(zip(names, xr.broadcast(*(found[name] for name in names)), strict=True))
+    units = {name: found[name].attrs.get("units", "") for name in names}
+    return {
+        f"{name} ({units[name]})" if units[name] else name: each.values.ravel().tolist() for name, each in full.items()
+    }
+
+
+def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
+    """Say how many points there are, and why some lack results."""
+    import numpy as np
+
+    reasons, number = np.unique(found["failure"].values, return_counts=True)
+    over = " and ".join(f"{len(values)} values of {key}" for key, values in axes.items())
+    why = "; ".join(
+        f"{n} lack results: {reason.rstrip('.')}"
+        for reason, n in zip(reasons.tolist(), number.tolist(), strict=True)
+        if reason
+    )
+    return f"{over}: {found['failure'].size} points" + (f", {why}." if why else ", all with results.")
+
+
+def _tables(found: xr.Dataset, axes: list[str]) -> list[Table]:
+    """Return the quantities over the keys in tables that fit the width; none where there are too many points."""
+    if found["failure"].size > MOST_ROWS:
+        return []
+    columns = list[tuple[str, ...]]()
+    quantities = [str(name) for name in found.data_vars if name != "failure"]
+    for name, values in zip((*axes, *quantities), table_columns(found).values(), strict=False):
+        unit, size = readable_unit(str(found[name].attrs.get("units", "1")), values)
+        head = str(found[name].attrs.get("long_name", name)) + (f" ({unit})" if unit not in ("", "1") else "")
+        columns.append((head, *(f"{value / size:.5g}" if math.isfinite(value) else "-" for value in values)))
+    keys, rest, tables = columns[: len(axes)], columns[len(axes) :], []
+    while rest:
+        taken = [*keys, rest.pop(0)]
+        while rest and sum(max(map(len, each)) + 2 for each in (*taken, rest[0])) <= WIDTH:
+            taken.append(rest.pop(0))
+        rows = list(zip(*taken, strict=True))
+        tables.append(Table(f"over {' and '.join(axes)}", rows[0], tuple(rows[1:])))
+    return tables

@@ -1,0 +1,80 @@
+"""Draw a scenario's quantities over one key as lines, over two as maps."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from bristle_sim.comparison import readable_unit
+from bristle_sim.render.colours import BLUE, GREY
+from bristle_sim.render.style import axes_at, blank_figure, styled
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+COLUMNS, WIDTH, HEIGHT = 3, 6.0, 5.2
+"""Panels in a row, and their size with its margins, cm."""
+
+TITLE = 32
+"""Letters in a line of a panel's title."""
+
+
+@styled()
+def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
+    """Draw a panel for each quantity; points without a value are gaps, or white.
+
+    Raises:
+        ValueError: if no point has a result.
+    """
+    names = [
+        str(name) for name, each in found.data_vars.items() if name != "failure" and np.isfinite(each.values).any()
+    ]
+    if not names:
+        raise ValueError(f"--plot: must have results to draw; {found['failure'].values.ravel()[0]}")
+    rows = math.ceil(len(names) / COLUMNS)
+    figure = blank_figure(COLUMNS * WIDTH + 0.6, rows * HEIGHT + 0.4)
+    (x, x_label), *others = (_shown(found, key) for key in keys)
+    for number, name in enumerate(names):
+        column, row = number % COLUMNS, rows - 1 - number // COLUMNS
+        axes = axes_at(figure, 1.4 + WIDTH * column, 1.3 + HEIGHT * row, WIDTH - 2.4, HEIGHT - 2.4)
+        values, label = _shown(found, name)
+        axes.set_title("\n".join(textwrap.wrap(label, TITLE)), loc="left", fontsize=7.5)
+        axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
+        if not others:
+            axes.plot(x, values, ".-", color=BLUE, markersize=4.0, gid=f"quantity {name}")
+            axes.set_xlim(_padded(x))
+            continue
+        ((y, y_label),) = others
+        axes.grid(visible=False)
+        axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
+        values = found[name].transpose(*reversed(keys)).values * _scale(found, name)[0]
+        image = axes.pcolormesh(x, y, values, cmap="viridis", shading="nearest", rasterized=True)
+        left, bottom, width, height = axes.get_position().bounds
+        colours = figure.colorbar(image, cax=figure.add_axes((left + 1.04 * width, bottom, 0.04 * width, height)))
+        colours.ax.tick_params(labelsize=6.0, colors=GREY)
+    return figure
+
+
+def _shown(found: xr.Dataset, name: str) -> tuple[np.ndarray, str]:
+    """Return values in a person's unit, and their label with it."""
+    factor, unit = _scale(found, name)
+    label = str(found[name].attrs.get("long_name", name.removesuffix("_deg").replace("_", " ")))
+    return found[name].values * factor, label + (f" ({unit})" if unit else "")
+
+
+def _scale(found: xr.Dataset, name: str) -> tuple[float, str]:
+    """Return the factor to a person's unit, and the unit."""
+    unit, size = readable_unit(str(found[name].attrs.get("units", "1")), found[name].values.ravel().tolist())
+    return 1.0 / size, {"1": "", "deg": "°"}.get(unit, unit)
+
+
+def _padded(values: np.ndarray) -> tuple[float, float]:
+    """Return limits that hold all values of a key, those without a result too."""
+    low, high = float(values.min()), float(values.max())
+    room = 0.05 * (high - low) or 0.5
+    return low - room, high + room
