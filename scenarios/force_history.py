@@ -1,7 +1,7 @@
 """Force history: the curve that chapter 3 assumes compared with the contact force of a bristle in the scene.
 
 Both have the same compressive impulse and compression time; the peak force is the finding. A measured force history takes
-the curve's place with ``--set force_csv=FILE``, a file as an oscilloscope exports it: the contact is found on any clock and
+the curve's place with ``--set force_csv=FILE``, a file of columns: the contact is found on any clock and
 above any zero, units are read from headings, ``time_column`` and ``force_column`` choose among several columns, and
 ``force_per_volt`` is the sensitivity of a force recorded as a voltage.
 """

@@ -117,7 +117,7 @@ def test_force_history_of_measured_points(tmp_path: Path):
         ("0,0\n1,nan\n2,1\n3,0\n", ("force_csv", "line 2", "nan", "must be a finite number")),
         ("0,0\n1,1\n0.5,2\n1,1\n", ("line 3", "more than the time before")),
         ("a,b,c\n0,1,2\n1,2,3\n", ("columns 2 (b), 3 (c)", "force_column")),
-        ("", ("force_csv", "no line with two numbers")),
+        ("", ("force_csv", "must have columns of time and force")),
     ],
 )
 def test_force_files_that_are_none(tmp_path: Path, text: str | None, words: tuple[str, ...]):

@@ -54,7 +54,7 @@ class Measurement(Declared):
     force_csv: str | None = _text(
         "force_csv",
         "file",
-        "measured force history: columns of time and force as an oscilloscope exports them",
+        "measured force history: columns of time and force, perhaps with headings",
         "none: the measured points are not in print",
     )
     time_column: str | None = _text(

@@ -26,9 +26,8 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
-from bristle_sim.theory.force_fit import fit_force_history
+from bristle_sim.theory.force_fit import ForceFit, fit_force_history
 from bristle_sim.theory.force_history import BRISTLE, PRINTED_BRISTLE_IMPULSE, ForceCurve
-from bristle_sim.theory.force_least_squares import ForceFit
 
 PRINTED = {"peak_force": 57.0, "compression_time": 5e-5, "compressive_impulse": PRINTED_BRISTLE_IMPULSE}
 """Zhang 2020, eqs. 3.21, 3.20 and 3.9."""
