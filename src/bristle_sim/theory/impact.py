@@ -30,9 +30,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import numbers
+from bristle_sim.theory.checks import numbers, require
 from bristle_sim.theory.impact_phases import End, Target, isfinite, quotient, select, square_root, walk
 from bristle_sim.theory.impact_result import NO_CONTACT, NO_REBOUND, OUTCOMES, PHASES, REBOUND, STICTION, Impact
+from bristle_sim.units import shown
 
 __all__ = [
     "LAWS", "NO_CONTACT", "NO_REBOUND", "OUTCOMES", "PHASES", "REBOUND", "STICTION", "Impact", "energetic_impact",
@@ -40,6 +41,9 @@ __all__ = [
 ]  # fmt: skip
 
 MOST_FRICTION = 1e150  # more makes impulses that overflow
+
+LEAST_COMPLIANCE, MOST_COMPLIANCE = 1e-4, 1e4
+"""Range of eta^2. Each swing of the tangential spring is a phase of its own, some 0.65/eta of them: below it the rigid law serves."""
 
 BLOCK = 1 << 13
 
@@ -51,6 +55,7 @@ def energetic_impact(
     restitution: ArrayLike,
     restitution_friction: ArrayLike | None = None,
     stick_compliance: ArrayLike | None = None,
+    tangential_compliance: ArrayLike = 0.0,
 ) -> Impact:
     """Resolve an impact with Stronge's energetic coefficient of restitution, W_r = -e*^2 W_c (Zhang 2020, eq. 2.46).
 
@@ -64,16 +69,21 @@ def energetic_impact(
         restitution_friction: mu in restitution; equal to ``friction`` by default.
         stick_compliance: gain of v_n per unit normal impulse while the point does not slip, K_nn - K_nt^2/K_tt, 1/kg,
             where it is known better than K's rounding tells: at a mass ratio of 1e12 the difference keeps four digits.
+        tangential_compliance: eta^2, the stiffness of the contact along its normal over that along the surface, from 0 (rigid
+            along the surface) to 1e4, shape (...); (2 - nu)/(2 (1 - nu)) for two bodies of one elastic material
+            (``impact_compliance``). Below 1e-4 the rigid law serves as the limit, from which the impulse differs by less
+            than some 2 eta^2, and slip that is left at e* = 0 by some eta.
 
     Returns:
         The impact; floats for a single one, arrays of the broadcast shape otherwise.
 
     Raises:
         ValueError: for values that are not finite, a K that is not symmetric positive semidefinite, mu < 0, e*
-            outside [0, 1], a stick_compliance < 0, and where impulses or works are too large for a float.
+            outside [0, 1], a stick_compliance < 0, eta^2 outside [0, 1e4], and where impulses or works are too large for a float.
     """
     given = (inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
-    return _resolve(_energetic_end, *given)
+    rigid = _resolve(_energetic_end, *given)
+    return rigid if _is_zero(tangential_compliance) else _with_compliance(rigid, tangential_compliance, given)
 
 
 def poisson_impact(
@@ -83,12 +93,15 @@ def poisson_impact(
     restitution: ArrayLike,
     restitution_friction: ArrayLike | None = None,
     stick_compliance: ArrayLike | None = None,
+    tangential_compliance: ArrayLike = 0.0,
 ) -> Impact:
     """Resolve an impact with Poisson's coefficient e: restitution ends at p_r = e p_c (Wang and Mason 1992).
 
     Arguments, result and errors are those of ``energetic_impact``. With one coefficient of friction no energy is gained;
-    with a ``restitution_friction`` of its own it can be.
+    with a ``restitution_friction`` of its own it can be. Springs define no impulse of restitution, so that the tangential
+    compliance must be 0.
     """
+    _require_rigid(tangential_compliance)
     return _resolve(_poisson_end, inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
 
 
@@ -99,12 +112,15 @@ def newton_impact(
     restitution: ArrayLike,
     restitution_friction: ArrayLike | None = None,
     stick_compliance: ArrayLike | None = None,
+    tangential_compliance: ArrayLike = 0.0,
 ) -> Impact:
     """Resolve an impact with Newton's coefficient e: restitution ends at the normal velocity v_n = -e v_n(0).
 
     Arguments, result and errors are those of ``energetic_impact``. Where slip stops or reverses it can gain energy, as in
-    Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985); it is here to be compared.
+    Kane and Levinson's double pendulum (*Dynamics: Theory and Applications*, 1985); it is here to be compared. Springs define no velocity of separation, so that the
+    tangential compliance must be 0.
     """
+    _require_rigid(tangential_compliance)
     return _resolve(_newton_end, inverse_mass, velocity, friction, restitution, restitution_friction, stick_compliance)
 
 
@@ -131,6 +147,49 @@ def _poisson_end(_velocity: Number, _compliance: Number, target: Target) -> Numb
 
 def _newton_end(velocity: Number, compliance: Number, target: Target) -> Number:
     return quotient(select(target.velocity > velocity, target.velocity - velocity, 0.0), compliance)
+
+
+def _is_zero(compliance: Any) -> bool:
+    return isinstance(compliance, float | int) and not isinstance(compliance, bool) and compliance == 0
+
+
+def _require_rigid(compliance: ArrayLike) -> None:
+    if not _is_zero(compliance) and np.any(numbers("tangential_compliance", compliance, "must be real numbers")):
+        raise ValueError(f"tangential_compliance = {shown(compliance)}: must be 0 in this law (dimensionless)")
+
+
+def _with_compliance(rigid: Impact, compliance: ArrayLike, given: tuple[Any, ...]) -> Impact:
+    """Return the impacts, those of a tangential compliance resolved by it."""
+    squared = numbers("tangential_compliance", compliance, "must be real numbers")
+    within = (squared >= 0.0) & (squared <= MOST_COMPLIANCE)
+    require("tangential_compliance", squared, within, f"must be from 0 to {MOST_COMPLIANCE:g} (dimensionless)")
+    matrix, velocity, friction, restitution, later, stick = given
+    coefficients = (friction, restitution, friction if later is None else later, *(() if stick is None else (stick,)))
+    values, _ = _unpack(matrix, velocity, *coefficients)
+    shape = np.broadcast_shapes(np.shape(values[0]), squared.shape)
+    whole = [np.broadcast_to(each, shape) for each in (*values, squared)]
+    chosen = (whole[-1] >= LEAST_COMPLIANCE) & (whole[3] < 0.0) & (whole[0] > 0.0)
+    if not chosen.any():
+        return _broadcast(rigid, shape)
+    from bristle_sim.theory.impact_compliance import compliant_impact  # only where a contact has this effect
+
+    if not shape:
+        return compliant_impact([each.item() for each in whole[:-1]], whole[-1].item())
+    found = compliant_impact([each[chosen] for each in whole[:-1]], whole[-1][chosen])
+    impact = _broadcast(rigid, shape)
+    for each in fields(Impact):
+        getattr(impact, each.name)[chosen] = getattr(found, each.name)
+    return impact
+
+
+def _broadcast(impact: Impact, shape: tuple[int, ...]) -> Impact:
+    """Return an impact as arrays of their own of a broadcast shape; a single one as it is."""
+    if not shape:
+        return impact
+    tails = {each.name: (4,) if each.name.startswith("phase") else () for each in fields(Impact)}
+    return Impact(
+        **{name: np.array(np.broadcast_to(getattr(impact, name), shape + tail)) for name, tail in tails.items()}
+    )
 
 
 def _resolve(

@@ -39,7 +39,7 @@ class _State:
     impulse_tangential: Number
 
 
-class _Mass(NamedTuple):
+class InverseMass(NamedTuple):
     """K by its entries, its normal compliance in stick rid of rounding, and the tangential impulse of stick per normal one."""
 
     normal: Number
@@ -90,11 +90,11 @@ def walk(
     stick: Number | None = None,
 ) -> Impact:
     """Go through the four phases in order."""
-    mass = _mass(k_nn, k_nt, k_tt, stick)
+    mass = inverse_mass_of(k_nn, k_nt, k_tt, stick)
     approaching = normal < 0.0
     none = abs(0.0 * normal)
     state = _State(select(approaching, normal, 0.0), tangential, none, none)
-    initial = _sign(tangential)
+    initial = sign(tangential)
 
     first = _compress(state, mass, mu_1, initial, approaching & (initial != 0.0))
     second = _compress(state, mass, mu_1, _settled(mass, mu_1), state.normal < 0.0)
@@ -104,8 +104,8 @@ def walk(
     # Compression may have ended in slip, reversed slip or stick; slip that is still there goes on.
     work = -(first.work_normal + second.work_normal) * e * e
     target = Target(work, e * compressive, -e * normal, -KNIFE_EDGE * normal)
-    opens = approaching & _not(jammed) & (e > 0.0)
-    slip = _sign(state.tangential)
+    opens = approaching & negated(jammed) & (e > 0.0)
+    slip = sign(state.tangential)
     third = _restitute(state, mass, mu_2, slip, opens & (slip != 0.0), target, end)
     left = Target(work - third.work_normal, target.impulse - third.impulse, target.velocity, target.least)
     still_open = opens & ((slip == 0.0) | third.unfinished)
@@ -133,21 +133,22 @@ def walk(
     )
 
 
-def _mass(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> _Mass:
-    ratio = select(k_tt > 0.0, k_nt * _inverse(k_tt), 0.0)
+def inverse_mass_of(k_nn: Number, k_nt: Number, k_tt: Number, stick: Number | None) -> InverseMass:
+    """Return K with its normal compliance in stick, computed from it unless that is given."""
+    ratio = select(k_tt > 0.0, k_nt * inverse(k_tt), 0.0)
     if stick is None:
         difference = k_nn - ratio * k_nt
         stick = select(difference > SINGULAR * k_nn, difference, 0.0)
-    return _Mass(k_nn, k_nt, k_tt, stick, -ratio)
+    return InverseMass(k_nn, k_nt, k_tt, stick, -ratio)
 
 
-def _settled(mass: _Mass, mu: Number) -> Number:
+def _settled(mass: InverseMass, mu: Number) -> Number:
     """Return the direction of slip once it has stopped: 0 where friction holds the point, else as K drives it."""
     holds = mu * mass.tangential >= abs(mass.coupling)
-    return select(holds, 0.0, _sign(mass.coupling))
+    return select(holds, 0.0, sign(mass.coupling))
 
 
-def _slip_rates(mass: _Mass, mu: Number, slip: Number) -> tuple[Number, Number]:
+def _slip_rates(mass: InverseMass, mu: Number, slip: Number) -> tuple[Number, Number]:
     """Return the gains of v_n and v_t per normal impulse in slip, K_nn - mu sign(v_t) K_nt and K_nt - mu sign(v_t) K_tt.
 
     The first by way of the second: where rounding decides both, they are still those of one mu, and no energy is gained.
@@ -156,7 +157,7 @@ def _slip_rates(mass: _Mass, mu: Number, slip: Number) -> tuple[Number, Number]:
     return mass.stick - mass.stick_ratio * tangential, tangential
 
 
-def _compress(state: _State, mass: _Mass, mu: Number, slip: Number, active: Number) -> _Phase:
+def _compress(state: _State, mass: InverseMass, mu: Number, slip: Number, active: Number) -> _Phase:
     """Advance to the end of compression or of slip, whichever comes first."""
     if active is False:
         return _NOTHING
@@ -170,7 +171,7 @@ def _compress(state: _State, mass: _Mass, mu: Number, slip: Number, active: Numb
 
 
 def _restitute(
-    state: _State, mass: _Mass, mu: Number, slip: Number, active: Number, target: Target, end: End
+    state: _State, mass: InverseMass, mu: Number, slip: Number, active: Number, target: Target, end: End
 ) -> _Phase:
     """Advance to the end of restitution or of slip; slip that would turn v_n back keeps it at rest."""
     if active is False:
@@ -179,9 +180,9 @@ def _restitute(
     drive = slip * mass.coupling
     slip_rate, slip_tangential_rate = _slip_rates(mass, mu, slip)
     at_rest = (drive > 0.0) & (slip_rate <= 0.0)
-    ratio = select(at_rest, -mass.normal * _inverse(mass.coupling), -mu * slip)
+    ratio = select(at_rest, -mass.normal * inverse(mass.coupling), -mu * slip)
     # At rest K_nt + r K_tt = -(K_nn K_tt - K_nt^2)/K_nt, which is rounding alone for one degree of freedom.
-    slowing = -mass.stick * mass.tangential * _inverse(mass.coupling)
+    slowing = -mass.stick * mass.tangential * inverse(mass.coupling)
     ratio = select(sticks, mass.stick_ratio, ratio)
     normal_rate = select(sticks, mass.stick, select(at_rest, 0.0, slip_rate))
     tangential_rate = select(sticks, 0.0, select(at_rest, slowing, slip_tangential_rate))
@@ -216,7 +217,7 @@ def _advance(
     state.tangential = tangential
     state.impulse = state.impulse + step
     state.impulse_tangential = state.impulse_tangential + ratio * step
-    return _Phase(step, select(active, slip, 0.0), work_normal, work_tangential, stopped, active & _not(finished))
+    return _Phase(step, select(active, slip, 0.0), work_normal, work_tangential, stopped, active & negated(finished))
 
 
 def _slip_stop(initial: Number, rows: tuple[_Phase, ...]) -> Number:
@@ -234,11 +235,13 @@ def select(condition: Number, chosen: Number, other: Number) -> Number:
     return np.where(condition, chosen, other)
 
 
-def _not(condition: Number) -> Number:
+def negated(condition: Number) -> Number:
+    """Return the opposite of a truth value, or of each of an array."""
     return not condition if isinstance(condition, bool) else ~condition
 
 
-def _sign(value: Number) -> Number:
+def sign(value: Number) -> Number:
+    """Return -1, 0 or 1."""
     if isinstance(value, float):
         return math.copysign(1.0, value) if value else 0.0
     return np.sign(value)
@@ -249,16 +252,36 @@ def square_root(value: Number) -> Number:
     return math.sqrt(value) if isinstance(value, float) else np.sqrt(value)
 
 
+def tangent(value: Number) -> Number:
+    """Return the tangent."""
+    return math.tan(value) if isinstance(value, float) else np.tan(value)
+
+
+def larger(one: Number, other: Number) -> Number:
+    """Return the larger one of two values."""
+    return max(one, other) if isinstance(one, float) else np.maximum(one, other)
+
+
+def smaller(one: Number, other: Number) -> Number:
+    """Return the smaller one of two values."""
+    return min(one, other) if isinstance(one, float) else np.minimum(one, other)
+
+
 def isfinite(value: Number) -> Number:
     """Tell whether a value is neither infinite nor NaN."""
     return math.isfinite(value) if isinstance(value, float) else np.isfinite(value)
 
 
-def _inverse(value: Number) -> Number:
+def inverse(value: Number) -> Number:
     """Return 1/value, infinite at zero."""
     if isinstance(value, float):
         return 1.0 / value if value else INFINITE
     return 1.0 / value
+
+
+def divided(value: Number, divisor: Number) -> Number:
+    """Return value/divisor, infinite where the divisor is zero."""
+    return (value / divisor if divisor else INFINITE) if isinstance(divisor, float) else value / divisor
 
 
 def quotient(value: Number, divisor: Number) -> Number:

@@ -1,0 +1,295 @@
+"""The tangential spring beside the normal one: an independent march in time, closed forms, limits, and hard cases."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import os
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, poisson_impact
+
+SIZE = int(os.environ.get("BRISTLE_MARCHES", "300"))
+"""Impacts that are marched in time, 15 ms of CPU each; 100,000 of them agreed."""
+
+
+def random_impacts(seed: int, size: int, reach: float = 0.95) -> dict[str, np.ndarray]:
+    """Approaching points with eta^2 from 0.01 to 10; mu_2 is mu_1 in half of them."""
+    rng = np.random.default_rng(seed)
+    diagonal, correlation = 10.0 ** rng.uniform(-1, 1, (2, size)), rng.uniform(-reach, reach, size)
+    coupling = correlation * np.sqrt(diagonal.prod(axis=0))
+    matrix = np.array([[diagonal[0], coupling], [coupling, diagonal[1]]]).transpose(2, 0, 1)
+    velocity = rng.normal(size=(size, 2))
+    velocity[:, 0] = -np.abs(velocity[:, 0]) - 0.01
+    friction = rng.uniform(0.02, 2.0, size)
+    return {
+        "inverse_mass": matrix,
+        "velocity": velocity,
+        "friction": friction,
+        "restitution": rng.uniform(0.05, 1.0, size),
+        "restitution_friction": np.where(rng.random(size) < 0.5, friction, rng.uniform(0.02, 2.0, size)),
+        "tangential_compliance": 10.0 ** rng.uniform(-2, 1, size),
+    }
+
+
+def impulse_and_velocity(found: Impact) -> np.ndarray:
+    return np.stack(
+        [found.impulse_normal, found.impulse_tangential, found.velocity_normal, found.velocity_tangential], axis=-1
+    )
+
+
+def marched(matrix, velocity, mu_1, e, mu_2, squared) -> np.ndarray | None:
+    """Impulse and velocity by marching penetration, stretch of the tangential spring and velocity in time, phase by phase.
+
+    None where that takes more than 100 phases. The normal spring has the stiffness 1 up to its deepest point and 1/e^2 below it, the tangential one 1/eta^2.
+    """
+    penetration, stretch, speed, impulse = 0.0, 0.0, np.array(velocity, dtype=float), np.zeros(2)
+    deepest, loading, mu = 0.0, True, mu_1
+    quickest = math.sqrt(np.linalg.eigvalsh(matrix).max() * max(1.0 / e**2, 1.0 / squared))
+    slip = math.copysign(1.0, speed[1]) if abs(speed[1]) > -mu * squared * speed[0] else 0.0
+
+    def push(depth: float) -> float:
+        return depth if loading else deepest - (deepest - depth) / e**2
+
+    def rates(_time: float, state: np.ndarray) -> np.ndarray:
+        depth, stretched, *moving = state[:4]
+        normal = push(depth)
+        force = np.array([normal, -slip * mu * normal if slip else -stretched / squared])
+        return np.array([-moving[0], moving[1], *(matrix @ force), *force])
+
+    def foot(_time: float, state: np.ndarray) -> float:
+        """Velocity of the foot in the sense of its slip: the point's less the growth of the stretch mu eta^2 N."""
+        return slip * state[3] + mu * squared * state[2] / (1.0 if loading else e**2)
+
+    def opens(_time: float, state: np.ndarray) -> float:
+        return push(state[0])
+
+    def line(_time: float, state: np.ndarray) -> float:
+        return state[2] if loading else state[0] - deepest * (1.0 + 1e-14)
+
+    def edges(sign: float):
+        return lambda _time, state: sign * -state[1] / squared - mu * push(state[0])
+
+    def event(function, direction):
+        def wrapped(time, state):
+            return function(time, state)
+
+        wrapped.terminal, wrapped.direction = True, direction
+        return wrapped
+
+    for _ in range(100):
+        ways = [event(line, 1.0)]
+        ways += [] if loading else [event(opens, -1.0)]
+        ways += [event(foot, -1.0)] if slip else [event(edges(1.0), 1.0), event(edges(-1.0), 1.0)]
+        start = np.array([penetration, stretch, *speed, *impulse])
+        options = {"rtol": 1e-12, "atol": 1e-14, "max_step": 0.3 / quickest}
+        run = solve_ivp(rates, (0.0, 1e6 / quickest), start, "DOP853", events=ways, **options)
+        which = next(index for index, times in enumerate(run.t_events) if times.size)
+        penetration, stretch, *rest = run.y_events[which][0]
+        speed, impulse = np.array(rest[:2]), np.array(rest[2:])
+        normal = push(penetration)
+        force = -slip * mu * normal if slip else -stretch / squared
+        if which == 0:
+            if loading:
+                deepest, loading, mu, speed[0] = penetration, False, mu_2, 0.0
+            else:
+                loading, mu = True, mu_1
+        elif not loading and which == 1:
+            return np.array([*impulse, *speed])
+        if which == 0:
+            clipped = max(-mu * normal, min(mu * normal, force))
+            at_edge = abs(clipped) >= mu * normal * (1.0 - 1e-12)
+            slip, force = (-math.copysign(1.0, clipped) if at_edge else 0.0), clipped
+            state = np.array([penetration, 0.0, *speed])
+            slip = slip if slip and foot(0.0, state) > 0.0 else 0.0
+        elif slip:
+            slip = 0.0
+        else:
+            slip = -math.copysign(1.0, force)
+        stretch = -force * squared
+    return None
+
+
+def test_the_same_as_a_march_in_time():
+    """DOP853 at 1e-12 is good to some 1e-11 of the largest of speeds and impulses in an impact; 1e-9 is asked."""
+    impacts = random_impacts(1, SIZE)
+    found = impulse_and_velocity(energetic_impact(**impacts))
+    order = ("inverse_mass", "velocity", "friction", "restitution", "restitution_friction", "tangential_compliance")
+    worst = []
+    for index in range(SIZE):
+        wanted = marched(*(impacts[key][index] for key in order))
+        if wanted is None:
+            continue
+        scale = np.repeat([np.abs(wanted[:2]).max(), np.abs(wanted[2:]).max()], 2)
+        worst.append((np.abs(found[index] - wanted) / scale).max())
+    # The others press and release the point again and again, as mu_2 > mu_1 can.
+    assert len(worst) > 0.97 * SIZE
+    assert max(worst) < 1e-9, np.argsort(worst)[-5:]
+
+
+class TestBounds:
+    @pytest.mark.parametrize("squared", [1e-4, 0.01, 1.0, 100.0, 1e4])
+    @pytest.mark.parametrize("same_friction", [True, False])
+    def test_momentum_cone_and_energy(self, squared: float, same_friction: bool) -> None:
+        """dv = K p, |p_t| <= mu p_n, W_r = e*^2 |W_c| and no energy gained, up to roundings of the terms; also ill-conditioned K."""
+        impacts = random_impacts(2, 1000, reach=0.9999) | {"tangential_compliance": squared}
+        if same_friction:
+            impacts["restitution_friction"] = impacts["friction"]
+        else:
+            impacts["restitution_friction"] = np.minimum(impacts["restitution_friction"], impacts["friction"])
+        found = energetic_impact(**impacts)
+        matrix, start = impacts["inverse_mass"], impacts["velocity"]
+        impulse, end = np.split(impulse_and_velocity(found), 2, axis=-1)
+        terms = np.abs(start).sum(-1) + np.einsum("kij,kj->k", np.abs(matrix), np.abs(impulse))
+        moved = np.einsum("kij,kj->ki", matrix, impulse)
+        assert np.all(np.abs(end - start - moved) < 1e-12 * terms[:, None])
+        assert np.all(np.abs(impulse[:, 1]) <= impacts["friction"] * impulse[:, 0] * (1.0 + 1e-12))
+        before = 0.5 * np.einsum("ki,kij,kj->k", start, np.linalg.inv(matrix), start)
+        assert np.all(found.energy_change <= 1e-12 * before)
+        assert np.all(found.velocity_normal >= 0.0)
+        np.testing.assert_allclose(found.phase_impulse.sum(-1), found.impulse_normal, rtol=1e-13)
+        compressive, restitutive = found.compressive_work[0], found.restitutive_work[0]
+        np.testing.assert_allclose(restitutive, -(impacts["restitution"] ** 2) * compressive, rtol=1e-9)
+
+    def test_mirror_symmetry(self) -> None:
+        impacts = random_impacts(3, 500)
+        plain = energetic_impact(**impacts)
+        mirror = np.array([[1.0, -1.0], [-1.0, 1.0]])
+        sides = {"inverse_mass": impacts["inverse_mass"] * mirror, "velocity": impacts["velocity"] * [1.0, -1.0]}
+        flipped = energetic_impact(**impacts | sides)
+        signs = np.array([1.0, -1.0, 1.0, -1.0])
+        wanted, found = impulse_and_velocity(plain), impulse_and_velocity(flipped) * signs
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9)
+
+    def test_single_impacts_are_those_of_the_array(self) -> None:
+        impacts = random_impacts(4, 60)
+        whole = energetic_impact(**impacts)
+        for index in range(60):
+            single = energetic_impact(**{key: value[index] for key, value in impacts.items()})
+            assert isinstance(single.impulse_normal, float)
+            assert single.outcome == whole.outcome[index]
+            found, wanted = impulse_and_velocity(single), impulse_and_velocity(whole)[index]
+            np.testing.assert_allclose(found, wanted, rtol=1e-10, atol=1e-12)
+
+    @pytest.mark.parametrize("law", [poisson_impact, newton_impact])
+    def test_the_other_laws_have_no_springs(self, law) -> None:
+        arguments = (np.eye(2), [-1.0, 0.5], 0.3, 0.5)
+        assert law(*arguments, tangential_compliance=0.0).impulse_normal == law(*arguments).impulse_normal
+        with pytest.raises(ValueError, match=r"^tangential_compliance = 1\.21: must be 0 in this law"):
+            law(*arguments, tangential_compliance=1.21)
+
+    @pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, 1.1e4, "1", True, [1.0, -1.0]])
+    def test_bad_values_are_named_in_one_line(self, value) -> None:
+        with pytest.raises(ValueError, match=r"^tangential_compliance = ") as refusal:
+            energetic_impact(np.eye(2), [-1.0, 0.5], 0.3, 0.5, tangential_compliance=value)
+        assert "\n" not in str(refusal.value)
+
+
+class TestLimits:
+    def test_none_is_the_rigid_law_bit_for_bit(self) -> None:
+        impacts = random_impacts(5, 2000) | {"tangential_compliance": 0.0}
+        rigid = energetic_impact(**{key: value for key, value in impacts.items() if key != "tangential_compliance"})
+        for same in (
+            energetic_impact(**impacts),
+            energetic_impact(**impacts | {"tangential_compliance": np.zeros(2000)}),
+        ):
+            for each in dataclasses.fields(Impact):
+                np.testing.assert_array_equal(getattr(same, each.name), getattr(rigid, each.name))
+
+    def test_the_impulse_tends_to_the_rigid_one_like_eta_squared(self) -> None:
+        impacts = random_impacts(6, 500) | {"tangential_compliance": 0.0}
+        impacts["restitution_friction"] = impacts["friction"]
+        rigid = energetic_impact(**impacts)
+        apart = [
+            np.abs(
+                energetic_impact(**impacts | {"tangential_compliance": squared}).impulse_normal / rigid.impulse_normal
+                - 1.0
+            )
+            for squared in (1e-2, 1e-3, 1e-4)
+        ]
+        differs = apart[2] > 1e-9  # where slip lasts, nothing does
+        middle = [np.median(each[differs]) for each in apart]
+        np.testing.assert_allclose([middle[0] / middle[1], middle[1] / middle[2]], 10.0, rtol=0.3)
+
+    def test_slip_that_is_left_without_restitution_tends_to_none_like_eta(self) -> None:
+        """Where the rigid point sticks at the end of compression, the elastic one is somewhere in its swing."""
+        impacts = random_impacts(7, 2000) | {"restitution": 0.0, "tangential_compliance": 0.0}
+        sticks = energetic_impact(**impacts).velocity_tangential == 0.0
+        left = [
+            np.median(
+                np.abs(energetic_impact(**impacts | {"tangential_compliance": squared}).velocity_tangential[sticks])
+            )
+            for squared in (1e-2, 1e-4)
+        ]
+        assert left[0] / left[1] == pytest.approx(10.0, rel=0.3)
+
+    def test_a_sphere_that_sticks(self) -> None:
+        """K = diag(1, 7/2), mu without bound: two sines; the normal one takes pi/2 and e* pi/2, and the tangential one goes on.
+
+        v_t = cos(omega t), omega^2 = 3.5/eta^2, up to where N = 0; what the spring then holds is lost.
+        """
+        squared, e = 1.21, 0.98
+        found = energetic_impact(np.diag([1.0, 3.5]), [-1.0, 0.3], 1e12, e, tangential_compliance=squared)
+        phase = math.sqrt(3.5 / squared) * 0.5 * math.pi * (1.0 + e)
+        assert found.velocity_tangential == pytest.approx(0.3 * math.cos(phase), rel=1e-9)
+        assert found.velocity_normal == pytest.approx(e, rel=1e-12)
+
+
+class TestBristle:
+    """A radial bristle, K of one degree of freedom: v = (-sin gamma, cos gamma) u, slip and compression end together."""
+
+    @staticmethod
+    def strike(mu: float, squared: float, e: float = 0.42) -> Impact:
+        lever = np.array([-math.sin(GAMMA), math.cos(GAMMA)])
+        return energetic_impact(np.outer(lever, lever), lever, mu, e, tangential_compliance=squared)
+
+    def test_the_foot_slides_on_and_the_bristle_rebounds_as_without_friction(self) -> None:
+        """mu > e*^2/(eta^2 tan gamma): the cone closes faster than the spring unloads, T = -mu N throughout, and u = -e*."""
+        for mu in (0.34, 0.5, 1.0):
+            found = self.strike(mu, 1.21)
+            assert found.velocity_normal == pytest.approx(0.42 * math.sin(GAMMA), rel=1e-12)
+            assert found.outcome_name == "rebound"
+
+    def test_a_foot_that_sticks_in_restitution(self) -> None:
+        """Between the edges N and T are linear in the way x, u^2 is quadratic; beyond the second edge friction opposes."""
+        mu, squared, e = 0.31, 1.21, 0.42
+        sine, cosine = math.sin(GAMMA), math.cos(GAMMA)
+        most = math.sqrt(sine / (sine + mu * cosine))
+        way = 2.0 * mu * most / (cosine / squared + mu * sine / e**2)
+        left = most - sine / e**2 * way
+        bend = (sine / e) ** 2 + cosine**2 / squared
+        square = 2.0 * (sine + mu * cosine) * most * way - bend * way**2 + (sine - mu * cosine) * left**2 * e**2 / sine
+        assert self.strike(mu, squared).velocity_normal == pytest.approx(sine * math.sqrt(square), rel=1e-12)
+
+    def test_a_foot_that_holds_the_bristle_for_good(self) -> None:
+        """mu >= tan gamma and a stiff spring: it swings about a balance inside the cone, and nothing ends the contact."""
+        assert self.strike(0.5, 0.01).outcome_name == "stiction"
+
+
+GAMMA = math.radians(23.4)
+
+
+def test_one_freedom_across_its_line_jams() -> None:
+    """The drift across the lever presses stiff springs without end within the cone: no impulse stops it, as in the rigid law."""
+    sine, cosine = 0.5, math.sqrt(0.75)
+    matrix = np.outer([-sine, cosine], [-sine, cosine])
+    for squared in (0.0, 1e-4, 1e-3):
+        assert energetic_impact(matrix, [-1.0, -0.5], 1.0, 0.5, tangential_compliance=squared).outcome_name == "jam"
+
+
+@pytest.mark.parametrize("e", [0.0, 1e-200, 1e-3, 1.0])
+@pytest.mark.parametrize("squared", [1e-4, 1.0, 1e4])
+@pytest.mark.parametrize("coupling", [0.0, 0.5, -0.9, 1.0])
+@pytest.mark.parametrize("friction", [0.0, 1e-12, 0.5, 1e3, 1e150])
+def test_ends_of_the_ranges(e: float, squared: float, coupling: float, friction: float) -> None:
+    """Equal frequencies, the border of stick at the start (v_t = mu eta^2 |v_n|), and extremes: finite, and no energy gained."""
+    matrix = np.array([[1.0, coupling], [coupling, 1.0]])
+    for slip in (0.0, friction * squared if friction < 1e4 else 1.0, -0.7, 1e-9):
+        for unit in (1.0, 1e-120, 1e120):
+            found = energetic_impact(matrix / unit, [-unit, slip * unit], friction, e, tangential_compliance=squared)
+            values = impulse_and_velocity(found)
+            assert np.all(np.isfinite(values))
+            assert found.energy_change <= 1e-12 * (1.0 + abs(slip)) * np.abs(values[:2]).sum() * unit
