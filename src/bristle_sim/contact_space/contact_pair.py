@@ -8,8 +8,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import pymunk
 
+from bristle_sim.arrays import Array
 from bristle_sim.contact_space.impulse import ContactSpace
 from bristle_sim.contact_space.jacobian import Vector
 from bristle_sim.theory.checks import checked_numbers
@@ -74,9 +76,13 @@ class ContactPair:
         self.friction, self.restitution, self.restitution_friction = checked_numbers(
             friction=self.friction, restitution=self.restitution, restitution_friction=self.restitution_friction
         )
-        if not callable(self.law):
-            raise refusal("law", self.law, "must be a function like energetic_impact")
-        self.takes_stick_compliance = "stick_compliance" in inspect.signature(self.law).parameters
+        try:
+            self.takes_stick_compliance = "stick_compliance" in inspect.signature(self.law).parameters
+            answer: object = self._call(np.eye(2), (-1.0, 0.0), self.restitution, 1.0)
+        except Exception:  # whatever the function thinks of these arguments
+            answer = None
+        if not isinstance(answer, Impact):
+            raise refusal("law", self.law, "must be a function like energetic_impact, which returns an Impact")
 
     @property
     def types(self) -> frozenset[int]:
@@ -85,7 +91,8 @@ class ContactPair:
 
     def impact(self, space: ContactSpace, restitution: float) -> Impact:
         """Return the law's answer for a contact."""
-        extra = (space.stick_compliance,) if self.takes_stick_compliance else ()
-        return self.law(
-            space.inverse_mass, space.velocity, self.friction, restitution, self.restitution_friction, *extra
-        )
+        return self._call(space.inverse_mass, space.velocity, restitution, space.stick_compliance)
+
+    def _call(self, inverse_mass: Array, velocity: Vector, restitution: float, stick_compliance: float) -> Impact:
+        extra = (stick_compliance,) if self.takes_stick_compliance else ()
+        return self.law(inverse_mass, velocity, self.friction, restitution, self.restitution_friction, *extra)

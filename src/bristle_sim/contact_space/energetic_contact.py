@@ -79,7 +79,7 @@ class EnergeticContact:
             raise refusal("space", space, "must be a pymunk.Space")
         if not (report is None or callable(report)):
             raise refusal("report", report, "must be None or a function of one LocatedImpact")
-        if any(isinstance(_owner(each.pre_solve), EnergeticContact) for each in _handlers(space).values()):
+        if self.of(space) is not None:
             raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
         self.space = space
         self.resting_speed = _not_negative("resting_speed", resting_speed, FASTEST, "length/time")
@@ -87,7 +87,7 @@ class EnergeticContact:
         self.time = 0.0
         self.pairs: dict[frozenset[int], ContactPair] = {}
         self._callbacks: list[tuple[Any, Any, ContactPair]] = []
-        self._filter = RestFilter(space, self.resting_speed)
+        self._filter: RestFilter | None = None
         self.add_pair(
             collision_type_a,
             collision_type_b,
@@ -136,22 +136,52 @@ class EnergeticContact:
         """
         if type(duration) is not float or not 0.0 <= duration <= LONGEST:
             duration = _not_negative("duration", duration, LONGEST, "time")
-        for handler, callback, pair in self._callbacks:
-            if handler.pre_solve is not callback:
-                pair.chained, handler.pre_solve = handler.pre_solve, callback
-        self._filter.begin(self.resting_speed)
+        rest = self._attached()
+        rest.begin(self.resting_speed)
         try:
             self.space.step(duration)
         finally:
-            self._filter.end()
+            rest.end()
         self.time += duration
-        if self._filter.skipped:
-            self._filter.motion.finish(duration)
+        if rest.skipped:
+            rest.motion.finish(duration)
             try:
-                self._resolve()
+                self._resolve(rest)
             finally:
-                self._filter.skipped.clear()
-                self._filter.motion.clear()
+                rest.skipped.clear()
+                rest.motion.clear()
+
+    @staticmethod
+    def of(space: pymunk.Space) -> EnergeticContact | None:
+        """Return the EnergeticContact that a space has, such as that of a copy; None if there is none."""
+        owners = (_owner(each.pre_solve) for each in _handlers(space).values())
+        return next((each for each in owners if isinstance(each, EnergeticContact)), None)
+
+    def detach(self) -> None:
+        """Give all contacts back to the engine, and the users' callbacks their place: the space is as without this object."""
+        self._attached()
+        for handler, callback, pair in self._callbacks:
+            if handler.pre_solve is callback:
+                handler.pre_solve = pair.chained
+        self._callbacks.clear()
+        self.pairs.clear()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what a copy has too: all but the function that takes reports."""
+        jammed = set() if self._filter is None else self._filter.jammed
+        return {**self.__dict__, "report": None, "_callbacks": [], "_filter": None, "_jammed": jammed}
+
+    def _attached(self) -> RestFilter:
+        """Return the filter that looks at the contacts first, before users' callbacks that are newer than ours."""
+        if self._filter is None:
+            self._filter = RestFilter(self.space, self.resting_speed)
+            self._filter.jammed |= self.__dict__.pop("_jammed", set())
+            ours = [each for each in _handlers(self.space).values() if _owner(each.pre_solve) is self]
+            self._callbacks = [(each, each.pre_solve, each.pre_solve.args[0]) for each in ours]
+        for handler, callback, pair in self._callbacks:
+            if handler.pre_solve is not callback:
+                pair.chained, handler.pre_solve = handler.pre_solve, callback
+        return self._filter
 
     def _notice(self, pair: ContactPair, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
         """Leave a contact at rest to the engine; keep the engine from responding to one that approaches."""
@@ -159,10 +189,11 @@ class EnergeticContact:
             if pair.chained is not None:
                 pair.chained(arbiter, space, data)
         finally:
-            self._filter.divide(pair.friction, arbiter)
+            if self._filter is not None:
+                self._filter.divide(pair.friction, arbiter)
 
-    def _resolve(self) -> None:
-        skipped = self._filter.skipped
+    def _resolve(self, rest: RestFilter) -> None:
+        skipped = rest.skipped
         touching = (each.body for shapes, _ in skipped.values() for each in shapes)
         moved = {each: None for each in touching if each is not None and each.body_type == pymunk.Body.DYNAMIC}
 
@@ -170,14 +201,14 @@ class EnergeticContact:
             if self.report is not None:
                 self.report(point.located(impact, self.time))
 
-        resting = self._filter.resting_approach()
-        sequence = ImpactSequence(self._read, skipped, resting, self._filter.motion, record)
+        points_of = functools.partial(self._read, rest)
+        sequence = ImpactSequence(points_of, skipped, rest.resting_approach(), rest.motion, record)
         sequence.resolve(moved)
         for body in sequence.struck:
             self.space.reindex_shapes_for_body(body)
-        self._filter.jammed |= sequence.jammed
+        rest.jammed |= sequence.jammed
 
-    def _read(self, body: pymunk.Body, known: Contacts) -> list[Shapes]:
+    def _read(self, rest: RestFilter, body: pymunk.Body, known: Contacts) -> list[Shapes]:
         """Add the contacts of a body in all pairs to the known ones, and return the shapes of all of its.
 
         They are without those that the engine was told to ignore.
@@ -192,7 +223,7 @@ class EnergeticContact:
                 pair = self.pairs.get(frozenset((first.collision_type, second.collision_type)))
                 if pair is None:
                     return
-                known[shapes] = read_contact(arbiter, pair, self._filter.surface_velocity((first, second)))
+                known[shapes] = read_contact(arbiter, pair, rest.surface_velocity((first, second)))
             found.append(shapes)
 
         body.each_arbiter(read)
