@@ -1,8 +1,7 @@
-"""Wires of several links: the pymunk scene compared with the integration in generalized coordinates, which shares no code.
+"""Wires of several links beyond their strikes, in several contacts at once: the scene against the independent solution.
 
-Touches, releases and the state at the strike. The tolerance is ten times the requested accuracy, of angles in rad and of rates
-relative to the largest; a release, where the force falls to zero at a small slope, and the taps of a bar that throws the wire
-back, which magnify an error, get a hundred times that.
+The tolerance is ten times the requested accuracy, of angles in rad and of instants; the end of a whole pass with its
+rebounds gets ten times that.
 """
 
 import math
@@ -11,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from against_reference.test_tools import wire
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, ContactStiffness, Tool, Workpart
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.resume import resume
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
@@ -23,82 +22,8 @@ ACCURACY = 1e-6
 MANY = Settings(accuracy=ACCURACY, maximum_steps=5_000_000)
 
 
-def wire(
-    links: int,
-    modulus: float = 2e11,
-    damping: float = 0.0,
-    knee: float = 0.0,
-    nearness: float = 1.0,
-    friction: float = 0.0,
-    restitution: float = 0.0,
-) -> Tool:
-    """The operating point with a wire of links; ``nearness`` scales the bar's distance from the hub."""
-    return Tool(
-        bristle=Bristle(links=links, modulus=modulus, bending_damping_ratio=damping, knee_angle_deg=knee),
-        belt=Belt(damping_ratio=damping),
-        bar=Bar(horizontal=0.05037 * nearness, vertical=0.0225 * nearness, friction=friction, restitution=restitution),
-    )
-
-
 def times(run: Trajectory, ending: str) -> list[float]:
     return [each.time for each in run.events if each.name.endswith(ending) or each.name == "strike"]
-
-
-def compare_up_to_the_strike(
-    tool: Tool, settings: Settings = MANY, magnified: float = 1.0, touches: int | None = None
-) -> Trajectory:
-    """Compare touches, or the first few of them, and the strike; return the scene's run."""
-    scene = simulate(tool, settings, stop_after="strike")
-    reference = simulate_reference(tool, stop_after="strike", accuracy=max(1e-2 * settings.accuracy, 1e-10))
-    tolerance = 10.0 * settings.accuracy * magnified
-    assert scene.stop_reason == reference.stop_reason == "requested event"
-    assert times(scene, " touch")[:touches] == pytest.approx(times(reference, " touch")[:touches], rel=tolerance)
-    found, expected = scene.contacts[-1], reference.contacts[-1]
-    assert found.angles == pytest.approx(expected.angles, abs=tolerance)
-    largest = float(np.abs(expected.rates_before).max())
-    assert found.rates_before == pytest.approx(expected.rates_before, abs=tolerance * largest)
-    assert found.impulse == pytest.approx(expected.impulse, abs=10.0 * tolerance * abs(expected.impulse[0]))
-    sustained = [[each for each in run.contacts if each.law == "sustained"] for run in (scene, reference)]
-    assert sum(each.impulse[0] for each in sustained[0]) == pytest.approx(
-        sum(each.impulse[0] for each in sustained[1]), rel=100.0 * tolerance
-    )
-    return scene
-
-
-@pytest.mark.parametrize(("links", "damping"), [(1, 0.05), (2, 0.0), (3, 0.05)])
-def test_operating_point(links: int, damping: float) -> None:
-    compare_up_to_the_strike(wire(links, damping=damping))
-
-
-def test_many_links_within_the_default_budget() -> None:
-    compare_up_to_the_strike(wire(8, modulus=2e10), Settings())
-
-
-def test_finer_accuracy_comes_nearer() -> None:
-    """A hop of 2 us begins without speed and ends with 2.3 mm/s: a gap that is 1e-11 of a link off moves its end by 1e-10 s."""
-    compare_up_to_the_strike(wire(2), Settings(accuracy=1e-9, maximum_steps=5_000_000), magnified=10.0)
-
-
-@pytest.mark.parametrize("knee", [-25.0, 20.0])
-def test_wire_with_a_knee(knee: float) -> None:
-    compare_up_to_the_strike(wire(3, modulus=5e10, knee=knee, damping=0.05))
-
-
-def test_sliding_over_joints_with_friction() -> None:
-    """The bar stands at the joint of the third link and the fourth: the contact passes over it, to and fro."""
-    tool = wire(4, modulus=2.92e10, knee=-24.35, nearness=0.7863, friction=0.2395)
-    run = compare_up_to_the_strike(tool)
-    assert {3, 4} <= {each.link for each in run.contacts if each.obstacle == "bar"}
-    assert run.contacts[-1].link == 4
-
-
-def test_slip_turns_back_and_stops() -> None:
-    compare_up_to_the_strike(wire(3, modulus=2.1e10, nearness=0.82, friction=0.44))
-
-
-def test_bar_that_throws_the_wire_back() -> None:
-    """The last of ever smaller taps is where each solution takes them for rest."""
-    compare_up_to_the_strike(wire(3, modulus=1.3e10, restitution=0.42), magnified=100.0, touches=9)
 
 
 def test_two_links_on_the_bar_at_once() -> None:
@@ -119,6 +44,7 @@ def test_two_links_on_the_bar_at_once() -> None:
     assert [each.impulse[0] for each in blows[0]] == pytest.approx([each.impulse[0] for each in blows[1]], rel=1e-4)
 
 
+@pytest.mark.nightly
 def test_bar_and_workpart_at_once() -> None:
     """A bar low over the workpart: it meets the wire's last link while the tip drags along the surface."""
     tool = wire(3, modulus=3.1996e10, damping=0.3)
@@ -147,6 +73,7 @@ def test_tip_that_sticks() -> None:
     assert dragged[0].impulse == pytest.approx(dragged[1].impulse, rel=10.0 * ACCURACY)
 
 
+@pytest.mark.nightly
 def test_stick_that_breaks_away() -> None:
     """After the inelastic strike the tip sticks while the wire bends, until that takes more than friction gives."""
     tool = replace(wire(3, damping=0.3, friction=0.2, restitution=0.42), belt=Belt())
@@ -191,12 +118,6 @@ def test_touches_of_a_compliant_workpart() -> None:
         assert each.compressive_work is not None
         assert each.restitutive_work is not None
         assert each.restitutive_work[0] == pytest.approx(-(0.42**2) * each.compressive_work[0], rel=1e-5)
-
-
-def test_a_run_of_several_links_is_not_resumed() -> None:
-    run = simulate(wire(2), stop_after="bar touch")
-    with pytest.raises(ValueError, match=r"^trajectory of a wire of 2 links: must be one of a rigid bristle"):
-        resume(run)
 
 
 class TestDent:
