@@ -289,7 +289,7 @@ def test_ends_of_the_ranges(e: float, squared: float, coupling: float, friction:
     matrix = np.array([[1.0, coupling], [coupling, 1.0]])
     for slip in (0.0, friction * squared if friction < 1e4 else 1.0, -0.7, 1e-9):
         for unit in (1.0, 1e-120, 1e120):
-            found = energetic_impact(matrix / unit, [-unit, slip * unit], friction, e, tangential_compliance=squared)
+            found = energetic_impact(matrix * unit, [-unit, slip * unit], friction, e, tangential_compliance=squared)
             values = impulse_and_velocity(found)
             assert np.all(np.isfinite(values))
             assert found.energy_change <= 1e-12 * (1.0 + abs(slip)) * np.abs(values[:2]).sum() * unit
