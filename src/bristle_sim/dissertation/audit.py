@@ -2,9 +2,9 @@
 
 Three rows are from chapters 1 and 5, which print the same quantities.
 
-The rows are those of ``audit.toml``, with the expressions of their figures in the names of ``audit_values``. A number counts
-as reproduced when the computed value lies within half a unit of the last printed digit. Where a printed number was itself
-worked out from rounded ones, ``allowance`` adds what their rounding can do, and ``why`` says so. A statement in words has a
+The rows are those of ``printed.toml``; the modules ``audit_chapter_2`` to ``audit_chapter_4`` compute their figures. A number
+counts as reproduced when the computed value lies within half a unit of the last printed digit. Where a printed number was
+itself worked out from rounded ones, an allowance adds the effect of their rounding, and ``why`` says so. A statement in words has a
 computed figure that decides whether it holds.
 """
 
@@ -14,15 +14,13 @@ import dataclasses
 import math
 import textwrap
 import time as clock
-import tomllib
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from importlib import resources
-from typing import Any
 
 from bristle_sim.comparison import WIDTH, Quantity, Report, side_by_side
+from bristle_sim.dissertation.printed import Figure, Printed, printed_rows
 from bristle_sim.units import Declared, choice
 
 REPRODUCED, DIFFERS, NOT_COMPUTABLE = "reproduced", "differs", "not computable"
@@ -43,7 +41,6 @@ class AuditRow:
         printed: the number, or the statement in words.
         unit: of printed and computed; ``1`` for none.
         computed: the figure, or None where nothing can be computed.
-        formula: the expression that computes it, in the names of ``audit_values``; empty where nothing does.
         status: ``reproduced``, ``differs`` or ``not computable``.
         why: for ``differs`` the likeliest reason, with figures; else a remark, or empty.
         tolerance: largest difference that counts as reproduced; None for statements.
@@ -53,7 +50,6 @@ class AuditRow:
     printed: float | str
     unit: str
     computed: float | None
-    formula: str
     status: str
     why: str = ""
     tolerance: float | None = None
@@ -74,39 +70,37 @@ class AuditView(Declared):
 
 def audit_rows() -> tuple[AuditRow, ...]:
     """Return all rows of the audit; numbers are finite, places unique."""
-    from bristle_sim.dissertation import audit_values
+    from bristle_sim.dissertation import audit_chapter_2, audit_chapter_3, audit_chapter_4
 
-    text = resources.files("bristle_sim.dissertation").joinpath("audit.toml").read_text(encoding="utf-8")
-    return tuple(audit_row(each, vars(audit_values)) for each in tomllib.loads(text)["row"])
+    figures = {
+        **audit_chapter_2.cue_figures(),
+        **audit_chapter_2.impact_figures(),
+        **audit_chapter_2.pendulum_figures(),
+        **audit_chapter_3.force_history_figures(),
+        **audit_chapter_4.motion_figures(),
+        **audit_chapter_4.plies_figures(),
+        **audit_chapter_4.energy_figures(),
+    }
+    return tuple(audit_row(row, figures[where]) for where, row in printed_rows().items())
 
 
-def audit_row(entry: Mapping[str, Any], names: Mapping[str, Any]) -> AuditRow:
-    """Return the row of an entry of the table, its expressions evaluated with some names.
+def audit_row(row: Printed, figure: Figure) -> AuditRow:
+    """Return the verdict on a printed number or statement by its figure.
 
     Raises:
-        ArithmeticError: if a figure is not finite.
+        ArithmeticError: if the figure is not finite.
     """
-
-    def evaluated(key: str, x: float | None, default: str) -> Any:
-        return eval(entry.get(key, default), {**names, "x": x})  # of the package's own table
-
-    where, formula = entry["where"], entry.get("computed", "")
-    figure = float(evaluated("computed", None, "")) if formula else None
-    if figure is not None and not math.isfinite(figure):
-        raise ArithmeticError(f"{where}: computed {figure:g}")
-    told = evaluated("told", figure, "()")
-    why = entry.get("why", "").format(*(told if isinstance(told, tuple) else (told,)))
-    printed, tolerance, same = entry.get("statement", ""), None, False
-    if "printed" in entry:
-        printed = float(entry["printed"])
-        tolerance = half_unit(entry["printed"]) + evaluated("allowance", figure, "0.0")
-        same = figure is not None and abs(figure - printed) <= tolerance + SLACK * abs(printed)
-    elif figure is not None:
-        same = bool(evaluated("holds", figure, ""))
-    status = NOT_COMPUTABLE if figure is None else REPRODUCED if same else DIFFERS
-    return AuditRow(
-        where, printed, entry.get("unit", "1"), figure, formula, status, why, None if figure is None else tolerance
-    )
+    computed, tolerance, same = figure.value, None, figure.holds
+    if computed is not None and not math.isfinite(computed):
+        raise ArithmeticError(f"{row.where}: computed {computed:g}")
+    if row.printed:
+        tolerance = half_unit(row.printed) + figure.allowance
+        number = float(row.printed)
+        same = computed is not None and abs(computed - number) <= tolerance + SLACK * abs(number)
+    status = NOT_COMPUTABLE if computed is None else REPRODUCED if same else DIFFERS
+    printed = float(row.printed) if row.printed else row.statement
+    within = None if computed is None else tolerance
+    return AuditRow(row.where, printed, row.unit, computed, status, row.why.format(*figure.further), within)
 
 
 def half_unit(printed: str) -> float:
@@ -130,6 +124,20 @@ def audit_report(view: AuditView) -> Report:
         remarks=("", terminal_table(shown)),
         extra={"rows": [dataclasses.asdict(row) for row in rows]},
         subject=rows,
+        answer=_answer(rows, counts),
+    )
+
+
+def _answer(rows: Sequence[AuditRow], counts: Counter[str]) -> str:
+    """Return how many rows are reproduced, and the printed number whose figure is relatively farthest off."""
+    off = {
+        row: abs(row.computed / row.printed - 1.0) for row in rows if isinstance(row.printed, float) and row.computed
+    }
+    farthest = max((row for row in off if row.status == DIFFERS), key=off.__getitem__)
+    return (
+        f"{counts[REPRODUCED]} of {len(rows)} printed numbers and statements are reproduced, {counts[DIFFERS]} differ and"
+        f" {counts[NOT_COMPUTABLE]} cannot be computed; farthest off is {farthest.where}, printed"
+        f" {farthest.printed:.4g} {farthest.unit}, computed {shown_number(farthest.computed)}."
     )
 
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Values, rows
+from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
@@ -44,9 +45,6 @@ from bristle_sim.theory.monofilament import tip_speed
 
 MEASURED = 1.3e-4
 """Depth of the crater on the micrograph, m (Zhang 2020, fig. 4.13)."""
-
-PRINTED = {"merchant_crater_depth": 1.4e-4, "merchant_crater_depth_limit": 1.4e-4, "energy_crater_depth": 7.58e-5}
-"""m; Zhang 2020, fig. 4.13, where 300 plies are called converged, and fig. 4.19."""
 
 FORMULA_DEPTHS = {
     "merchant_crater_depth": ("depth by Merchant's plies", "m"),
@@ -100,7 +98,7 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     study = _study(hub, bristle, crater, settings, speed)
     simulated, theory = _contact_depths(study, bristle, speed)
     depths = _formula_depths(study)
-    formulas = rows(FORMULA_DEPTHS, {}, depths, printed=PRINTED if crater == Crater() else {})
+    formulas = rows(FORMULA_DEPTHS, {}, depths, printed=_printed(crater))
     contact = rows(CONTACT_DEPTHS, simulated, theory)
     constant = Quantity(
         "constant_for_measured_depth_deg",
@@ -121,17 +119,24 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
     return report if study.contact is None else reported(report, study.contact)
 
 
+def _printed(crater: Crater) -> Values:
+    """Return the printed depths, m, where 300 plies are called converged; none for another crater."""
+    if crater != Crater():
+        return {}
+    plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
+    energy = printed_number("fig. 4.19: crater depth by work and energy")
+    return dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
+
+
 def _answer(study: CraterStudy, depths: Values, simulated: Values) -> str:
     """Return the depths by plies, by energy and by the simulated contact beside the measured one."""
     shown = {name: amount(value, "m") for name, value in {**depths, **simulated}.items() if value is not None}
-    printed = {
-        name: f" (printed {amount(value, 'm')})" if study.crater == Crater() else "" for name, value in PRINTED.items()
-    }
+    printed = {name: f" (printed {amount(value or 0.0, 'm')})" for name, value in _printed(study.crater).items()}
     by_plies, by_energy = "merchant_crater_depth", "energy_crater_depth"
     found = "Merchant's plies cut no chip"
     if by_plies in shown:
-        found = f"Merchant's plies cut {shown[by_plies]}{printed[by_plies]}"
-    found += f", work and energy {shown[by_energy]}{printed[by_energy]}"
+        found = f"Merchant's plies cut {shown[by_plies]}{printed.get(by_plies, '')}"
+    found += f", work and energy {shown[by_energy]}{printed.get(by_energy, '')}"
     own = [value for value in simulated.values() if value is not None]
     contact = f"there is no simulated contact ({study.no_contact})"
     if own:

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from bristle_sim.comparison import Quantity, Report, Table, Values, rows
+from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount, beside_radial
@@ -55,14 +56,6 @@ QUANTITIES = {
     "bar_direction_for_highest_tip_speed_deg": ("bar's direction for the fastest tip", "deg"),
     "highest_tip_speed": ("highest tip speed", "m/s"),
 }
-
-PRINTED = {
-    "bar_direction_for_radial_strike_deg": math.degrees(math.atan2(0.05037, 0.0225)),
-    "bar_horizontal": 0.05037,
-    "bar_vertical": 0.0225,
-    "relative_speed_at_contact": 845.6,
-}
-"""Zhang 2020, eqs. 2.2 and 2.3."""
 
 USUAL_PASSES = 12
 """Passes that a search usually takes."""
@@ -116,7 +109,7 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
         _named(tool, radial, fastest),
         {} if formula is None else _by_formula(tool, formula),
         referred,
-        PRINTED if tool == Tool() else {},
+        _printed() if tool == Tool() else {},
         lambda name: tolerance * widened.get(name, 1.0) if referred else None,
     )
     now = _where_it_stands(tool, strike)
@@ -154,6 +147,15 @@ def _where_it_stands(tool: Tool, strike: Strike) -> str:
     except ValueError as error:
         return f"Where it stands, at {stands:.2f}°, there is no cued strike: {error}."
     return f"Where it stands, at {stands:.2f}°{' as printed' if tool == Tool() else ''}, the strike is {beside_radial(lag)}."
+
+
+def _printed() -> Values:
+    cue, names = printed_cue(), ("relative_speed_at_contact", "bar_direction_for_radial_strike_deg")
+    return {
+        **dict(zip(names, cue.values(), strict=False)),
+        "bar_horizontal": cue["horizontal"],
+        "bar_vertical": cue["vertical"],
+    }
 
 
 def _told(strike: Strike, usual: int) -> Strike:

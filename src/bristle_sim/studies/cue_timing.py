@@ -19,6 +19,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Table, Values, rows
+from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import PRINTED_BELT_STIFFNESS, Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
@@ -36,14 +37,6 @@ QUANTITIES = {
     "bar_horizontal": ("bar along the workpart S_H", "m"),
     "bar_vertical": ("bar normal to the workpart S_V", "m"),
 }
-
-PRINTED = {
-    "highest_relative_speed": 845.6,
-    "bar_direction_deg": math.degrees(math.atan2(0.05037, 0.0225)),
-    "bar_horizontal": 0.05037,
-    "bar_vertical": 0.0225,
-}
-"""Zhang 2020, eqs. 2.2 and 2.3; the direction is A + theta_1 + gamma."""
 
 FULL_TURNS = 1e3
 """Hub turns after which a bristle that still accelerates is given up: only an extremely soft belt takes as long."""
@@ -126,10 +119,11 @@ def cue_timing(
         read = dataclasses.replace(tool, belt=Belt(stiffness, tool.belt.damping_ratio))
         return _timed(read, retraction, settings, bar or tool.bar or Bar(), with_reference=with_reference)
 
+    printed = dict(zip(tuple(QUANTITIES)[2:], printed_cue().values(), strict=True))
     own, readings = timed(tool.belt.stiffness), stiffness_readings(tool)
-    found = _rows(own, settings, QUANTITIES, PRINTED if tool.belt == Belt() else {})
+    found = _rows(own, settings, QUANTITIES, printed if tool.belt == Belt() else {})
     for reading, stiffness in readings.items():
-        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), PRINTED, reading)
+        found += _rows(timed(stiffness), settings, ("cue_time", "bar_direction_deg"), printed, reading)
     if tool.belt.stiffness not in readings.values():
         readings = {"own": tool.belt.stiffness, **readings}
     timings = {reading: timed(stiffness) for reading, stiffness in readings.items()}

@@ -20,6 +20,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
+from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.force_file import read_force_csv
 from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surface
 from bristle_sim.settings import Settings
@@ -27,11 +28,7 @@ from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history
-from bristle_sim.theory.force_history import BRISTLE, PRINTED_BRISTLE_IMPULSE, ForceCurve
-
-PRINTED = {"peak_force": 57.0, "compression_time": 5e-5, "compressive_impulse": PRINTED_BRISTLE_IMPULSE}
-"""Zhang 2020, eqs. 3.21, 3.20 and 3.9."""
-
+from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 
 MARGIN = 0.1
 """Part of the contact's duration before its start and after its end over which the points' impulse is summed."""
@@ -156,7 +153,8 @@ def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float
     same = {"compression_time": history.compression_time is None, "compressive_impulse": history.speed_ratio is None}
     if contact is None and subject.measured is not None:
         same = {}  # there is nothing to compare a measurement with that this tool's bristle could not make
-    printed = PRINTED if curve is BRISTLE else {}
+    places = ("eq. 3.21: largest force", "eq. 3.20: compression time", "eq. 3.9: compressive impulse of the bristle")
+    printed = dict(zip(units, map(printed_number, places), strict=True)) if curve is BRISTLE else {}
     return rows(units, simulated, theory, {}, printed, lambda name: tolerance if same.get(name) else None)
 
 
