@@ -20,6 +20,7 @@ extensions = [
     "sphinx_copybutton",
     "sphinx_design",
     "mathml",
+    "bench",
     "scenario",
     "keys",
     "local_inventories",

@@ -1,0 +1,85 @@
+"""The directive ``{bench}``: set knobs of the bench, and show its answer, and its page as Chromium draws it.
+
+    ```{bench}
+    :set: hub_speed=3000rpm
+    :picture: yes
+    :radial: yes
+    ```
+
+Without playwright and a Chromium the picture is left out.
+"""
+
+import shutil
+import threading
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from bristle_sim.cli.explore import bench
+from bristle_sim.cli.explore.server import server
+
+SIZE = {"width": 1280, "height": 820}
+
+
+def picture(assignments: list[str], path: Path) -> bool:
+    """Write the page of the bench as a browser shows it, and return whether that was possible."""
+    chromium = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    try:
+        from playwright.sync_api import sync_playwright
+    except ModuleNotFoundError:
+        return False
+    if chromium is None:
+        return False
+    serving = server()
+    threading.Thread(target=serving.serve_forever, daemon=True).start()
+    query = urlencode([tuple(each.split("=", 1)) for each in assignments])
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-background-networking"])
+        page = browser.new_page(viewport=SIZE)
+        page.goto(f"http://127.0.0.1:{serving.server_port}/?{query}")
+        page.wait_for_selector("body[data-shown]")
+        page.fill("#instant", "4000")
+        page.screenshot(path=str(path))
+        browser.close()
+    serving.shutdown()
+    return True
+
+
+class BenchDirective(SphinxDirective):
+    """Shows what the bench shows."""
+
+    option_spec = {  # noqa: RUF012 - docutils reads it from the class
+        "set": directives.unchanged,
+        "picture": directives.flag,
+        "radial": directives.flag,
+    }
+
+    def run(self) -> list[nodes.Node]:
+        """Return the address, the answer, and the picture if one is requested."""
+        assignments, pass_of = self.options.get("set", "").split(), bench.scenario()
+        if "radial" in self.options:
+            found = bench.radial_bar(pass_of, assignments)
+            assignments += [f"{key}={value}" for key, value in found["assignments"].items()]
+        found = bench.run_of(pass_of, [], assignments)
+        address = "/?" + "&".join(assignments) if assignments else "/"
+        shown: list[nodes.Node] = [nodes.literal_block(address, address, language="text")]
+        shown.append(nodes.paragraph(text=found.get("answer") or found["error"], classes=["answer"]))
+        if "picture" in self.options:
+            name = "bench_" + "_".join(each.replace("=", "_") for each in assignments or ["start"]) + ".png"
+            made = Path(self.env.srcdir) / "_made" / name
+            made.parent.mkdir(exist_ok=True)
+            if made.exists() or picture(assignments, made):
+                uri = f"/_made/{name}"
+                shown.append(nodes.image(uri=uri, alt=f"The bench: {found.get('answer', '')}"))
+        return shown
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    """Register the directive."""
+    app.add_directive("bench", BenchDirective)
+    return {"parallel_read_safe": False}
