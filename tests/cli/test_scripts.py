@@ -427,7 +427,7 @@ def check_json(name: str, found: dict[str, Any]) -> None:
 def check_imports(name: str, modules: set[str]) -> None:
     """What a run does not call for is not imported."""
     assert "bristle_sim.cli" in modules
-    assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "tqdm", "bristle_sim.render"}
+    assert not modules & {"matplotlib", "PIL", "imageio_ffmpeg", "bristle_sim.render"}
     assert ("scipy.integrate" in modules) is (promise(name).integrates or promise(name).statistics)
     assert ("bristle_sim.reference" in modules) is promise(name).integrates
     if name == "cue_and_impact":

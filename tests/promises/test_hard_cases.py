@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from bristle_sim.benchmarks.hard_cases.case import HardCase
+from bristle_sim.benchmarks.hard_cases.choice import THEMES
 from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene import transitions
@@ -28,6 +29,10 @@ QUICK = [case for theme in TABLES for case in cases_of(theme, full=False)]
 def test_promise(case: HardCase) -> None:
     finding = case.measure()
     assert finding.ok, finding.reached
+
+
+def test_every_theme_can_be_chosen() -> None:
+    assert tuple(TABLES) == THEMES
 
 
 @pytest.mark.parametrize("theme", TABLES)

@@ -6,12 +6,11 @@ import logging
 import textwrap
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 
 from bristle_sim.benchmarks.hard_cases import contact, motion, strikes
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
+from bristle_sim.benchmarks.hard_cases.choice import HardCaseChoice
 from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
-from bristle_sim.units import Declared, choice
 
 THEMES: tuple[Callable[[], Iterator[HardCase]], ...] = (
     *(strikes.mass_ratio, motion.belt_stiffness, motion.damping, strikes.jam, strikes.grazing, motion.hub_speed),
@@ -20,16 +19,6 @@ THEMES: tuple[Callable[[], Iterator[HardCase]], ...] = (
 """Functions that yield the cases of a theme, which has the function's name."""
 
 TABLES = {theme.__name__: theme for theme in THEMES}
-
-
-@dataclass(frozen=True, slots=True)
-class HardCaseChoice(Declared):
-    """Which cases to try."""
-
-    theme: str = choice("all", "theme", ("all", *TABLES), "kind of hard case that is tried", "chosen: every theme")
-    effort: str = choice(
-        "full", "effort", ("full", "quick"), "how much is tried: quick leaves out long cases", "chosen: all cases"
-    )
 
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
