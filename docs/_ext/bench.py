@@ -39,7 +39,9 @@ def picture(assignments: list[str], path: Path) -> bool:
     threading.Thread(target=serving.serve_forever, daemon=True).start()
     query = urlencode([tuple(each.split("=", 1)) for each in assignments])
     with sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-background-networking"])
+        browser = driver.chromium.launch(
+            executable_path=chromium, args=["--no-sandbox", "--disable-background-networking"]
+        )
         page = browser.new_page(viewport=SIZE)
         page.goto(f"http://127.0.0.1:{serving.server_port}/?{query}")
         page.wait_for_selector("body[data-shown]")
