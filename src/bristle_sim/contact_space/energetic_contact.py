@@ -45,15 +45,17 @@ class EnergeticContact:
         ValueError: for coefficients out of range, for anything but a space and collision types, and if the space has an
             EnergeticContact already.
 
-    Step the space with :meth:`step`; ``space.step`` leaves contacts to the engine. Several impacts at one instant are
-    resolved one after the other, the fastest approach first.
+    Step the space with :meth:`step`, always by the same duration, as the engine's solver wants it; ``space.step`` leaves
+    contacts to the engine. An impact acts at the instant of touch within the step. Several impacts are resolved one after
+    the other, the earliest and of those the fastest first; all at once after ``sequence.MOST`` of them. A copied or
+    unpickled space has an EnergeticContact without ``report``, which :meth:`of` returns.
 
     Energy: just before an impact all bodies that take part get the nearest velocities at which the joints do not open,
     which costs energy, if any; the impact itself changes the energy by the works of its record, a sum that is never positive
     for ``energetic_impact`` (moving kinematic bodies, motors and surface velocities do work of their own). What the engine
     does between impacts is not bound to this: joints are solved in iterations and given extra velocity to correct their
-    positions (``error_bias``; none at 1), overlap is reduced by moving bodies apart (``collision_bias``), which can lift them,
-    and each of its steps in gravity adds m g^2 dt^2/2 to the energy of a falling body.
+    positions (``error_bias``; none at 1), and overlap at rest is reduced by moving bodies apart (``collision_bias``). Its
+    velocities are those half a step later than its positions.
 
     Joints of any kind take part by their Jacobian, at limits if they push throughout the impact; springs, joints with a
     finite ``max_force`` and joints outside the space do not. Sensors, filters and ``process_collision`` are respected. Users'
