@@ -259,7 +259,18 @@ def test_finished_points_are_never_computed_again(tmp_path: Path):
     first = sweep(function, {"x": [1.0, 2.0, 3.0]}, store=tmp_path / "store")
     again = sweep(function, {"x": [1.0, 2.0, 3.0]}, store=tmp_path / "store")
     assert again.identical(first)
-    assert calls(tmp_path) == [1.0, 2.0, 3.0]
+    wider = sweep(function, {"x": [4.0, 3.0, 0.0, 1.0]}, store=tmp_path / "store")
+    assert wider["result"].values.tolist() == [16.0, 9.0, 0.0, 1.0]
+    assert calls(tmp_path) == [0.0, 1.0, 2.0, 3.0, 4.0]
+
+
+def test_a_grid_takes_over_the_points_of_another(tmp_path: Path):
+    function = functools.partial(noted, folder=str(tmp_path))
+    sweep(function, SPACE, store=tmp_path / "store")
+    other = {"y": [0.75, 0.25], "x": [4.0, 5.0, 1.0]}
+    assert sweep(function, other, store=tmp_path / "store").equals(sweep(power, other))
+    # Of the six points those with y = 0.25 and x = 4 or 1 were known.
+    assert len(calls(tmp_path)) == 8 + 4
 
 
 @pytest.mark.parametrize(

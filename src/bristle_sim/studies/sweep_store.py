@@ -6,6 +6,7 @@ others intact, and xarray reads no more than is used. A netCDF is one file that 
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
 import math
@@ -97,6 +98,29 @@ class SweepStore:
             words = "%s: %d points were damaged or lost, and are computed again"
             logging.getLogger(__name__).warning(words, self.target, lost.sum())
         return missing
+
+    def adopt(self, path: Path) -> None:
+        """Write the finished points of another sweep of the same function that has some of the same values on its axes."""
+        with contextlib.suppress(
+            Exception
+        ):  # of the many kinds that damaged files raise: its points are computed again
+            other = xr.open_zarr(path, chunks=None, consolidated=False, mask_and_scale=False)
+            plain = all(each.dims == (name,) and each.dtype != object for name, each in self.grid.coords.items())
+            if not plain or set(other.coords) != set(self.grid.coords):
+                return
+            places = {name: other.indexes[name].get_indexer(self.grid.indexes[name]) for name in self.grid.sizes}
+            shared = other.isel({name: at[at >= 0] for name, at in places.items()}).transpose(*places, ...).load()
+            ours = np.ix_(*(np.flatnonzero(at >= 0) for at in places.values()))
+            numbers = np.ravel_multi_index(np.broadcast_arrays(*ours), self.shape).ravel()
+            values = {
+                str(name): each.values.reshape(numbers.size, *each.shape[len(places) :])
+                for name, each in shared.data_vars.items()
+            }
+            reasons = values.pop(FAILURE)
+            unwritten = [_unwritten(each, 1) for each in (reasons, *values.values())]
+            finished = np.flatnonzero(~np.any(unwritten, axis=0)).tolist()
+            outcomes = [({name: each[i] for name, each in values.items()}, str(reasons[i])) for i in finished]
+            self.write([((int(numbers[i]), {}), each) for i, each in zip(finished, outcomes, strict=True)])
 
     def write(self, outcomes: Sequence[tuple[Point, Outcome]]) -> None:
         """Write the outcomes of some points, the reasons last: up to then a point counts as not computed.
