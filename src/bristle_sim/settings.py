@@ -24,7 +24,6 @@ class Settings:
 
     Attributes:
         accuracy: relative accuracy requested.
-        step: fixed engine step in s; None extrapolates engine steps to the requested accuracy.
         maximum_steps: engine steps after which a run stops and says so; a step that takes the engine's solver hundreds of
             iterations counts once more for each hundred.
         hub_turn: turn of the hub after which a pass ends, rad.
@@ -38,9 +37,6 @@ class Settings:
         "relative accuracy requested of the simulation",
         "chosen; less than 1e-11 is more than double precision gives",
         usual=ANY,
-    )
-    step: float | None = quantity(
-        None, "1e-12 <= step <= 1 s", "fixed engine step", "off: it follows from accuracy", usual=ANY
     )
     maximum_steps: int = MAXIMUM_STEPS
     hub_turn: float = quantity(
@@ -68,5 +64,5 @@ class Settings:
         """Least number of samples in a period, given or by the accuracy."""
         if self.samples_per_period is not None:
             return self.samples_per_period
-        needed = math.ceil(math.tau / (384.0 * self.accuracy) ** 0.25) if self.step is None else MOST_NEEDED
+        needed: int = math.ceil(math.tau / (384.0 * self.accuracy) ** 0.25)
         return min(max(LEAST_NEEDED, needed), MOST_NEEDED)

@@ -27,22 +27,20 @@ class StopReason(StrEnum):
     Attributes:
         remedy: what would let the run go further; ``{friction}`` stands for the key of the touched obstacle's friction.
         gives_up: whether the method failed, so that what comes after the stop is missing.
-        resumable: whether the run can be resumed from where it stopped.
     """
 
     remedy: str
     gives_up: bool
-    resumable: bool
 
-    def __new__(cls, wording: str, remedy: str, gives_up: bool = False, resumable: bool = False) -> StopReason:
+    def __new__(cls, wording: str, remedy: str, gives_up: bool = False) -> StopReason:
         """Build a member from its wording, remedy and kind."""
         member = str.__new__(cls, wording)
         member._value_ = wording
-        member.remedy, member.gives_up, member.resumable = remedy, gives_up, resumable
+        member.remedy, member.gives_up = remedy, gives_up
         return member
 
-    END = "end of the planned time", "a larger hub_turn makes the run longer", False, True
-    EVENT = "requested event", "without stop_after the run goes on", False, True
+    END = "end of the planned time", "a larger hub_turn makes the run longer"
+    EVENT = "requested event", "without stop_after the run goes on"
     JAM = "jam", "less {friction}, or another place of the bar, leaves the wire free"
     RETRACTION_LIMIT = (
         "retraction limit",
@@ -50,8 +48,7 @@ class StopReason(StrEnum):
     )
     STEP_BUDGET = (
         "step budget spent",
-        "a shorter hub_turn, a larger step or a larger accuracy takes fewer steps",
-        True,
+        "a shorter hub_turn or a larger accuracy takes fewer steps",
         True,
     )
     ACCURACY = "no step is short enough for the requested accuracy", "a larger accuracy is easier", True

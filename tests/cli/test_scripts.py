@@ -506,11 +506,7 @@ def other_values(found: Range | Choice, default: Any) -> list[str]:
     if isinstance(found, Range) and found.whole and default is not None:
         return [f"{default + 1}"]
     if default is None:
-        return (
-            {"s": ["1e-5"], "1": ["0.2"], "column": ["1"], "N/V": ["2.0"]}[found.unit]
-            if found.key != "step"
-            else ["1e-4"]
-        )
+        return {"s": ["1e-5"], "1": ["0.2"], "column": ["1"], "N/V": ["2.0"]}[found.unit]
     if default == 0.0:
         return ["0.1", "30"]
     return [repr(default + 10.0 if default >= 100.0 else default * 1.1), repr(0.2 * default)]

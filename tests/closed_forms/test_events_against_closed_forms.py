@@ -11,9 +11,9 @@ import pytest
 from bristle_sim.benchmarks.hard_cases.motion import THINNEST, TIP, first_bar_touch, with_bar_at
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.scene.contact.obstacles import LEAST_REACH, BarObstacle
-from bristle_sim.scene.events.search import turns
+from bristle_sim.scene.events.locate import turns
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.tool import START, simulate, tool_units
+from bristle_sim.scene.tool import START, simulate, simulate_in_steps, tool_units
 from bristle_sim.settings import Settings
 
 FREE = replace(Tool(), bar=None, workpart=None)
@@ -34,7 +34,9 @@ class TestClosedForms:
     @pytest.mark.parametrize("share", [1e-3, 0.2, 1.0])
     def test_fixed_steps_meet_the_workpart(self, share: float) -> None:
         tool = replace(Tool(), bar=None)
-        run = simulate(tool, Settings(step=share * tool_units(tool).time, samples_per_period=1), stop_after="strike")
+        run = simulate_in_steps(
+            tool, share * tool_units(tool).time, Settings(samples_per_period=1), stop_after="strike"
+        )
         first_strike = (-START - math.acos(tool.workpart_depth / TIP)) / tool.hub.speed
         # The first order of the step: drifting along the tangent, the tip rises by (w h)^2/2 a step, w h/2 a radian.
         assert run.event_time("strike") == pytest.approx(first_strike, abs=share * tool_units(tool).time)
@@ -95,8 +97,8 @@ class TestNothingElseIsMissed:
         """Events are searched for by moving the bodies about; the energy in the hub's frame tells if they come back."""
         tool = replace(FREE, hub=Hub(speed=2618.0))
         step = 1e-3
-        settings = Settings(step=step * tool_units(tool).time, hub_turn=4.0)
-        run = simulate(tool, settings, start_hub_angle=0.0, start_relative_angle=angle)
+        length, settings = step * tool_units(tool).time, Settings(hub_turn=4.0)
+        run = simulate_in_steps(tool, length, settings, start_hub_angle=0.0, start_relative_angle=angle)
         field = tool.bristle.mass * tool.hub.radius * 0.5 * tool.bristle.length * tool.hub.speed**2
         energy = 0.5 * tool.bristle.inertia_about_root * run.relative_rate**2
         energy += 0.5 * tool.belt.stiffness * run.relative_angle**2 + field * (1.0 - np.cos(run.relative_angle))

@@ -190,7 +190,7 @@ def _strikes(law: str, number: int) -> Tally:
     for _ in range(number):
         chain = _one_rod(chance) if chance.random() < 0.5 else _two_rods(chance)
         contact = _contact(chance, law)
-        settings = dataclasses.replace(corner(Settings, chance, without=("step",)), maximum_steps=STRIKE_STEPS)
+        settings = dataclasses.replace(corner(Settings, chance), maximum_steps=STRIKE_STEPS)
         call = partial(strike, chain, corner(Surface, chance), contact, settings)
         tally.attempt(f"{chain}, {contact}", call, finite)
     return tally

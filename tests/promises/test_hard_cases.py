@@ -12,11 +12,11 @@ import pytest
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.choice import THEMES
 from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
+from bristle_sim.scene import decisions
 from bristle_sim.scene import tool as scene_tool
-from bristle_sim.scene import transitions
 from bristle_sim.scene.contact import laws as contact_laws
 from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
-from bristle_sim.scene.events import touch_search
+from bristle_sim.scene.events import touches
 from bristle_sim.scene.integrate import time_scales
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.units import Units
@@ -162,12 +162,12 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["size: 0.82 um, 1.2e-12 kg: whole pass"],
     ),
     "touches that are not located": (
-        (touch_search, "settle", lambda _value, _start, _again, _near, last, _tolerance: last),
+        (touches, "settle", lambda _value, _start, _again, _near, last, _tolerance: last),
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
     "another restitution": ((Coefficients, "of", livelier), ["jam: default pass, friction 0.001 off the jam"]),
     "a jam that is not seen": (
-        (transitions, "opening_rate", lambda *_: math.inf),
+        (decisions, "opening_rate", lambda *_: math.inf),
         ["touching: wedged in, restitution 0.5"],
     ),
     "starts that are not checked": (

@@ -21,7 +21,7 @@ import bristle_sim
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
 from bristle_sim.scene.strike import Chain, strike
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.tool import simulate, simulate_in_steps
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 
@@ -65,7 +65,7 @@ def two_rods(law: str) -> object:
 
 RUNS: dict[str, Callable[[], object]] = {
     **{name: partial(simulate, tool, SETTINGS) for name, tool in TOOLS.items()},
-    "plain steps": partial(simulate, Tool(), Settings(step=2e-5)),
+    "plain steps": partial(simulate_in_steps, Tool(), 2e-5),
     "two rods, compliant": partial(two_rods, "compliant"),
     "rods in another space": falling_rods,
 }

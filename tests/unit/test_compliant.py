@@ -11,10 +11,10 @@ from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact import compliant
 from bristle_sim.scene.contact.compliant import CompliantLaw
-from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
+from bristle_sim.scene.contact.laws import Coefficients, ContactLaw, EnergeticLaw
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.strike import Chain, build_strike, strike
+from bristle_sim.scene.strike import Chain, build_strike, strike, struck
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactHistory, ContactRecord
 
@@ -24,10 +24,14 @@ PAIR = Chain((1.0, 1.0), (1.0, 1.0), (-math.radians(20.0), -math.radians(30.0)),
 ROUGH = Surface(0.3, None, 0.5)
 
 
-def resolved(chain: Chain, surface: Surface, law: CompliantLaw) -> ContactRecord:
+def law_accuracy(law: ContactLaw) -> float:
+    return law.accuracy if isinstance(law, CompliantLaw) else 1e-6
+
+
+def resolved(chain: Chain, surface: Surface, law: ContactLaw) -> ContactRecord:
     """A strike by a law in the scene's own units, in which the fastest rate is 1."""
     scene, state, obstacle, _ = build_strike(chain, surface)
-    return law.resolve(scene, state, obstacle, Coefficients.of(obstacle))[1]
+    return struck(scene, state, dataclasses.replace(obstacle, law=law), Settings(law_accuracy(law)))[1]
 
 
 class TestCompliantContact:
@@ -42,7 +46,7 @@ class TestCompliantContact:
     def test_clear_of_rounding_fewer_steps_do(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """By closely spaced repetitions, to the same accuracy of each interval; the contact itself is 0.4 durations off both."""
         close = strike(PAIR, ROUGH, Contact("compliant"), Settings(accuracy=1e-3))
-        monkeypatch.setattr(compliant, "CLEAR", math.inf)
+        monkeypatch.setattr(compliant, "CLEAR_OF_ROUNDING", math.inf)
         wide = strike(PAIR, ROUGH, Contact("compliant"), Settings(accuracy=1e-3))
         assert close.steps < 0.9 * wide.steps
         fastest = max(map(abs, PAIR.rates))
@@ -206,7 +210,8 @@ def press(friction: float, speed: float, turning: float = 0.0) -> tuple[ContactR
     mechanism = Mechanism((Link.rod(1.0, 1.0),), 0.0, turning, 0.6 - 2.0 * turning if turning else 0.0)
     scene = Scene(mechanism, Effects(stiffness=1.0 / 3.0, obstacles=(obstacle,)))
     before = State(2.0, (0.6,), (-speed,))
-    after, record = CompliantLaw(1e-3, 1e-6).resolve(scene, before, obstacle, Coefficients.of(obstacle))
+    law = CompliantLaw(1e-3, 1e-6)
+    after, record, _ = struck(scene, before, dataclasses.replace(obstacle, law=law), Settings())
     return record, scene.mechanism, before, after
 
 
@@ -258,7 +263,8 @@ class TestDampedContact:
         effects = Effects(stiffness=1.0 / 3.0, damping=2.0 / 3.0 * ratio, obstacles=(obstacle,))
         scene, before = Scene(Mechanism((Link.rod(1.0, 1.0),)), effects), State(0.0, (0.6,), (-1.0,))
         rigid, _ = EnergeticLaw().resolve(scene, before, obstacle, Coefficients.of(obstacle))
-        found, record = CompliantLaw(None, 1e-6).resolve(scene, before, obstacle, Coefficients.of(obstacle))
+        law = CompliantLaw(None, 1e-6)
+        found, record, _ = struck(scene, before, dataclasses.replace(obstacle, law=law), Settings())
         assert record.duration == pytest.approx(3e-7 / math.sqrt(2.0 * ratio * 0.5), rel=1e-4)
         assert found.rates == pytest.approx(rigid.rates, abs=1e-5)
 

@@ -5,8 +5,9 @@ from collections.abc import Callable
 
 import pytest
 
-from bristle_sim.scene.events import search as events
-from bristle_sim.scene.events.search import first_touch, guess, interpolate, locate, settle
+from bristle_sim.scene.events import locate as events
+from bristle_sim.scene.events.locate import guess, interpolate, locate, settle
+from bristle_sim.scene.events.touches import first_touch
 from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 

@@ -7,7 +7,7 @@ import numpy as np
 import pymunk
 import pytest
 
-from bristle_sim.scene.contact.obstacles import MARGIN, BarObstacle, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, BarObstacle, WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, Pose, State
 
 STRAIGHT = Link.rod(1.0, 1.0)
@@ -36,7 +36,7 @@ def test_bar_gap_is_the_least_distance(shape: str, seed: int) -> None:
     rng = np.random.default_rng(seed)
     pose, bar = pose_of(LINKS[shape], rng.uniform(-3, 3)), BarObstacle(tuple(rng.uniform(-2, 2, 2)), 0.2, 0.03, 0, 0)
     least = np.linalg.norm(centre_line(pose) - bar.centre, axis=1).min()
-    touch = bar.touch(pose, 0.0)
+    touch = bar.closest([pose], [0.0])
     # Half a spacing of 5e-5 off, the distance is longer by (2.5e-5)^2/2 over itself; distances here exceed 0.01.
     assert touch.gap == pytest.approx(least - 0.23, abs=1e-7)
     contact = np.add(pose.joint, touch.arm)
@@ -53,9 +53,9 @@ def test_normal_velocity_is_the_gaps_rate(shape: str, obstacle: BarObstacle | Wo
     angle, rate = rng.uniform(-3, 3), rng.uniform(-3, 3)
 
     def gap(time: float) -> float:
-        return obstacle.touch(pose_of(LINKS[shape], angle + rate * time, rate, time), rate).gap
+        return obstacle.closest([pose_of(LINKS[shape], angle + rate * time, rate, time)], [rate]).gap
 
-    velocity = obstacle.touch(pose_of(LINKS[shape], angle, rate), rate).velocity[0]
+    velocity = obstacle.closest([pose_of(LINKS[shape], angle, rate)], [rate]).velocity[0]
     # Central differences over 1e-5: third derivatives of order 100 leave 2e-9, rounding 1e-11.
     assert velocity == pytest.approx((gap(1e-5) - gap(-1e-5)) / 2e-5, abs=1e-7)
 
@@ -64,7 +64,7 @@ def test_normal_velocity_is_the_gaps_rate(shape: str, obstacle: BarObstacle | Wo
 def test_contact_velocity_is_that_of_the_links_material_point(obstacle: BarObstacle | WorkpartObstacle) -> None:
     """v = v_joint + rate x arm in world axes, resolved along the normal and the normal turned clockwise."""
     pose, rate = pose_of(STRAIGHT, 0.3, -2.0), -2.0
-    touch = obstacle.touch(pose, rate)
+    touch = obstacle.closest([pose], [rate])
     velocity = complex(*pose.joint_velocity) + 1j * rate * complex(*touch.arm)
     normal = complex(*touch.normal)
     assert complex(*touch.tangent) == pytest.approx(normal / 1j, abs=1e-15)
@@ -74,7 +74,7 @@ def test_contact_velocity_is_that_of_the_links_material_point(obstacle: BarObsta
 
 def test_workpart() -> None:
     pose = pose_of(STRAIGHT, 0.0)
-    touch = WORKPART.touch(pose, 0.0)
+    touch = WORKPART.closest([pose], [0.0])
     assert touch.gap == pose.tip[1] + 1.6
     assert (touch.normal, touch.tangent, touch.kinks) == ((0.0, 1.0), (1.0, -0.0), ())
 
@@ -84,9 +84,9 @@ def test_kinks_change_sign_where_the_contact_passes_a_corner() -> None:
     pose = pose_of(STRAIGHT, 0.0)
     for beyond in (-1e-6, 1e-6):
         beside = (pose.tip[0] - 0.5, pose.tip[1] - beyond)
-        (end,) = BarObstacle(beside, 0.1, 0.0, 0.0, 0.0).touch(pose, 0.0).kinks
+        (end,) = BarObstacle(beside, 0.1, 0.0, 0.0, 0.0).closest([pose], [0.0]).kinks
         assert math.copysign(1.0, end) == math.copysign(1.0, beyond)
-    assert len(BAR.touch(pose_of(BENT, 0.0), 0.0).kinks) == 5
+    assert len(BAR.closest([pose_of(BENT, 0.0)], [0.0]).kinks) == 5
 
 
 @pytest.mark.parametrize("shape", LINKS)
@@ -101,17 +101,17 @@ def test_engine_shapes_touch_where_the_gap_is_less_than_the_margin(shape: str, n
         pose = pose_of(link, angle)
         body.position, body.angle = pose.centre, angle
         low = min(y for _, y in (pose.joint, pose.tip))
-        for gap in (0.9 * MARGIN, 1.1 * MARGIN):
+        for gap in (0.9 * SHAPE_MARGIN, 1.1 * SHAPE_MARGIN):
             if name == "workpart":
                 obstacle: BarObstacle | WorkpartObstacle = WorkpartObstacle(gap - pose.tip[1], 0.0, 0.0, 0.0)
             else:
                 obstacle = BarObstacle((pose.tip[0], low - 0.23 - gap), 0.2, 0.03, 0.0, 0.0)
-            touch = obstacle.touch(pose, 0.0)
+            touch = obstacle.closest([pose], [0.0])
             fixed, *moving = obstacle.shapes(space, body, corners)
             space.add(body, *moving)
             points = [point for found in space.shape_query(fixed) for point in found.contact_point_set.points]
             space.remove(body, *moving)
-            assert bool(points) == (touch.gap < MARGIN)
+            assert bool(points) == (touch.gap < SHAPE_MARGIN)
             if points:
                 deepest = min(points, key=lambda point: point.distance)
                 # The engine computes in double precision, on a workpart a thousand lengths deep.

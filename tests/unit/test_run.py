@@ -16,7 +16,7 @@ import pytest
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.scene.contact.laws import EnergeticLaw
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
-from bristle_sim.scene.tool import simulate, tool_units
+from bristle_sim.scene.tool import simulate, simulate_in_steps, tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory
@@ -134,19 +134,19 @@ class TestFastAndThin:
         """Steps from 1/1000 to 1/4 of the fastest motion's radian; each touch comes within the first-order error."""
         tool = with_hub_speed(with_bar_at(0.97 * TIP, 1e-5), speed)
         step = share * tool_units(tool).time
-        run = simulate(tool, Settings(step=step), stop_after="bar touch")
+        run = simulate_in_steps(tool, step, stop_after="bar touch")
         # First order: each step drifts off the circle by (w h)^2/2, w h/2 per radian of the turn.
         assert run.event_time("bar touch") == pytest.approx(first_bar_touch(tool), rel=share)
 
     def test_plain_steps_do_not_enter_what_they_touch(self) -> None:
-        run = simulate(TOOL, Settings(step=2e-5), stop_after="strike")
+        run = simulate_in_steps(TOOL, 2e-5, stop_after="strike")
         assert least_gap(TOOL, run) > INSIDE
         # First order in a step of 1/45 of a radian of the belt's motion.
         assert run.event_time("strike") == pytest.approx(4.53e-3, rel=2e-2)
 
     def test_too_long_a_plain_step_is_refused(self) -> None:
         with pytest.raises(ValueError, match=r"step = 0\.01: must be at most "):
-            simulate(TOOL, Settings(step=0.01))
+            simulate_in_steps(TOOL, 0.01)
 
 
 def test_a_wire_that_is_stopped_at_its_strike_is_not_jammed() -> None:

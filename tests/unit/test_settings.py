@@ -13,7 +13,6 @@ from bristle_sim.settings import MAXIMUM_STEPS, Settings
 def test_defaults():
     settings = Settings()
     assert settings.accuracy == 1e-6
-    assert settings.step is None
     assert settings.hub_turn == 1.5 * math.pi
     assert settings.maximum_steps == MAXIMUM_STEPS
     assert settings.samples_per_period is None
@@ -26,14 +25,12 @@ def test_as_many_samples_as_a_cubic_needs_for_the_accuracy(accuracy: float, samp
     assert Settings(accuracy).samples == samples
     assert samples in (8, 24) or (math.tau / samples) ** 4 / 384.0 <= accuracy < (math.tau / (samples - 1)) ** 4 / 384.0
     assert Settings(accuracy, samples_per_period=50).samples == 50
-    assert Settings(accuracy, step=1e-6).samples == 24
 
 
 @pytest.mark.parametrize(
     ("name", "values"),
     [
         ("accuracy", (1e-11, 1e-8, 0.1)),
-        ("step", (None, 1e-12, 1e-6, 1.0)),
         ("hub_turn", (1e-3, 1e6)),
         ("maximum_steps", (1, 10**9)),
         ("samples_per_period", (None, 1, 100)),
@@ -48,7 +45,6 @@ def test_what_is_allowed(name: str, values: tuple[float | None, ...]):
     ("name", "values"),
     [
         ("accuracy", (0.0, 0.99e-11, 0.11, math.nan, None, "small")),
-        ("step", (0.0, 9e-13, -1e-6, 1.1, math.inf, "none")),
         ("hub_turn", (0.0, -1.0, 1.1e6, math.nan, None)),
         ("maximum_steps", (0, -1, 1.5, 10.0, True, None, "10", np.float64(10.0))),
         ("samples_per_period", (0, -3, 2.5, True, "24")),

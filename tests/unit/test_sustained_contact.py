@@ -1,18 +1,15 @@
-"""The engine's own contact as a load that keeps a link on an obstacle, against geometry and values by hand."""
+"""Rigid sustained contacts, against geometry and values by hand."""
 
 import math
 
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.forces import EngineForces, SolvedForces
-from bristle_sim.scene.contact.gaps import Gaps, set_back
+from bristle_sim.scene.contact.gaps import Gaps, slip_acceleration, turned_back
 from bristle_sim.scene.contact.obstacles import BarObstacle, WorkpartObstacle
-from bristle_sim.scene.contact.sustained import Sustained, SustainedContacts
-from bristle_sim.scene.events.contact_events import elbow, locking
-from bristle_sim.scene.integrate.stepping import Advance
+from bristle_sim.scene.contact.rigid import RigidContacts, rigid_contacts, sense_of_slip
+from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.stop_reason import StopReason
 
 ROD = Mechanism((Link.rod(2.0, 1.0),))
 """A rod that hangs from the origin: moment of inertia m/3 about the root, m/12 about the centre."""
@@ -23,19 +20,19 @@ def gaps_at(angle: float, rate: float) -> tuple[Gaps, State]:
     return Gaps(ROD), state
 
 
-def on_workpart(angle: float, friction: float) -> SustainedContacts:
+def on_workpart(angle: float, friction: float) -> RigidContacts:
     """The rod's tip on the workpart."""
     obstacle = WorkpartObstacle(math.cos(angle), friction, friction, 0.5)
-    return SustainedContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle])
+    return rigid_contacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle], [None])
 
 
-def beside_bar(angle: float, along: float, friction: float = 0.0) -> tuple[SustainedContacts, BarObstacle]:
+def beside_bar(angle: float, along: float) -> RigidContacts:
     """The rod, at an angle, against a bar of reach 0.1 at a distance along it, on the side of larger angles."""
     direction = (math.sin(angle), -math.cos(angle))
     across = (math.cos(angle), math.sin(angle))
     centre = (along * direction[0] + 0.1 * across[0], along * direction[1] + 0.1 * across[1])
-    obstacle = BarObstacle(centre, 0.1, 0.0, friction, 0.5)
-    return SustainedContacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle]), obstacle
+    obstacle = BarObstacle(centre, 0.1, 0.0, 0.0, 0.5)
+    return rigid_contacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle], [None])
 
 
 class TestGrip:
@@ -56,14 +53,14 @@ class TestGrip:
     @pytest.mark.parametrize("along", [0.3, 0.5, 0.9])
     def test_on_a_bar_in_any_direction(self, angle: float, along: float) -> None:
         """K_nn = 3/m s^2 at a distance s from the root; free 1/m (1 + 12 (s - 1/2)^2)."""
-        contact, _ = beside_bar(angle, along)
+        contact = beside_bar(angle, along)
         found = contact.grip(*gaps_at(angle, 0.1))
         assert found == pytest.approx(3.0 * along**2 / (1.0 + 12.0 * (along - 0.5) ** 2), rel=1e-12)
 
     @pytest.mark.parametrize("along", [0.2, 0.5, 0.8])
     def test_iterations_solve_to_rounding_and_no_further(self, along: float) -> None:
         """Each leaves 1 - grip of the error: as many as it takes to 1e-17."""
-        contact, _ = beside_bar(0.7, along)
+        contact = beside_bar(0.7, along)
         left = abs(1.0 - contact.engage(*gaps_at(0.7, 0.1)))
         rounds = contact.scene.space.iterations
         assert left**rounds <= 1e-17 < left ** (rounds - 1)
@@ -74,59 +71,23 @@ class TestGrip:
         assert contact.engage(*gaps_at(0.7, 0.3)) == pytest.approx(0.0, abs=1e-15)
         assert contact.scene.space.iterations == 40_000
 
-    @pytest.mark.parametrize(("force", "impulse", "fails"), [(1.0, 0.0, False), (0.0, 1.0, True), (-1.0, 1.0, True)])
-    def test_a_contact_only_pushes(self, force: float, impulse: float, fails: bool) -> None:
-        """What counts is the force of the last step, not what was pushed before."""
-        contact = on_workpart(0.7, 0.3)
-        assert EngineForces(contact.scene, contact.obstacles).fails([force, impulse, 0.0, 0.0]) is fails
-
-
-class TestEventFunctions:
-    def test_friction_that_locks_is_a_jam(self) -> None:
-        """Zero where the grip is 1e-3; it ends the run and has a name in the record only with friction."""
-        gaps, state = gaps_at(0.7, 0.3)
-        result = Advance(state, (0.0,), (), 0.0)
-        for friction, event in ((0.4, "jam"), (0.0, None)):
-            contact = on_workpart(0.7, friction)
-            function = locking(contact, gaps, 0)
-            assert function.value(result) == pytest.approx(contact.grip(gaps, state) - 1e-3, abs=1e-15)
-            assert (function.falling, function.event) == (True, event)
-            assert function.final is (StopReason.JAM if friction else StopReason.NO_GRIP)
-
-    def test_another_piece_that_meets_the_bar(self) -> None:
-        """Its gap falls to zero; a straight wire has no other piece."""
-        contact, _ = beside_bar(0.7, 0.5)
-        gaps, state = gaps_at(0.7, 0.1)
-        function = elbow(contact, gaps, 0)
-        assert function.falling
-        assert function.value(Advance(state, (0.0,), (), 0.0)) == math.inf
-
 
 class TestSetBack:
     """Newton's method ends after three rounds: 1e-3 off is 1e-6, 1e-12 and then rounding."""
 
     @pytest.mark.parametrize("off", [1e-3, -1e-3])
-    def test_onto_the_workpart(self, off: float) -> None:
+    def test_onto_the_workpart_and_a_bar(self, off: float) -> None:
         """The tip is at -cos of the angle, and does not move along the normal where the rate is 0."""
-        state = State(1.5, (0.7 + off,), (0.2,))
-        found = set_back(Gaps(ROD), on_workpart(0.7, 0.0).obstacles, state)
-        assert found.time == 1.5
-        assert found.angles[0] == pytest.approx(0.7, abs=1e-14)
-        assert found.rates[0] == pytest.approx(0.0, abs=1e-14)
-
-    @pytest.mark.parametrize("angle", [0.0, 0.7, -2.0])
-    @pytest.mark.parametrize("off", [1e-3, -1e-3])
-    def test_onto_a_bar_in_any_direction(self, angle: float, off: float) -> None:
-        _, obstacle = beside_bar(angle, 0.6)
-        gaps, state = gaps_at(angle + off, 0.2)
-        found = set_back(gaps, [obstacle], state)
-        assert found.angles[0] == pytest.approx(angle, abs=1e-13)
-        assert found.rates[0] == pytest.approx(0.0, abs=1e-13)
+        for contact in (on_workpart(0.7, 0.0), beside_bar(0.7, 0.6)):
+            found = contact.set_back(Gaps(ROD), State(1.5, (0.7 + off,), (0.2,)))
+            assert found.time == 1.5
+            assert found.angles[0] == pytest.approx(0.7, abs=1e-13)
+            assert found.rates[0] == pytest.approx(0.0, abs=1e-13)
 
     def test_a_link_whose_turning_does_not_help_stays(self) -> None:
         """A hanging rod's tip moves along the surface."""
         gaps, state = gaps_at(0.0, 0.2)
-        assert set_back(gaps, [WorkpartObstacle(0.9, 0.0, 0.0, 0.5)], state) == state
+        assert turned_back(gaps, WorkpartObstacle(0.9, 0.0, 0.0, 0.5), state) == state
 
 
 def test_when_a_force_that_is_a_parabola_in_time_vanishes() -> None:
@@ -134,29 +95,43 @@ def test_when_a_force_that_is_a_parabola_in_time_vanishes() -> None:
     contact = Sustained(WorkpartObstacle(0.9, 0.4, 0.4, 0.5))
     contact.begin(State(0.0, (0.7,), (0.5,)))
     # A first interval in which the force rises by 1 from an unknown value, as a straight line.
-    contact.add(6.0, (5.5, 0.0, 0.0), 1.0)
+    contact.add(6.0, (5.5, 0.0, 0.0, 0.0), 1.0)
     assert contact.vanishes_in == math.inf
-    contact.add(4.0, (6.0 * (1.0 - 13.0 / 72.0 + 1.0 / 108.0), 0.0, 0.0), 1.0)
+    contact.add(4.0, (6.0 * (1.0 - 13.0 / 72.0 + 1.0 / 108.0), 0.0, 0.0, 0.0), 1.0)
     assert contact.vanishes_in == pytest.approx(3.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(("rate", "sense"), [(0.5, 1), (-0.5, -1), (0.0, None)])
-def test_friction_on_a_single_link_acts_against_a_given_slip(rate: float, sense: int | None) -> None:
+def test_friction_on_a_lone_link_acts_against_a_given_slip(rate: float, sense: int | None) -> None:
     """The tip of a rod at 0.7 slips by its rate times cos 0.7; at rest it has no sense."""
-    contact = Sustained(WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5))
-    contact.look_up_slip(Gaps(ROD), State(0.0, (0.7,), (rate,)), 1e-6)
-    assert contact.slip == sense
+    state = State(0.0, (0.7,), (rate,))
+    assert sense_of_slip(Gaps(ROD), WorkpartObstacle(math.cos(0.7), 0.4, 0.4, 0.5), state, 1e-6) == sense
+
+
+def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
+    """Radial at 0.4 on a hub of radius 1 that turns by 2, the tip at rest on a plane: of either rounding the sense is that of its acceleration.
+
+    With the root at (sin, -cos) psi and the rod at angle a, y = -cos psi - cos a stays, so a' = -2 sin psi/sin a = -2 at
+    psi = a, and x' = 2 cos psi + a' cos a = 0 there. x'' = -4 sin psi + a'' cos a - a'^2 sin a with
+    a'' sin a = -4 cos psi - a'^2 cos a: -8 (sin + cos^2/sin) = -8/sin 0.4 = -20.5.
+    """
+    mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 2.0, 0.4)
+    part = WorkpartObstacle(2.0 * math.cos(0.4), 0.3, 0.3, 0.0)
+    for rounding in (1e-8, -1e-8):
+        state = State(0.0, (0.4,), (-2.0 + rounding,))
+        assert slip_acceleration(Gaps(mechanism), part, state) == pytest.approx(-8.0 / math.sin(0.4), rel=1e-4)
+        assert sense_of_slip(Gaps(mechanism), part, state, 1e-6) == -1
 
 
 def test_friction_of_the_second_of_two_contacts() -> None:
-    """By how much mu N exceeds the force that holds it, and which way that force would let it slip."""
+    """By how much mu N exceeds the force that holds it; the second of two that stick breaks away."""
     obstacle = WorkpartObstacle(1.0, 0.4, 0.4, 0.5)
-    forces = SolvedForces(Scene(Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0))), Effects()), [obstacle, obstacle])
-    # Normal forces 5 and 10, six sums, tangential forces 2 and -3.
-    totals = [5.0, 10.0, *[0.0] * 6, 2.0, -3.0]
-    assert [forces.spare_friction(totals, index) for index in (0, 1)] == [0.0, 1.0]
-    assert [forces.driven(totals, index) for index in (0, 1)] == [-1, 1]
-    assert forces.driven([5.0, 10.0, *[0.0] * 6, 0.5, -0.5], 0) == -1
+    scene = Scene(Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0))), Effects())
+    contacts = rigid_contacts(scene, [obstacle, obstacle], [0, 0])
+    # Normal forces 5 and 10, tangential forces 2 and -4.5, and three sums each.
+    totals = [5.0, 2.0, 0.0, 0.0, 0.0, 10.0, -4.5, 0.0, 0.0, 0.0]
+    assert [contacts.spare_friction(totals, index) for index in (0, 1)] == [0.0, -0.5]
+    assert contacts.breaks_away(totals) == 1
 
 
 def test_record_of_a_sustained_contact() -> None:
@@ -165,7 +140,7 @@ def test_record_of_a_sustained_contact() -> None:
     first, last = State(1.0, (0.7,), (0.5,)), State(1.5, (0.7,), (-0.25,))
     contact = Sustained(obstacle)
     contact.begin(first)
-    contact.add(0.0, (3.0, -1.0, -0.2), 0.5)
+    contact.add(0.0, (3.0, -1.0, 0.0, -0.2), 0.5)
     record = contact.record(Gaps(ROD), last, "released")
     assert record is not None
     assert contact.record(Gaps(ROD), first, "released") is None

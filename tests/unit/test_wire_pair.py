@@ -37,15 +37,15 @@ def finely(state: State) -> tuple[float, tuple[float, float]]:
 @pytest.mark.parametrize("angles", [(-0.1, 0.0), (-0.3, -0.1), (0.0, -0.4), (-0.25, -0.02)])
 def test_gap_is_the_least_distance(angles: tuple[float, float]) -> None:
     state = State(0.0, angles, (0.0, 0.0))
-    found = PAIR.touch_between(ROW.poses(state), state.rates)
+    found = PAIR.closest(ROW.poses(state), state.rates)
     # Samples 0.005 apart; the distance is at a minimum.
     assert found.gap + 0.1 == pytest.approx(finely(state)[0], abs=2e-3)
-    named = [PAIR.touch_between(ROW.poses(state), state.rates, piece).gap for piece in range(4)]
+    named = [PAIR.closest(ROW.poses(state), state.rates, piece).gap for piece in range(4)]
     assert found.gap == min(named) == named[found.piece]
 
 
 def test_rods_that_cross_overlap() -> None:
-    touch = PAIR.touch_between(ROW.poses(CROSSING), CROSSING.rates)
+    touch = PAIR.closest(ROW.poses(CROSSING), CROSSING.rates)
     assert touch.gap < -0.1
 
 
@@ -57,8 +57,8 @@ def test_velocity_is_the_gaps_rate() -> None:
     for time in (-step, step):
         angles = tuple(a + time * r for a, r in zip(middle.angles, middle.rates, strict=True))
         state = State(time, angles, middle.rates)
-        gaps.append(PAIR.touch_between(ROW.poses(state), state.rates).gap)
-    found = PAIR.touch_between(ROW.poses(middle), middle.rates)
+        gaps.append(PAIR.closest(ROW.poses(state), state.rates).gap)
+    found = PAIR.closest(ROW.poses(middle), middle.rates)
     assert found.velocity[0] == pytest.approx((gaps[1] - gaps[0]) / (2.0 * step), rel=1e-8)
 
 
@@ -68,7 +68,7 @@ def touching() -> State:
     for _ in range(60):
         middle = 0.5 * (low + high)
         state = State(0.0, (-0.35, middle), (0.0, 0.0))
-        low, high = (middle, high) if PAIR.touch_between(ROW.poses(state), state.rates).gap > 0.0 else (low, middle)
+        low, high = (middle, high) if PAIR.closest(ROW.poses(state), state.rates).gap > 0.0 else (low, middle)
     return State(0.0, (-0.35, low), (-0.2, 1.5))
 
 
@@ -77,7 +77,7 @@ def test_impact_of_two_rods_on_a_hub(friction: float) -> None:
     """Each rod's rate changes by the moment of its impulse about its root over 1/3; the partner's impulse is the opposite."""
     pair = WirePair(0, 0, 1, 0, 0.05, friction, 0.5)
     scene, state = Scene(ROW, Effects(obstacles=(pair,))), touching()
-    touch = pair.touch_between(ROW.poses(state), state.rates)
+    touch = pair.closest(ROW.poses(state), state.rates)
     assert touch.velocity[0] < 0.0
     after, record = EnergeticLaw().resolve(scene, state, pair, Coefficients.of(pair))
     impulse = record.impulse[0] * np.array(touch.normal) + record.impulse[1] * np.array(touch.tangent)

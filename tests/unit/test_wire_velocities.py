@@ -82,7 +82,7 @@ def test_contacts_are_kept_closed(slip: int) -> None:
     part = WorkpartObstacle(2.0, 0.2, 0.2, 0.0, link=2)
     scene, state = wires(obstacles=(bar, part))
     mechanism, gaps = scene.mechanism, Gaps(scene.mechanism)
-    poses, touches = gaps.poses(state), [gaps.touch(each, state) for each in (bar, part)]
+    poses, touches = gaps.poses(state), [gaps.closest(each, state) for each in (bar, part)]
     across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip((bar, part), touches, strict=True)]
     along = contact_row(mechanism, poses, bar, touches[0], touches[0].tangent)
     rows = np.array([*across, *([] if slip else [along])])

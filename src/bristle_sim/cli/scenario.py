@@ -83,7 +83,7 @@ class Scenario:
             assert isinstance(declared, Range)
             words = f"{declared.meaning}; {reason}"
             found[key] = (dataclasses.replace(declared, highest=limit, meaning=words), default)
-        return {key: each for key, each in found.items() if key not in (*self.without, "step")}
+        return {key: each for key, each in found.items() if key not in self.without}
 
     def values_of(self, assignments: Sequence[str]) -> dict[str, Any]:
         """Return every key's value: its default, or the last that the ``KEY=VALUE`` assignments give it.

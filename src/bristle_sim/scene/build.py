@@ -20,7 +20,7 @@ import pymunk
 from numpy.linalg import eigvalsh
 
 from bristle_sim.contact_space.jacobian import Connected
-from bristle_sim.scene.contact.obstacles import MARGIN, Held, Obstacle
+from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, Held, Obstacle
 from bristle_sim.scene.contact.shapes import ContactShapes
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
 from bristle_sim.scene.mechanism import Link, Mechanism
@@ -186,7 +186,7 @@ def _engine_steps(
 def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:
     space = pymunk.Space()
     space.iterations = 1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
-    space.collision_slop = 10.0 * MARGIN
+    space.collision_slop = 10.0 * SHAPE_MARGIN
     space.collision_bias = 1.0
     if effects.gravity:
         space.gravity = (0.0, -effects.gravity)

@@ -58,6 +58,11 @@ class Pose(NamedTuple):
     tip_velocity: Vector
     knees: tuple[Vector, ...] = ()
 
+    @property
+    def corners(self) -> tuple[Vector, ...]:
+        """The joint, the knees and the tip."""
+        return (self.joint, *self.knees, self.tip)
+
 
 @dataclass(frozen=True, slots=True)
 class Mechanism:
@@ -86,6 +91,11 @@ class Mechanism:
         object.__setattr__(self, "_lengths", tuple(math.hypot(*link.tip) for link in self.links))
         alone = () if self.wires == 1 else tuple(map(self.wire, range(self.wires)))
         object.__setattr__(self, "_alone", alone)
+
+    @property
+    def lone(self) -> bool:
+        """Whether there is one link alone, with one degree of freedom."""
+        return len(self.links) == 1
 
     def hub_angle(self, time: float) -> float:
         """Return the angle of the first root, rad."""

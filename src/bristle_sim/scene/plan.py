@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from bristle_sim.scene.mechanism import State
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory import ContactAtEnd, ContactRecord, Event
+from bristle_sim.trajectory import ContactRecord, Event
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,8 +22,7 @@ class Plan:
         maximum_steps: work after which the run gives up, in engine steps of few iterations.
         retraction_limit: largest angle of a wire's first link relative to the hub, rad.
         time_scale: of the fastest motion, 1 for rigid links on their belt, less where hinges vibrate.
-        contact: state of contact in which the run starts; None where touches at the start are fresh.
-        touched: names of what has been touched before the run.
+        single_contact: whether one contact is all that is of interest, without the extremes of the motion.
     """
 
     end: float
@@ -33,8 +32,7 @@ class Plan:
     maximum_steps: int = 1_000_000
     retraction_limit: float = math.inf
     time_scale: float = 1.0
-    contact: ContactAtEnd | None = None
-    touched: frozenset[str] = frozenset()
+    single_contact: bool = False
 
 
 Numbers = tuple[int, ...]
@@ -45,17 +43,16 @@ Numbers = tuple[int, ...]
 class Recording:
     """What a run leaves behind, in engine units; ``cost`` are wall clock and processor time, s, and engine steps.
 
-    ``inner`` are states between ``states``: those that a sustained contact's geometry gives, and the samples of a contact
-    resolved in time.
+    ``forces`` are the sums of normal contact forces at ``states``, of each wire. ``inner`` are states between ``states`` that
+    a sustained contact's geometry gives. Two of ``states`` at one time are the ends of two smooth motions.
     """
 
     states: list[State] = field(default_factory=list)
-    forces: list[float | tuple[float, ...]] = field(default_factory=list)
+    forces: list[list[float]] = field(default_factory=list)
     inner: list[State] = field(default_factory=list)
     events: list[tuple[Event, Numbers]] = field(default_factory=list)
     contacts: list[tuple[ContactRecord, Numbers]] = field(default_factory=list)
     error: float = 0.0
     stop_reason: StopReason | None = None
     stop_detail: str = ""
-    contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     cost: tuple[float, float, int] = (0.0, 0.0, 0)

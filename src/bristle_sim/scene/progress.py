@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.compliant import CompliantLaw
 from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps
-from bristle_sim.scene.contact.laws import ContactLaw
-from bristle_sim.scene.contact.obstacles import Obstacle, WorkpartObstacle
-from bristle_sim.scene.events.changes import Changes
+from bristle_sim.scene.contact.obstacles import Obstacle, dented
+from bristle_sim.scene.contact.sustained import Sustained
+from bristle_sim.scene.events.functions import Kink
+from bristle_sim.scene.events.signs import Signs
 from bristle_sim.scene.integrate.stepping import Stepper
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.plan import Plan, Recording
@@ -28,15 +26,7 @@ CAPTURE = 1e-8
 follow each other without end within a finite time."""
 
 FINAL = {"jam": StopReason.JAM, "retraction limit": StopReason.RETRACTION_LIMIT}
-"""Events after which a run cannot be resumed, requested or not."""
-
-
-class Rebound(NamedTuple):
-    """The last rebound: from which obstacle, when, and how fast the contact point left."""
-
-    obstacle: Obstacle
-    time: float
-    speed: float
+"""Events that end every run, requested or not."""
 
 
 @dataclass(slots=True)
@@ -44,43 +34,45 @@ class Progress:
     """What is common to the smooth motions of one run.
 
     Attributes:
-        scene, stepper, law, plan: of the run.
+        scene, flight, plan: the scene, the integrator of motion without springs, and when the run ends.
         state: the last state that was reached.
         gaps: between links and what they can touch.
-        changes: signs of the event functions.
+        signs: of the event functions.
         obstacles: the pairs, each with its surface where it is now: a tip in a dent touches the ground of it.
-        recording: what the run leaves behind.
-        rebound: the last rebound, if there was one.
+        recording: samples, events and contacts so far.
+        stepper: the integrator of the present motion.
     """
 
     scene: Scene
-    stepper: Stepper
-    law: ContactLaw
+    flight: Stepper
     plan: Plan
     state: State
     gaps: Gaps
-    changes: Changes
+    signs: Signs
     obstacles: list[Obstacle]
     recording: Recording
-    rebound: Rebound | None = None
+    stepper: Stepper
 
     @classmethod
-    def at_start(cls, scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Plan) -> Progress:
+    def at_start(
+        cls,
+        scene: Scene,
+        start: State,
+        stepper: Stepper,
+        plan: Plan,
+        obstacles: Sequence[Obstacle] | None = None,
+    ) -> Progress:
         """Return the progress of a run that has not moved yet.
 
         Raises:
             ValueError: if the start overlaps an obstacle.
         """
-        gaps, changes = Gaps(scene.mechanism), Changes(scene, stepper, plan.accuracy)
-        obstacles = list(scene.effects.obstacles)
-        progress = cls(scene, stepper, law, plan, start, gaps, changes, obstacles, Recording())
-        progress.sample(0.0)
-        if isinstance(law, CompliantLaw):
-            law.observe = progress.recording.inner.extend
-        for obstacle in scene.effects.obstacles:
-            if plan.contact is not None:
-                progress.in_dent(obstacle)
-            elif (gap := gaps.gap(obstacle, start)) < -GAP_ROUNDING:
+        gaps, signs = Gaps(scene.mechanism), Signs(scene, stepper, plan.accuracy)
+        pairs = list(scene.effects.obstacles if obstacles is None else obstacles)
+        progress = cls(scene, stepper, plan, start, gaps, signs, pairs, Recording(), stepper)
+        progress.sample()
+        for obstacle in pairs:
+            if (gap := gaps.gap(obstacle, start)) < -GAP_ROUNDING:
                 raise ValueError(
                     f"{obstacle.name}: must not overlap the bristle at the start, by {-gap:.3g} of its length"
                 )
@@ -121,6 +113,17 @@ class Progress:
         """Error that a slip velocity may have by now: of a sense that is no more than this nothing is known."""
         return max(self.plan.accuracy, self.recording.error) * self.mechanism.speed_bound(self.state)
 
+    def approach(self, obstacle: Obstacle) -> float:
+        """Return the normal velocity of a pair's contact point, negative where it approaches."""
+        return self.gaps.closest(obstacle, self.state).velocity[0]
+
+    @property
+    def ends_after_touch(self) -> bool:
+        """Whether the run ends once the contacts with springs are over that the event to stop after has begun."""
+        return (
+            self.plan.stop_after is not None and self.plan.stop_after not in FINAL and self._had(self.plan.stop_after)
+        )
+
     def touches(self, obstacle: Obstacle) -> bool:
         """Whether a link is on an obstacle, but for rounding."""
         return abs(self.gaps.gap(obstacle, self.state)) <= GAP_ROUNDING
@@ -128,26 +131,36 @@ class Progress:
     def in_dent(self, obstacle: Obstacle) -> Obstacle:
         """Return the pair with its surface at the ground of the dent that a contact resolved in time has left the tip in."""
         gap = self.gaps.gap(obstacle, self.state)
-        if gap >= -self.plan.accuracy or not isinstance(obstacle, WorkpartObstacle):
+        if gap >= -self.plan.accuracy or obstacle.partner is not None:
             return obstacle
-        ground = dataclasses.replace(obstacle, depth=obstacle.depth - gap)
+        ground = dented(obstacle, obstacle.dent - gap)
         number = self.obstacles.index(obstacle)
         self.obstacles[number] = ground
         return ground
 
     def dents(self) -> list[int]:
         """Return the numbers of the pairs whose tips are in dents."""
-        outside = self.scene.effects.obstacles
-        return [number for number, each in enumerate(self.obstacles) if outside[number] is not each]
+        return [number for number, each in enumerate(self.obstacles) if each.dent]
 
-    def leave_dent(self, number: int) -> None:
+    def leave_dent(self, number: int) -> Kink:
         """Have the pair of that number touch the surface again."""
-        self.obstacles[number] = self.scene.effects.obstacles[number]
+        self.obstacles[number] = dented(self.obstacles[number], 0.0)
+        return Kink()
 
-    def sample(self, force: float | tuple[float, ...]) -> None:
-        """Record the state that was reached, with the normal force, of each wire if there are several."""
-        self.recording.states.append(self.state)
-        self.recording.forces.append(force)
+    def sample(self, forces: Sequence[float] = (), contacts: Sequence[Sustained] = (), *, again: bool = False) -> None:
+        """Record the state that was reached, with the normal forces of contacts, summed for each wire.
+
+        With ``again`` the last sample gets the forces instead.
+        """
+        sums = [0.0] * self.mechanism.wires
+        for force, contact in zip(forces, contacts, strict=True):
+            for wire in self.wires_of(contact.obstacle):
+                sums[wire] += force
+        if again:
+            self.recording.forces[-1] = sums
+        else:
+            self.recording.states.append(self.state)
+            self.recording.forces.append(sums)
 
     def links_of(self, obstacle: Obstacle) -> tuple[int, ...]:
         """Return the numbers of the links that take part in a contact."""
@@ -158,23 +171,22 @@ class Progress:
         """Return the numbers of the wires that take part in a contact."""
         return tuple(link // self.mechanism.wire_links for link in self.links_of(obstacle))
 
-    def force_of_wires(self, forces: Sequence[float], obstacles: Sequence[Obstacle]) -> float | tuple[float, ...]:
-        """Return the sum of normal forces, for each wire if there are several."""
-        if self.mechanism.wires == 1:
-            return math.fsum(forces)
-        pairs = [(force, self.wires_of(each)) for force, each in zip(forces, obstacles, strict=True)]
-        return tuple(math.fsum(force for force, of in pairs if wire in of) for wire in range(self.mechanism.wires))
+    def event(self, name: str, time: float, wires: Sequence[int] = (0,), *, lasts: bool = False) -> None:
+        """Record an event of some wires; the run ends once every wire has had the one that is to end it.
 
-    def event(self, name: str, time: float, wires: Sequence[int] = (0,)) -> None:
-        """Record an event of some wires; the run ends once every wire has had the one that is to end it."""
+        A touch that ``lasts`` ends it when its contact is over.
+        """
         events = self.recording.events
         events.append((Event(name, time), tuple(wires)))
         if name in FINAL and name == self.plan.stop_after:
             self.stop(FINAL[name])
-        elif name == self.plan.stop_after:
-            happened = {wire for each, of in events if each.name == name for wire in of}
-            if len(happened) == self.mechanism.wires:
-                self.stop(StopReason.EVENT)
+        elif name == self.plan.stop_after and not lasts and self._had(name):
+            self.stop(StopReason.EVENT)
+
+    def _had(self, name: str) -> bool:
+        """Whether every wire has had an event of that name."""
+        happened = {wire for each, of in self.recording.events if each.name == name for wire in of}
+        return len(happened) == self.mechanism.wires
 
     def contact(self, record: ContactRecord, obstacle: Obstacle) -> None:
         """Record a contact."""
@@ -182,8 +194,6 @@ class Progress:
 
     def touched(self, obstacle: Obstacle) -> bool:
         """Whether a pair's wire has been in contact with the obstacle of that name."""
-        if obstacle.name in self.plan.touched:
-            return True
         wire, size = self.wires_of(obstacle)[0], self.mechanism.wire_links
         return any(
             each.obstacle == obstacle.name and wire in (link // size for link in links)

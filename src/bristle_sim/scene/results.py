@@ -32,7 +32,7 @@ def trajectory_in_si(
     hub = np.asarray(mechanism.hub_start + mechanism.hub_speed * time)
     kinetic, potential = _energies(mechanism, scene.effects, (hub, angles, rates))
     centre_line, centre_line_velocity = mechanism.centre_line(time, angles, rates)
-    forces = [each[wire] if isinstance(each, tuple) else each for each in recording.forces]
+    forces = [each[wire] for each in recording.forces]
     return Trajectory(
         time=time * units.time,
         hub_angle=hub,
@@ -52,7 +52,6 @@ def trajectory_in_si(
             recording.error / motion_scale(scene, recording.states[0]) if with_estimate else None,
         ),
         parameters=parameters,
-        contact_at_end=recording.contact_at_end,
         stop_detail=recording.stop_detail,
         inner_samples=_inner_samples(recording, scene, units),
     )
@@ -94,9 +93,9 @@ def _with_largest_retraction(recording: Recording, scene: Scene, wire: int) -> l
 def _contacts(recording: Recording, mechanism: Mechanism, wire: int) -> Iterator[ContactRecord]:
     """Yield a wire's contact records, with its own angles and rates, its link in contact and its partner."""
     size, own = mechanism.wire_links, slice(wire * mechanism.wire_links, (wire + 1) * mechanism.wire_links)
-    for contact, links in recording.contacts:
+    for contact, links in sorted(recording.contacts, key=lambda each: each[0].time):
         wires = [link // size for link in links]
-        if len(mechanism.links) == 1:
+        if mechanism.lone:
             yield contact
         elif wire in wires:
             place = wires.index(wire)

@@ -9,34 +9,35 @@ interval, because the engine's contact only keeps velocities.
 
 from __future__ import annotations
 
-import time as clock
+from collections.abc import Sequence
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.laws import ContactLaw
+from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.decisions import end, enter, first_motion
 from bristle_sim.scene.integrate.stepping import Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.progress import Progress
-from bristle_sim.scene.transitions import contact_at_end, end, enter, first_motion
 from bristle_sim.stop_reason import StopReason
 
 
-def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Plan) -> Recording:
+def run(
+    scene: Scene, start: State, stepper: Stepper, plan: Plan, obstacles: Sequence[Obstacle] | None = None
+) -> Recording:
     """Run a scene from a state to the plan's end.
 
     Args:
         scene: the scene; its bodies are placed by the run.
         start: the state to start from; obstacles must not be overlapped.
         stepper: how intervals of smooth motion are integrated.
-        law: how impacts on the workpart are resolved; the bar's are resolved by the energetic law.
         plan: when to stop.
+        obstacles: the pairs; those of the scene by default.
 
     Raises:
         ValueError: if the start overlaps an obstacle.
     """
-    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
     budget = scene.work + plan.maximum_steps
-    progress = Progress.at_start(scene, start, stepper, law, plan)
+    progress = Progress.at_start(scene, start, stepper, plan, obstacles)
     motion = first_motion(progress)
     while not progress.stopped:
         if progress.state.time >= plan.end * (1.0 - 1e-15):
@@ -47,7 +48,5 @@ def run(scene: Scene, start: State, stepper: Stepper, law: ContactLaw, plan: Pla
             change = motion.proceed()
             motion = motion if change is None else enter(motion, change)
     recording = progress.recording
-    recording.contact_at_end = contact_at_end(motion)
     end(motion, str(recording.stop_reason))
-    recording.cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.steps - steps)
     return recording

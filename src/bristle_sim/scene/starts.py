@@ -1,4 +1,4 @@
-"""Where a run starts: bristles at rest relative to the hub, or at an angle and a rate of their own, or as another run has ended."""
+"""Where a run starts: bristles at rest relative to the hub, or at an angle and a rate of their own."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.mechanism import State
-from bristle_sim.trajectory import ContactAtEnd
 from bristle_sim.units import Declared, count, quantity
 
 RETRACTION_LIMIT = math.pi / 2.0
@@ -55,16 +54,12 @@ class Start:
         hub_angle: of the first root, rad.
         angles: absolute ones of every link, rad.
         relative_rates: of every link relative to the hub, rad/s.
-        contact: state of contact that the run resumes; None where touches at the start are fresh.
-        touched: names of what the bristle has touched before.
         described: what a result's parameters say of it.
     """
 
     hub_angle: float
     angles: tuple[float, ...]
     relative_rates: tuple[float, ...]
-    contact: ContactAtEnd | None = None
-    touched: frozenset[str] = frozenset()
     described: dict[str, Any] = field(default_factory=dict)
 
 
@@ -72,7 +67,7 @@ def check_start(scene: Scene, tool: Tool, start: State) -> None:
     """Refuse a start in which a bristle stands in an obstacle, or in another bristle."""
     poses = scene.mechanism.poses(start)
     for obstacle in scene.effects.obstacles:
-        gap = obstacle.touch_between(poses, start.rates).gap
+        gap = obstacle.closest(poses, start.rates).gap
         if gap >= -OVERLAP:
             continue
         overlap = -gap * tool.bristle.length

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
+import math
 import time as clock
 from dataclasses import dataclass
 
@@ -11,13 +13,18 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.laws import Coefficients, ContactLaw, EnergeticLaw
-from bristle_sim.scene.contact.obstacles import WorkpartObstacle
+from bristle_sim.scene.contact.compliant import contact_law
+from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
+from bristle_sim.scene.contact.obstacles import Obstacle, WorkpartObstacle
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.plan import Plan
+from bristle_sim.scene.progress import CAPTURE
 from bristle_sim.scene.results import contact_in_si
-from bristle_sim.scene.tool import contact_law
+from bristle_sim.scene.run import run
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
 from bristle_sim.units import Range, shown
 
@@ -116,9 +123,8 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
             raise ValueError(f"{name} = {shown(value)}: must be a {kind.__name__}")
     begin = clock.perf_counter()
     scene, start, obstacle, units = build_strike(chain, surface)
-    approach = obstacle.touch_between(scene.mechanism.poses(start), start.rates).velocity[0]
-    law: ContactLaw = contact_law(contact, settings, units) if approach < 0.0 else EnergeticLaw()
-    after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
+    law = contact_law(contact, settings.accuracy, units.time)
+    after, record, _ = struck(scene, start, dataclasses.replace(obstacle, law=law), settings)
     poses = scene.mechanism.poses(start)
     return ChainStrike(
         contact=contact_in_si(record, units),
@@ -128,6 +134,38 @@ def strike(chain: Chain, surface: Surface, contact: Contact, settings: Settings)
         steps=scene.steps,
         wall_s=clock.perf_counter() - begin,
     )
+
+
+OUT_OF_STEPS = "contact: step budget spent before it is over; must have more steps, a larger accuracy or a shorter contact_duration"
+TOO_ACCURATE = (
+    "contact: no interval of its motion is short enough for the requested accuracy; accuracy must be larger, or friction"
+    " further from the jam"
+)
+
+
+def struck(
+    scene: Scene, start: State, obstacle: Obstacle, settings: Settings
+) -> tuple[State, ContactRecord, list[State]]:
+    """Carry a scene through one contact with an obstacle that it touches, by the obstacle's law.
+
+    Returns:
+        The state after the contact, its record, and the states at its samples.
+
+    Raises:
+        ValueError: if a contact with a spring comes to no end.
+    """
+    approach = -obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
+    law = obstacle.law if approach > 0.0 else ENERGETIC
+    if law.at_once or approach <= CAPTURE * scene.mechanism.speed_bound(start):
+        after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
+        return after, record, [start, after]
+    stepper = Extrapolation(settings.accuracy)
+    plan = Plan(math.inf, settings.accuracy, "strike", maximum_steps=settings.maximum_steps, single_contact=True)
+    recording = run(scene, start, stepper, plan, [obstacle])
+    if recording.stop_reason in (StopReason.STEP_BUDGET, StopReason.ACCURACY):
+        raise ValueError(OUT_OF_STEPS if recording.stop_reason is StopReason.STEP_BUDGET else TOO_ACCURATE)
+    ((record, _), *_) = recording.contacts
+    return recording.states[-1], record, recording.states
 
 
 SLOWEST = 1e-300

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import time as clock
 from collections.abc import Iterator
 
-from bristle_sim.parameters import Contact, Tool
+from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.compliant import CompliantLaw
-from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw, EngineLaw
+from bristle_sim.scene.contact.compliant import contact_law
 from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.contact.wire_pair import wire_pairs
-from bristle_sim.scene.integrate.time_scales import longest_interval, stepper_for, time_scale
+from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
+from bristle_sim.scene.integrate.time_scales import checked_step, longest_interval, stepper_for, time_scale
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.plan import Plan
 from bristle_sim.scene.results import trajectory_in_si
 from bristle_sim.scene.run import run
 from bristle_sim.scene.starts import LONE, RETRACTION_LIMIT, Row, Start, StartRelativeToHub, check_start
 from bristle_sim.scene.units import Units
-from bristle_sim.scene.wire_links import wire_hinges, wire_links
+from bristle_sim.scene.wire_links import SHORTEST_PIECE, wire_hinges, wire_links
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import EVENTS, checked_name
 from bristle_sim.trajectory import Trajectory
@@ -27,6 +28,9 @@ from bristle_sim.units import shown
 
 METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
 """Say in a trajectory's parameters that the scene was simulated."""
+
+ACCURACY = Settings().accuracy
+"""Accuracy of contacts resolved in time, where no run has another one."""
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
@@ -45,7 +49,9 @@ SLOWEST = 1e-100
 """Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
 
 
-def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tuple[Scene, Units]:
+def build_tool(
+    tool: Tool, *, hub_start: float = START, row: Row = LONE, accuracy: float = ACCURACY
+) -> tuple[Scene, Units]:
     """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
     units = tool_units(tool)
     mechanism = Mechanism(
@@ -56,7 +62,9 @@ def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tupl
         row.bristles,
         row.pitch,
     )
-    obstacles = [each for wire in range(row.bristles) for each in _obstacles(tool, units, wire * tool.bristle.links)]
+    obstacles = [
+        each for wire in range(row.bristles) for each in _obstacles(tool, units, wire * tool.bristle.links, accuracy)
+    ]
     if row.bristles > 1:
         wire_radius = tool.bristle.wire_diameter / 2.0 / units.length
         obstacles += wire_pairs(mechanism, wire_radius, row.friction, row.restitution)
@@ -70,8 +78,8 @@ def build_tool(tool: Tool, *, hub_start: float = START, row: Row = LONE) -> tupl
     return Scene(mechanism, effects), units
 
 
-def _obstacles(tool: Tool, units: Units, first: int) -> Iterator[Obstacle]:
-    """Yield what the links of a wire can touch, from its first link on: the bar any of them, the workpart the tip."""
+def _obstacles(tool: Tool, units: Units, first: int, accuracy: float) -> Iterator[Obstacle]:
+    """Yield what the links of a wire can touch, from its first link on: the bar any of them, the workpart tip and knee."""
     links = tool.bristle.links
     if tool.bar is not None:
         centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
@@ -81,7 +89,19 @@ def _obstacles(tool: Tool, units: Units, first: int) -> Iterator[Obstacle]:
             yield BarObstacle(centre, *of_bar, link=link)
     if (part := tool.workpart) is not None:
         surface = (part.friction, part.friction_in_restitution, part.restitution)
-        yield WorkpartObstacle(tool.workpart_depth / units.length, *surface, link=first + links - 1)
+        law = contact_law(tool.contact, accuracy, units.time)
+        for link, corner in [(first + links - 1, -1), *_knees(tool, first)]:
+            yield WorkpartObstacle(tool.workpart_depth / units.length, *surface, link=link, law=law, corner=corner)
+
+
+def _knees(tool: Tool, first: int) -> list[tuple[int, int]]:
+    """Return link and corner of each knee of a wire, whose links begin at a number; the tip of a link is its corner -1."""
+    links, joint = tool.bristle.links, tool.bristle.knee_position * tool.bristle.links
+    if len(tool.bristle.path) == 1:
+        return []
+    if links > 1 and abs(joint - round(joint)) < links * SHORTEST_PIECE:
+        return [(first + round(joint) - 1, -1)]
+    return [(first + int(joint), 0)]
 
 
 def simulate(
@@ -106,8 +126,8 @@ def simulate(
         The trajectory, in SI units.
 
     Raises:
-        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, a fixed step is too long
-            for this tool, rounding hides the accuracy, or a contact resolved in time comes to no end.
+        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, rounding hides the accuracy,
+            or a contact cannot be resolved in time.
     """
     settings, stop_after = _checked(tool, settings, stop_after)
     begin = StartRelativeToHub(start_hub_angle, start_relative_angle, start_relative_rate)
@@ -115,9 +135,25 @@ def simulate(
     return run
 
 
-def simulate_from(tool: Tool, settings: Settings, start: Start, stop_after: str | None) -> Trajectory:
-    """Simulate the bristle from any state, in the state of contact in which another run has ended."""
-    (run,) = _simulated(tool, settings, start, LONE, stop_after)
+def simulate_in_steps(
+    tool: Tool,
+    step: float,
+    settings: Settings | None = None,
+    *,
+    start_hub_angle: float = START,
+    start_relative_angle: float = 0.0,
+    stop_after: str | None = None,
+) -> Trajectory:
+    """Simulate the bristle as :func:`simulate` does, but in plain engine steps of a fixed length, s, to compare with.
+
+    It is of first order in the step, and knows nothing of its error.
+
+    Raises:
+        ValueError: also if the step is too long for this tool.
+    """
+    settings, stop_after = _checked(tool, settings, stop_after)
+    begin = StartRelativeToHub(start_hub_angle, start_relative_angle)
+    (run,) = _simulated(tool, settings, _start_relative_to_hub(tool, begin, LONE), LONE, stop_after, step)
     return run
 
 
@@ -150,12 +186,10 @@ def simulate_row(
         ``wire touch`` of both; the obstacle of its contact records, in which each has its own normal, is ``wire``.
 
     Raises:
-        ValueError: as for ``simulate``, and if bristles overlap at the start or the contact law is one for a lone bristle.
+        ValueError: as for ``simulate``, and if bristles overlap at the start.
     """
     settings, stop_after = _checked(tool, settings, stop_after)
     row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
-    if tool.contact.law == "compliant" and row.bristles > 1:
-        raise ValueError("contact = compliant: must be energetic or engine in a row of bristles")
     begin = StartRelativeToHub(start_hub_angle)
     return _simulated(tool, settings, _start_relative_to_hub(tool, begin, row), row, stop_after)
 
@@ -168,17 +202,21 @@ def _start_relative_to_hub(tool: Tool, begin: StartRelativeToHub, row: Row) -> S
 
 
 def _simulated(
-    tool: Tool, settings: Settings, begin: Start, row: Row, stop_after: str | None
+    tool: Tool, settings: Settings, begin: Start, row: Row, stop_after: str | None, step: float | None = None
 ) -> tuple[Trajectory, ...]:
     """Return the run of each bristle."""
-    scene, units = build_tool(tool, hub_start=begin.hub_angle, row=row)
+    scene, units = build_tool(tool, hub_start=begin.hub_angle, row=row, accuracy=settings.accuracy)
     speed = scene.mechanism.hub_speed
     start = State(0.0, begin.angles, tuple(speed + rate * units.time for rate in begin.relative_rates))
-    if begin.contact is None:
-        check_start(scene, tool, start)
-    plan = _plan(scene, settings, begin, stop_after)
-    stepper = stepper_for(scene, settings, units, start, plan.end)
-    recording = run(scene, start, stepper, contact_law(tool.contact, settings, units), plan)
+    check_start(scene, tool, start)
+    plan = _plan(scene, settings, stop_after)
+    if step is None:
+        stepper: Stepper = stepper_for(scene, settings, start, plan.end)
+    else:
+        stepper = PlainSteps(checked_step(scene, step, settings.samples, units) / units.time)
+    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
+    recording = run(scene, start, stepper, plan)
+    recording.cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.steps - steps)
     parameters = {
         "method": METHOD if row is LONE else ROW_METHOD,
         "tool": dataclasses.asdict(tool),
@@ -188,9 +226,8 @@ def _simulated(
     }
     if row is not LONE:
         parameters["row"] = dataclasses.asdict(row)
-    with_estimate = settings.step is None
     return tuple(
-        trajectory_in_si(recording, scene, units, parameters, with_estimate=with_estimate, wire=wire)
+        trajectory_in_si(recording, scene, units, parameters, with_estimate=step is None, wire=wire)
         for wire in range(row.bristles)
     )
 
@@ -205,7 +242,7 @@ def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Se
     return settings or Settings(), name
 
 
-def _plan(scene: Scene, settings: Settings, begin: Start, stop_after: str | None) -> Plan:
+def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
     return Plan(
         end=_end(settings, scene.mechanism),
         accuracy=settings.accuracy,
@@ -214,8 +251,6 @@ def _plan(scene: Scene, settings: Settings, begin: Start, stop_after: str | None
         maximum_steps=settings.maximum_steps,
         retraction_limit=RETRACTION_LIMIT,
         time_scale=time_scale(scene),
-        contact=begin.contact,
-        touched=begin.touched,
     )
 
 
@@ -228,38 +263,3 @@ def _end(settings: Settings, mechanism: Mechanism) -> float:
     if not mechanism.hub_speed:
         return REST_PERIODS * 2.0 * math.pi
     return (settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch) / mechanism.hub_speed
-
-
-MOST_FIXED_STEPS = 100_000
-"""Fixed steps of a whole run; each is an interval of its own: measured, 55 us each, 5 s in all."""
-
-
-def refuse_endless(tool: Tool, settings: Settings) -> None:
-    """Refuse a fixed step so short that a whole run of the tool would take more than ``MOST_FIXED_STEPS`` steps.
-
-    Raises:
-        ValueError: if length of run and step, known before anything is computed, give more than ``MOST_FIXED_STEPS``.
-    """
-    if settings.step is None:
-        return
-    unit = tool_units(tool).time
-    end = _end(settings, Mechanism((), hub_speed=tool.hub.speed * unit)) * unit
-    if end > settings.step * MOST_FIXED_STEPS:
-        raise ValueError(
-            f"step = {settings.step:g}: must be at least {end / MOST_FIXED_STEPS:.3g} for a run of {end:.3g} s, which would"
-            f" otherwise take more than {MOST_FIXED_STEPS} steps (in s)"
-        )
-
-
-LEAST_CONTACT_BUDGET = 20_000
-"""Least budget of engine steps of a contact resolved in time: a run with a smaller one still finishes a contact it has begun."""
-
-
-def contact_law(contact: Contact, settings: Settings, units: Units) -> ContactLaw:
-    """Return the contact law that the parameters name."""
-    if contact.law == "compliant":
-        duration = None if contact.duration is None else contact.duration / units.time
-        return CompliantLaw(
-            duration, settings.accuracy, maximum_steps=max(settings.maximum_steps, LEAST_CONTACT_BUDGET)
-        )
-    return EngineLaw() if contact.law == "engine" else EnergeticLaw()

@@ -6,8 +6,7 @@ import itertools
 import math
 
 from bristle_sim.parameters import Bristle
-from bristle_sim.scene.contact.obstacles import ClosestApproach
-from bristle_sim.scene.mechanism import Link, Mechanism, State, Vector, cross
+from bristle_sim.scene.mechanism import Link, Vector
 from bristle_sim.scene.units import Units
 from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
 
@@ -77,23 +76,3 @@ def _link(corners: list[Vector]) -> Link:
     centre = (sum(m * x for m, x, _ in pieces) / mass, sum(m * y for m, _, y in pieces) / mass)
     inertia = sum(m * (m**2 / 12.0 + math.dist((x, y), centre) ** 2) for m, x, y in pieces)
     return Link(mass, inertia, centre, places[-1], tuple(places[1:-1]))
-
-
-def rigid_stiffness(
-    mechanism: Mechanism, state: State, touch: ClosestApproach, link: int, duration: float, restitution: float
-) -> float:
-    """Return the stiffness of a contact that would keep the wire, were it rigid, in touch for a time without friction.
-
-    k = (pi (1 + e*)/(2 T))^2/K_nn, K_nn = (normal's lever at the root)^2/(moment of inertia of the unstressed wire about it).
-    """
-    wire = mechanism.wire(link % len(mechanism.links) // mechanism.wire_links)
-    still = State(0.0, (0.0,) * len(wire.links), (0.0,) * len(wire.links))
-    unstressed = Mechanism(wire.links).poses(still)
-    inertia = sum(
-        each.inertia + each.mass * math.hypot(*pose.centre) ** 2
-        for each, pose in zip(wire.links, unstressed, strict=True)
-    )
-    poses = mechanism.poses(state)
-    joint, root = poses[link].joint, poses[link % len(poses) // mechanism.wire_links * mechanism.wire_links].joint
-    lever = cross((joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal)
-    return (0.5 * math.pi * (1.0 + restitution) / duration) ** 2 * inertia / lever**2

@@ -13,15 +13,14 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.compliant import CompliantLaw
-from bristle_sim.scene.contact.contact_motion import SAMPLES
-from bristle_sim.scene.contact.laws import Coefficients
+from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.integrate.repetitions import WIDE
 from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import contact_in_si
+from bristle_sim.scene.strike import struck
 from bristle_sim.scene.tool import build_tool
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
@@ -81,21 +80,15 @@ def strike_wire(
     """
     begin = clock.perf_counter()
     scene, units, obstacle = build_wire(tool, hub_angle, angles, rates)
-    states = [State(0.0, tuple(angles), tuple(rate * units.time for rate in rates))]
-    approach = obstacle.touch(scene.mechanism.poses(states[0])[-1], states[0].rates[-1]).velocity[0]
+    start = State(0.0, tuple(angles), tuple(rate * units.time for rate in rates))
+    approach = obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
     if approach >= 0.0:
         raise ValueError(
             f"rates = {shown(rates[-1])}: must let the wire's end approach the workpart, its normal velocity is"
             f" {approach * units.velocity:g} m/s (in rad/s)"
         )
-    law = CompliantLaw(
-        duration / units.time,
-        settings.accuracy,
-        maximum_steps=settings.maximum_steps,
-        stiffness=stiffness * units.time**2 / units.mass,
-        observe=states.extend,
-    )
-    after, record = law.resolve(scene, states[0], obstacle, Coefficients.of(obstacle))
+    law = CompliantLaw(duration / units.time, settings.accuracy, stiffness=stiffness * units.time**2 / units.mass)
+    after, record, states = struck(scene, start, dataclasses.replace(obstacle, law=law), settings)
     states = states[1:] + free_flight(scene, after, flight / units.time, duration / units.time, settings)
     time, angles_, rates_ = (np.array(column) for column in zip(*states, strict=True))
     return WireStrike(
@@ -160,7 +153,7 @@ def wire_frequencies(tool: Tool) -> Array:
 
 def free_flight(scene: Scene, start: State, duration: float, contact: float, settings: Settings) -> list[State]:
     """Return samples of the free motion after a contact, as far apart as in it, while a tenth of the budget of steps lasts."""
-    longest = min(contact / SAMPLES, damped_interval(scene))
+    longest = min(contact / SAMPLES_OF_A_COURSE, damped_interval(scene))
     stepper = Extrapolation(0.1 * settings.accuracy, max(1.0, *map(abs, start.rates)), WIDE, longest)
     found, end, last = [start], start.time + duration, scene.work + settings.maximum_steps // 10
     while (left := end - found[-1].time) > 1e-9 * contact and scene.work < last:

@@ -10,7 +10,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import PARTS, Bar, Bristle, Tool, tool_keys
-from bristle_sim.scene.tool import refuse_endless, simulate
+from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy
@@ -101,7 +101,7 @@ def require_result(run: Trajectory, settings: Settings) -> None:
     """Raise GivenUpError for a run that was given up."""
     if run.stop_reason.gives_up:
         raise GivenUpError(
-            f"accuracy = {settings.accuracy:g}, step = {settings.step}: {run.stop_reason} after"
+            f"accuracy = {settings.accuracy:g}: {run.stop_reason} after"
             f" {run.cost.steps} engine steps at {run.time[-1]:g} s; {run.stop_advice}"
         )
 
@@ -166,9 +166,8 @@ def simulated_strike(tool: Tool, settings: Settings) -> Trajectory:
     """Simulate a pass up to its strike, from 90 degrees before the workpart, or earlier if the bar stands there.
 
     Raises:
-        ValueError: if the run is given up, or its fixed step is too short for a pass.
+        ValueError: if the run is given up.
     """
-    refuse_endless(tool, settings)
     run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
     require_result(run, settings)
     return run

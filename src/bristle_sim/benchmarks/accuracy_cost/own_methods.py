@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -10,12 +11,12 @@ from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, Str
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
 from bristle_sim.parameters import Contact
 from bristle_sim.scene.contact.compliant import PLAIN_ACCURACY, CompliantLaw
-from bristle_sim.scene.contact.laws import Coefficients
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.strike import build_strike, strike
-from bristle_sim.scene.tool import build_tool, simulate
+from bristle_sim.scene.strike import build_strike, strike, struck
+from bristle_sim.scene.tool import build_tool, simulate, simulate_in_steps
 from bristle_sim.settings import Settings
+from bristle_sim.trajectory import Trajectory
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))
 STEP_COUNTS = tuple(2**power for power in range(1, 15))
@@ -92,7 +93,8 @@ def _struck(case: StrikeCase, law: str, accuracy: float) -> Run:
 
 def _struck_in_steps(case: StrikeCase, count: int) -> Run:
     scene, start, obstacle, units = build_strike(case.chain, case.surface)
-    _, record = CompliantLaw(None, PLAIN_ACCURACY, count).resolve(scene, start, obstacle, Coefficients.of(obstacle))
+    law = CompliantLaw(None, PLAIN_ACCURACY, count)
+    _, record, _ = struck(scene, start, dataclasses.replace(obstacle, law=law), Settings())
     return Run(tuple(rate / units.time for rate in record.rates_after), scene.steps)
 
 
@@ -100,11 +102,20 @@ def pass_attempts(case: PassCase) -> list[Attempt]:
     """Return the public call, extrapolated and with plain engine steps of a given length."""
     steps = (4e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6)
     return [
-        *_attempts("simulate", "accuracy={:g}", lambda each: _passed(case, Settings(each)), ACCURACIES[:10]),
-        *_attempts("plain steps", "step={:g} s", lambda each: _passed(case, Settings(step=each)), steps),
+        *_attempts(
+            "simulate",
+            "accuracy={:g}",
+            lambda each: _passed(simulate(case.tool, Settings(each), stop_after="strike")),
+            ACCURACIES[:10],
+        ),
+        *_attempts(
+            "plain steps",
+            "step={:g} s",
+            lambda each: _passed(simulate_in_steps(case.tool, each, stop_after="strike")),
+            steps,
+        ),
     ]
 
 
-def _passed(case: PassCase, settings: Settings) -> Run:
-    run = simulate(case.tool, settings, stop_after="strike")
+def _passed(run: Trajectory) -> Run:
     return Run(state_at_strike(run), run.cost.steps)

@@ -1,41 +1,38 @@
-"""A contact resolved in time: a stiff spring with energetic restitution at the tip, Coulomb friction and true stick.
+"""The law of a contact resolved in time: a stiff spring with energetic restitution, Coulomb friction and true stick.
 
-Normal force over penetration delta is bilinear: k delta while penetration grows, and (k/e*^2)(delta - delta_r) with
-delta_r = (1 - e*^2) delta_max on the way out, so that the spring returns e*^2 of the work it took, whatever the bodies
-do. The tangential force is -mu sign(v_t) N in slip; in stick it is what stops the point within each engine step,
--(K_nt N + v_t/h)/K_tt. Compression, restitution, slip and stick are smooth intervals; the instants between them are
-located. As the contact gets shorter the outcome tends to that of the rigid-body law with the energetic coefficient.
+As the contact gets shorter its outcome tends to that of the rigid-body law with the energetic coefficient.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.contact_integration import ContactIntegration
-from bristle_sim.scene.contact.contact_motion import SAMPLES, ContactMotion, Expectation
-from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw, contact_at
-from bristle_sim.scene.contact.obstacles import Obstacle
-from bristle_sim.scene.contact.spring import SpringLoad, time_at_unit_stiffness
+from bristle_sim.parameters import Contact
+from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients, ContactLaw, EngineLaw, contact_at
+from bristle_sim.scene.contact.spring import Expectation, Spring
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.integrate.repetitions import CLOSE, WIDE
 from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
 from bristle_sim.scene.integrate.time_scales import damped_interval
-from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.wire_links import rigid_stiffness
+from bristle_sim.scene.mechanism import Mechanism, State, cross
+from bristle_sim.theory.impact import Impact
 from bristle_sim.trajectory import ContactRecord
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.build import Scene
+    from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
 
 LEAST_DURATION = 3e-7
 """Shortest contact in scene time units, times sqrt(e*). Measured: a contact of duration T differs from the rigid-body
 limit by 0.4 T, and rounding of its penetration, of which restitution leaves the fraction e*^2, by 4e-14/(T e*). Damping of
 a rate r > 1 takes the fraction r T of a velocity meanwhile: the shortest contact is then shorter by sqrt(r)."""
 
-ROUNDING = 1e-15
+FORCE_ROUNDING = 1e-15
 """Rounding of the contact's force in an interval, as a velocity, times duration and e*; no interval is more accurate."""
 
-CLEAR = 1e4
+CLEAR_OF_ROUNDING = 1e4
 """Tolerance over rounding from which closely spaced repetitions, with weights a hundred times as large, reach it in fewer
 steps. Measured for accuracies from 0.1 to 1e-4: two thirds to nine tenths of the steps, and the same error."""
 
@@ -43,14 +40,17 @@ LEAST_DEPTH = 1e-13
 """Penetration times e* below which rounding decides when a contact ends; the rigid-body limit is then closer."""
 
 LEAST_RESTITUTION = 1e-3
-"""Except 0. The spring's way out is 1/e* times as fast as its way in."""
+"""Except 0. The spring unloads 1/e* times as fast as it loads."""
 
 PLAIN_ACCURACY = 1e-4
 """Accuracy to which contacts of plain steps follow the rigid-body limit: well below the steps' own errors, and not so
 short that the rounding of positions shows in a penetration."""
 
-FEWEST_SAMPLES = 8
-"""Least number of intervals of a contact whose outcome is of interest: less than a phase in each. Its course follows."""
+SAMPLES_OF_A_COURSE = 24
+"""Least number of intervals that a contact of a given duration is cut into, for its course in time."""
+
+SAMPLES_OF_AN_OUTCOME = 5
+"""Least number of intervals of a contact whose outcome is of interest: less than a phase in each."""
 
 
 class CompliantLaw:
@@ -61,82 +61,70 @@ class CompliantLaw:
             is short enough for the rigid-body limit to ``accuracy``.
         accuracy: requested relative accuracy.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
-        maximum_steps: engine steps after which a contact is given up, each counted as the scene's ``work`` counts it.
         stiffness: of the spring in compression, engine units; None is that of a rigid-body contact of the duration. With
             one, the duration is only expected.
-        observe: called with the states at the samples of each contact.
     """
 
     name = "compliant"
+    at_once = False
 
     def __init__(
-        self,
-        duration: float | None,
-        accuracy: float,
-        plain_steps: int | None = None,
-        maximum_steps: int = 1_000_000,
-        stiffness: float | None = None,
-        observe: Callable[[list[State]], None] | None = None,
+        self, duration: float | None, accuracy: float, plain_steps: int | None = None, stiffness: float | None = None
     ) -> None:
-        """See the class."""
+        """Set what every contact by this law has in common."""
         self.duration = duration
-        self.stiffness = stiffness
-        self.observe = observe
         self.accuracy = accuracy
         self.plain_steps = plain_steps
-        self.maximum_steps = maximum_steps
+        self.stiffness = stiffness
 
-    def resolve(
-        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
-    ) -> tuple[State, ContactRecord]:
-        """Carry the scene through the contact; the state returned is later than the one given.
-
-        A touch too slow to be resolved goes by the rigid-body law.
+    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
+        """Return the spring of a contact that begins; None for a touch too slow to be resolved.
 
         Raises:
-            ValueError: if the contact cannot be resolved in double precision, or comes to no end.
+            ValueError: if the contact cannot be resolved in double precision.
         """
+        coefficients = Coefficients.of(obstacle)
         self._check(scene, coefficients.restitution)
         touch, space = contact_at(scene, state, obstacle)
         rigid = coefficients.energetic_impact(space)
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
-        factor = (
+        unloading = (
             coefficients.restitution or 1.0
-        )  # of the time in which the spring unloads; 1 where it ends at the deepest
-        duration = self.duration or self._shortest(scene, fastest, factor)
-        if -space.velocity[0] * duration * factor < LEAST_DEPTH:
-            return EnergeticLaw().resolve(scene, state, obstacle, coefficients)
+        )  # time over that of loading; 1 where the contact ends at the deepest
+        duration = self.duration or self._shortest(scene, fastest, unloading)
+        if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
+            return None
         if self.stiffness is None and scene.effects.hinges:
-            # It is the workpart's: later touches meet the same.
+            # It is the obstacle's: later touches meet the same.
             self.stiffness = rigid_stiffness(
                 scene.mechanism, state, touch, obstacle.link, duration, coefficients.restitution
             )
         stiffness = self.stiffness
         if stiffness is None:
             stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
-        load = SpringLoad(scene, touch, space.inverse_mass, stiffness, coefficients)
-        longest = min(duration / (FEWEST_SAMPLES if self.duration is None else SAMPLES), damped_interval(scene))
-        stepper = self._stepper(duration, longest, fastest, least=_rounding(space.inverse_mass, duration * factor))
-        expected = Expectation.of(duration, longest, rigid.outcome_name, len(scene.links))
-        contact = ContactIntegration(ContactMotion(scene, state, load, stepper, expected))
-        outcome = contact.run(scene.work + self.maximum_steps)
-        if self.observe is not None:
-            self.observe(contact.course.states)
-        names, constant = (obstacle.name, self.name, outcome), None if expected.moves else space.inverse_mass
-        after = contact.motion.state
-        return after, contact.course.record(names, state, after, constant)
+        samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
+        longest = min(duration / samples, damped_interval(scene))
+        stepper = self._stepper(duration, longest, fastest, _rounding(space.inverse_mass, duration * unloading))
+        expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
+        return Spring(stiffness, coefficients, expected, touch.gap, space.inverse_mass)
+
+    def resolve(
+        self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
+    ) -> tuple[State, ContactRecord]:
+        """Carry the scene through a touch too slow to be resolved in time, by the rigid-body law."""
+        return ENERGETIC.resolve(scene, state, obstacle, coefficients)
 
     def _stepper(self, duration: float, longest: float, fastest: float, least: float) -> Stepper:
-        """Return what integrates a contact of a duration, no more accurately than rounding, ``least``, allows."""
+        """Return the integrator of a contact of a duration, no more accurate than rounding, ``least``, allows."""
         if self.plain_steps is not None:
             return PlainSteps(duration / self.plain_steps)
         tolerance = max(0.1 * self.accuracy, least)
-        return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR * least else WIDE, longest)
+        return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest)
 
-    def _shortest(self, scene: Scene, fastest: float, factor: float) -> float:
+    def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
         """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""
         damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
-        least = LEAST_DURATION / math.sqrt(factor * damping)
+        least = LEAST_DURATION / math.sqrt(unloading * damping)
         return max(least, 0.1 * self.accuracy / max(fastest, damping))
 
     def _check(self, scene: Scene, restitution: float) -> None:
@@ -159,8 +147,75 @@ class CompliantLaw:
 
 
 def _rounding(inverse_mass: Array, resolved: float) -> float:
-    """Return what rounding makes of the lightest link's rate in an interval; ``resolved``: the duration times e*.
+    """Return the rounding of the lightest link's rate in an interval; ``resolved`` is the duration times e*.
 
     It turns the link, of inertia 1/3, by the normal velocity over the root of K_nn/3.
     """
-    return max(1.0, math.sqrt(3.0 / inverse_mass[0, 0])) * ROUNDING / resolved
+    return max(1.0, math.sqrt(3.0 / inverse_mass[0, 0])) * FORCE_ROUNDING / resolved
+
+
+def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
+    """Return the time in touch for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
+
+    Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the
+    phase is a piece of a harmonic motion between velocities and forces that the impact law knows.
+    """
+    works = [float(work) for work in impact.phase_work_normal]
+    time, stored = 0.0, 0.0
+    for index, impulse in enumerate(float(each) for each in impact.phase_impulse):
+        if impulse <= 0.0:
+            continue
+        stiffness = 1.0
+        if index >= 2:
+            stiffness, stored = 1.0 / restitution**2, sum(works[index:])
+        left = stored - works[index]
+        change = 2.0 * (works[index] / impulse - velocity)
+        time += _phase_time(
+            stiffness, impulse, (velocity, velocity + change), (_force(stiffness, stored), _force(stiffness, left))
+        )
+        stored, velocity = left, velocity + change
+    return time
+
+
+def _force(stiffness: float, stored: float) -> float:
+    return math.sqrt(2.0 * stiffness * max(stored, 0.0))
+
+
+def _phase_time(
+    stiffness: float, impulse: float, velocities: tuple[float, float], forces: tuple[float, float]
+) -> float:
+    """Return the duration of a phase of given normal impulse between two velocities and forces."""
+    compliance = (velocities[1] - velocities[0]) / impulse
+    if compliance <= 1e-12 * max(map(abs, velocities)) / impulse:
+        mean = 0.5 * (forces[0] + forces[1])
+        return impulse / mean if mean > 0.0 else 0.0
+    impedance = math.sqrt(compliance / stiffness)
+    before, after = (math.atan2(v, impedance * f) for v, f in zip(velocities, forces, strict=True))
+    return (after - before) / math.sqrt(compliance * stiffness)
+
+
+def rigid_stiffness(
+    mechanism: Mechanism, state: State, touch: ClosestApproach, link: int, duration: float, restitution: float
+) -> float:
+    """Return the stiffness of a contact that would keep the wire, were it rigid, in touch for a time without friction.
+
+    k = (pi (1 + e*)/(2 T))^2/K_nn, K_nn = (normal's lever at the root)^2/(moment of inertia of the unstressed wire about it).
+    """
+    wire = mechanism.wire(link % len(mechanism.links) // mechanism.wire_links)
+    still = State(0.0, (0.0,) * len(wire.links), (0.0,) * len(wire.links))
+    unstressed = Mechanism(wire.links).poses(still)
+    inertia = sum(
+        each.inertia + each.mass * math.hypot(*pose.centre) ** 2
+        for each, pose in zip(wire.links, unstressed, strict=True)
+    )
+    poses = mechanism.poses(state)
+    joint, root = poses[link].joint, poses[link % len(poses) // mechanism.wire_links * mechanism.wire_links].joint
+    lever = cross((joint[0] + touch.arm[0] - root[0], joint[1] + touch.arm[1] - root[1]), touch.normal)
+    return (0.5 * math.pi * (1.0 + restitution) / duration) ** 2 * inertia / lever**2
+
+
+def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactLaw:
+    """Return the contact law that the parameters name, in a scene with that unit of time, s."""
+    if contact.law == "compliant":
+        return CompliantLaw(None if contact.duration is None else contact.duration / time_unit, accuracy)
+    return EngineLaw() if contact.law == "engine" else ENERGETIC

@@ -9,7 +9,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
-from bristle_sim.scene.events.search import interpolate
+from bristle_sim.scene.events.locate import interpolate
 from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
 
 GAP_ROUNDING = 1e-11
@@ -23,17 +23,17 @@ class Gaps:
         """Look at a mechanism, which keeps the poses of the last few states."""
         self.mechanism = mechanism
 
-    def touch(self, obstacle: Obstacle, state: State, piece: int | None = None) -> ClosestApproach:
+    def closest(self, obstacle: Obstacle, state: State, piece: int | None = None) -> ClosestApproach:
         """Return where and how the link would touch the obstacle, with one of its pieces if it is named."""
-        return obstacle.touch_between(self.poses(state), state.rates, piece)
+        return obstacle.closest(self.mechanism.poses(state), state.rates, piece)
 
     def gap(self, obstacle: Obstacle, state: State) -> float:
         """Return the distance of link and obstacle, negative inside."""
-        return self.touch(obstacle, state).gap
+        return self.closest(obstacle, state).gap
 
     def gap_and_rate(self, obstacle: Obstacle, state: State) -> tuple[float, float]:
         """Return the distance of link and obstacle, and how fast it opens."""
-        touch = self.touch(obstacle, state)
+        touch = self.closest(obstacle, state)
         return touch.gap, touch.velocity[0]
 
     def rests(self, obstacle: Obstacle, start: State, end: State) -> bool:
@@ -49,10 +49,10 @@ class Gaps:
 LEAST_LEVER = 1e-6
 """With a lever of the contact normal shorter than this fraction of the link, turning the link cannot set it back."""
 
-CLOSED = 1e-10
+CLOSED_GAP = 1e-10
 """Closing a gap below this fraction of the link changes the rate by as little, less than any accuracy leaves it."""
 
-NEWTON = 3
+NEWTON_ROUNDS = 3
 """Rounds of Newton's method that set links back: an error of 1e-3 is 1e-6, 1e-12 and then rounding."""
 
 
@@ -79,12 +79,10 @@ def set_back(
     and their rates are off. Contacts that stick do not slip either.
     """
     pieces = pieces or [None] * len(obstacles)
-    if len(state.angles) == 1:
-        return _turned_back(gaps, obstacles[0], state, pieces[0])
     mechanism = gaps.mechanism
-    for _ in range(NEWTON):
+    for _ in range(NEWTON_ROUNDS):
         poses = mechanism.poses(state)
-        touches = [each.touch_between(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
+        touches = [each.closest(poses, state.rates, piece) for each, piece in zip(obstacles, pieces, strict=True)]
         stuck = [index for index, each in enumerate(slips) if each == 0]
         across = [contact_row(mechanism, poses, o, t, t.normal) for o, t in zip(obstacles, touches, strict=True)]
         along = [contact_row(mechanism, poses, obstacles[i], touches[i], touches[i].tangent) for i in stuck]
@@ -108,33 +106,33 @@ def _nearest(mass: Array, rows: Array, amounts: Sequence[float]) -> list[float]:
     return changes
 
 
-def _turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None) -> State:
-    """Turn a single link back onto an obstacle."""
+def turned_back(gaps: Gaps, obstacle: Obstacle, state: State, piece: int | None = None) -> State:
+    """Turn a lone link back onto an obstacle."""
     (angle,), (rate,) = state.angles, state.rates
-    for _ in range(NEWTON):
+    for _ in range(NEWTON_ROUNDS):
         placed = State(state.time, (angle,), (rate,))
-        touch = obstacle.touch_between(gaps.mechanism.poses(placed), placed.rates, piece)
+        touch = obstacle.closest(gaps.mechanism.poses(placed), placed.rates, piece)
         lever = cross(touch.arm, touch.normal)
         if abs(lever) < LEAST_LEVER:
             return state
         angle -= touch.gap / lever
         rate -= touch.velocity[0] / lever
-        if abs(touch.gap) < CLOSED:
+        if abs(touch.gap) < CLOSED_GAP:
             break
     return State(state.time, (angle,), (rate,))
 
 
 MOMENT = 1e-6
-"""Time, in the scene's unit, after which the piece that touches is looked up again, and the slip of a single link."""
+"""Time, in the scene's unit, after which the piece that touches is looked up again, and the slip of a lone link."""
 
 
 def slip_acceleration(gaps: Gaps, obstacle: Obstacle, state: State) -> float:
-    """Return the tangential acceleration of the contact point of a single link that stays on an obstacle."""
+    """Return the tangential acceleration of the contact point of a lone link that stays on an obstacle."""
     slips = []
     for time in (0.0, MOMENT):
         angles = tuple(angle + time * rate for angle, rate in zip(state.angles, state.rates, strict=True))
-        placed = set_back(gaps, [obstacle], State(state.time + time, angles, state.rates))
-        slips.append(gaps.touch(obstacle, placed).velocity[1])
+        placed = turned_back(gaps, obstacle, State(state.time + time, angles, state.rates))
+        slips.append(gaps.closest(obstacle, placed).velocity[1])
     return (slips[1] - slips[0]) / MOMENT
 
 

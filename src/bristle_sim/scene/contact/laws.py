@@ -1,19 +1,24 @@
-"""Laws that carry a scene through an impact. One signature: scene, state, obstacle in; state after, contact record out.
+"""Laws of impact, one of which each obstacle carries.
 
-To add a law, write a class with :meth:`ContactLaw.resolve` and name it in :func:`contact_law`.
+An impact at an instant is resolved at once: scene, state, obstacle in; state after, contact record out. A law that resolves
+the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.contact.compliant`).
+To add a law, write a class with the methods of :class:`ContactLaw` and name it in :func:`contact_law` there.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Protocol
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
-from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
 from bristle_sim.scene.mechanism import State
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.build import Scene
+    from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
+    from bristle_sim.scene.contact.spring import Spring
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,19 +49,28 @@ class Coefficients:
 class ContactLaw(Protocol):
     """A way through an impact."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """What contact records call it."""
+
+    @property
+    def at_once(self) -> bool:
+        """Whether its impacts take no time."""
+
+    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
+        """Return the spring of a contact that is resolved in time; None where the impact is one at an instant."""
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
-        """Carry the scene from the instant of touch to the end of the impact; engine units throughout."""
+        """Carry the scene through an impact at an instant; engine units throughout."""
 
 
 def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestApproach, ContactSpace]:
     """Place the scene and describe its contact with an obstacle, from the bodies as they are in the engine."""
     scene.place(state)
     poses = scene.mechanism.poses(state)
-    touch = obstacle.touch_between(poses, state.rates)
+    touch = obstacle.closest(poses, state.rates)
     joint = poses[obstacle.link].joint
     point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
     partner = None if obstacle.partner is None else scene.links[obstacle.partner]
@@ -69,10 +83,16 @@ def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestA
     )
 
 
+@dataclass(frozen=True, slots=True)
 class EnergeticLaw:
     """Stronge's energetic restitution with Coulomb friction, on the contact-space inverse mass of the scene."""
 
-    name = "energetic"
+    name: str = field(default="energetic", init=False)
+    at_once: bool = field(default=True, init=False)
+
+    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> None:
+        """Its impacts take no time."""
+        del scene, state, obstacle
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
@@ -83,7 +103,7 @@ class EnergeticLaw:
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         space.apply(impulse, (impact.velocity_normal, impact.velocity_tangential))
         after = State(state.time, state.angles, tuple(scene.rates()))
-        record = ContactRecord(
+        return after, ContactRecord(
             obstacle=obstacle.name,
             law=self.name,
             outcome=impact.outcome_name,
@@ -100,25 +120,31 @@ class EnergeticLaw:
             rates_after=after.rates,
             phases=impact.phases,
         )
-        return after, record
 
 
-INSTANT = 1e-12
+ENERGETIC = EnergeticLaw()
+"""The law of obstacles for which no other one is named."""
+
+ENGINE_STEP = 1e-12
 """Step of an engine impact in scene time units: forces and motion within it are below rounding."""
 
 
+@dataclass(frozen=True, slots=True)
 class EngineLaw:
     """The engine's own contact: Newton's coefficient, friction clamped by the accumulated impulse, iterated.
 
     ``elasticity`` is taken as the coefficient of restitution. It knows no phases, takes one friction coefficient, and
-    may gain energy where bodies are joined in a chain; it is here to be compared.
+    may gain energy where bodies are joined in a chain; it is here to be compared. ``iterations`` are those of the engine's
+    solver; 10 is its default.
     """
 
-    name = "engine"
+    iterations: int = 10
+    name: str = field(default="engine", init=False)
+    at_once: bool = field(default=True, init=False)
 
-    def __init__(self, iterations: int = 10) -> None:
-        """Take ``iterations`` of the engine's solver; 10 is the engine's default."""
-        self.iterations = iterations
+    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> None:
+        """Its impacts take no time."""
+        del scene, state, obstacle
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
@@ -131,13 +157,13 @@ class EngineLaw:
             elasticity=coefficients.restitution,
             iterations=self.iterations,
         )
-        scene.step(INSTANT, 1)
+        scene.step(ENGINE_STEP, 1)
         impulse = scene.contacts.totals(obstacle)[:2]
         scene.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
-        velocity = obstacle.touch_between(scene.mechanism.poses(after), after.rates).velocity
-        record = ContactRecord(
+        velocity = obstacle.closest(scene.mechanism.poses(after), after.rates).velocity
+        return after, ContactRecord(
             obstacle=obstacle.name,
             law=self.name,
             outcome="rebound" if velocity[0] > 0.0 else "no rebound",
@@ -153,4 +179,3 @@ class EngineLaw:
             rates_before=state.rates,
             rates_after=after.rates,
         )
-        return after, record

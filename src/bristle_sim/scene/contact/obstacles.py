@@ -1,7 +1,7 @@
 """Pairs of a link and what it can touch: the bar (a circle) and the workpart (a half-plane), as gaps and engine shapes.
 
 A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes
-of obstacles are larger than the obstacle by ``MARGIN``, and the engine's slop covers it, so that a sustained touch is
+of obstacles are larger than the obstacle by ``SHAPE_MARGIN``, and the engine's slop covers it, so that a sustained touch is
 detected at every step while its position is left alone; only obstacles are enlarged, so that the lever of friction on
 the link stays exact.
 """
@@ -11,14 +11,15 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 import pymunk
 
+from bristle_sim.scene.contact.laws import ENERGETIC, ContactLaw
 from bristle_sim.scene.mechanism import Pose, Vector
 
-MARGIN = 0.02
+SHAPE_MARGIN = 0.02
 """Fraction of the link's length by which obstacle shapes are enlarged in the engine."""
 
 SAME_GAP = 1e-9
@@ -87,14 +88,24 @@ class Obstacle(Protocol):
     def restitution(self) -> float:
         """Coefficient of restitution."""
 
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
+    @property
+    def law(self) -> ContactLaw:
+        """Law of its impacts."""
+
+    @property
+    def first_touch(self) -> str:
+        """Name of the event of a wire's first touch; later ones are named by the obstacle."""
+
+    @property
+    def dent(self) -> float:
+        """Depth by which contacts resolved in time have moved its surface back."""
+
+    @property
+    def corner(self) -> int | None:
+        """The corner of the link's centre line that touches, -1 for its tip; None where the contact slides along the link."""
+
+    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the links in given poses, or of one straight piece."""
-
-    def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the gap of the link's other straight pieces, but for the corners common with this one."""
-
-    def foot(self, pose: Pose) -> tuple[float, float]:
-        """Return the obstacle's foot on the centre line past the link's joint and past its tip, in the pieces' lengths."""
 
 
 class Held(NamedTuple):
@@ -137,6 +148,10 @@ class BarObstacle:
     name: str = "bar"
     link: int = -1
     partner: None = None
+    law: ContactLaw = ENERGETIC
+    first_touch: str = "bar touch"
+    dent: float = 0.0
+    corner: None = None
 
     def __post_init__(self) -> None:
         """Refuse a bar so thin that rounding decides on which side of it the wire is."""
@@ -152,64 +167,61 @@ class BarObstacle:
         """Friction in restitution is that in compression."""
         return self.friction
 
-    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> ClosestApproach:
+    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the centre line (with a round end); the contact is on the wire's surface.
 
         Of two pieces that touch, the one that approaches faster counts, unless one is named.
         """
+        pose, rate = poses[self.link], rates[self.link]
         if not pose.knees:
             found = _closest(self.centre, pose.joint, pose.joint, pose.tip)
-            return self._touch(pose, rate, 0, found, found[2][1:])
-        corners = (pose.joint, *pose.knees, pose.tip)
-        pieces = [_closest(self.centre, pose.joint, a, b) for a, b in itertools.pairwise(corners)]
+            return self._approach(pose, rate, 0, found, found[2][1:])
+        pieces = [_closest(self.centre, pose.joint, a, b) for a, b in itertools.pairwise(pose.corners)]
         kinks = tuple(kink for found in pieces for kink in found[2])[1:]
-        touches = [self._touch(pose, rate, index, found, kinks) for index, found in enumerate(pieces)]
+        touches = [self._approach(pose, rate, index, found, kinks) for index, found in enumerate(pieces)]
         if piece is not None:
             return touches[piece]
         least = min(touch.gap for touch in touches)
         return min((touch for touch in touches if touch.gap <= least + SAME_GAP), key=lambda touch: touch.velocity[0])
 
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
-        """Return the closest approach of the pair's link."""
-        return self.touch(poses[self.link], rates[self.link], piece)
-
-    def _touch(self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]) -> ClosestApproach:
+    def _approach(
+        self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]
+    ) -> ClosestApproach:
         square, arm, _ = found
         distance = math.sqrt(square)
         scale = distance or 1.0  # at the very centre no direction is the normal's
         x, y = pose.joint[0] + arm[0] - self.centre[0], pose.joint[1] + arm[1] - self.centre[1]
         normal = (x / scale, y / scale)
         arm = (arm[0] - self.wire_radius * normal[0], arm[1] - self.wire_radius * normal[1])
-        gap = distance - self.radius - self.wire_radius
+        gap = distance - self.radius - self.wire_radius + self.dent
         return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Return the gap of a piece in whose elbow the bar lies; infinite where there is none."""
-        corners = (pose.joint, *pose.knees, pose.tip)
+        """Return the gap of the link's other pieces in whose elbow with this one the bar lies; infinite where there is none."""
         gaps = [math.inf]
-        for index, (start, end) in enumerate(itertools.pairwise(corners)):
+        for index, (start, end) in enumerate(itertools.pairwise(pose.corners)):
             square, _, (past_start, past_end) = _closest(self.centre, pose.joint, start, end)
             at_shared_corner = past_end >= 0.0 if index < piece else past_start <= 0.0
             if index != piece and not at_shared_corner:
-                gaps.append(math.sqrt(square) - self.radius - self.wire_radius)
+                gaps.append(math.sqrt(square) - self.radius - self.wire_radius + self.dent)
         return min(gaps)
 
     def foot(self, pose: Pose) -> tuple[float, float]:
-        """Return where the bar's centre is along the first piece, past its start, and along the last, past its end."""
-        corners = (pose.joint, *pose.knees, pose.tip)
+        """Return the bar's centre along the first piece, past its start, and along the last, past its end, in their lengths."""
+        corners = pose.corners
         first = _closest(self.centre, pose.joint, *corners[:2])[2][0]
         return first, _closest(self.centre, pose.joint, *corners[-2:])[2][1]
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return a circle, and the wire as segments with round ends."""
-        bar = pymunk.Circle(space.static_body, self.radius + MARGIN, self.centre)
+        bar = pymunk.Circle(space.static_body, self.radius + SHAPE_MARGIN, self.centre)
         pieces = itertools.pairwise(corners)
         return [bar, *(pymunk.Segment(body, start, end, self.wire_radius) for start, end in pieces)]
 
 
 @dataclass(frozen=True, slots=True)
 class WorkpartObstacle:
-    """Half-plane y <= -depth that the link's tip strikes."""
+    """Half-plane y <= -depth that a corner of the link's centre line touches: its tip, or a knee by its number."""
 
     depth: float
     friction: float
@@ -218,30 +230,31 @@ class WorkpartObstacle:
     name: str = "workpart"
     link: int = -1
     partner: None = None
+    law: ContactLaw = ENERGETIC
+    first_touch: str = "strike"
+    dent: float = 0.0
+    corner: int = -1
 
-    def touch(self, pose: Pose, rate: float, piece: int | None = None) -> ClosestApproach:
-        """Return the tip above the surface; normal +y, tangent +x."""
+    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
+        """Return the corner above the surface; normal +y, tangent +x."""
         del piece
-        arm = (pose.tip[0] - pose.joint[0], pose.tip[1] - pose.joint[1])
-        normal = (0.0, 1.0)
-        return ClosestApproach(pose.tip[1] + self.depth, arm, normal, _relative(pose, rate, arm, normal), ())
-
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
-        """Return the closest approach of the pair's link."""
-        return self.touch(poses[self.link], rates[self.link], piece)
-
-    def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Only the tip touches."""
-        del pose, piece
-        return math.inf
-
-    def foot(self, pose: Pose) -> tuple[float, float]:
-        """Only the tip touches."""
-        del pose
-        return math.inf, 0.0
+        pose = poses[self.link]
+        x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
+        arm, normal = (x - pose.joint[0], y - pose.joint[1]), (0.0, 1.0)
+        return ClosestApproach(
+            y + self.depth + self.dent, arm, normal, _relative(pose, rates[self.link], arm, normal), ()
+        )
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
-        """Return a thick segment whose upper face is the surface, and the tip as a point."""
+        """Return a thick segment whose upper face is the surface, and the corner as a point."""
         middle = -self.depth - HALF_PLANE
-        surface = pymunk.Segment(space.static_body, (-HALF_PLANE, middle), (HALF_PLANE, middle), HALF_PLANE + MARGIN)
-        return [surface, pymunk.Circle(body, 0.0, corners[-1])]
+        surface = pymunk.Segment(
+            space.static_body, (-HALF_PLANE, middle), (HALF_PLANE, middle), HALF_PLANE + SHAPE_MARGIN
+        )
+        return [surface, pymunk.Circle(body, 0.0, corners[1:][self.corner])]
+
+
+def dented(obstacle: Obstacle, depth: float) -> Obstacle:
+    """Return a pair with its surface moved back by a depth."""
+    moved: Obstacle = replace(obstacle, dent=depth)  # type: ignore[type-var]
+    return moved

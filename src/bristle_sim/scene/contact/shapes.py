@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 
 import pymunk
 
-from bristle_sim.scene.contact.arbiters import ImpulseRecord, impulse_record
+from bristle_sim.contact_space.engine_calls import ffi, lib
 from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle
 from bristle_sim.scene.mechanism import Mechanism, Vector
 
@@ -36,7 +37,7 @@ class ContactShapes:
         """Add nothing: a pair's shapes come when it is engaged first."""
         self.space, self.mechanism, self.links = space, mechanism, links
         self.in_flight, self._set_iterations = space.iterations, set_iterations
-        self._shapes: dict[tuple[str, int], list[pymunk.Shape]] = {}
+        self._shapes: dict[tuple[str, int, int | None], list[pymunk.Shape]] = {}
         self._engaged: tuple[pymunk.Shape, ...] = ()
 
     def engage(
@@ -44,7 +45,7 @@ class ContactShapes:
     ) -> None:
         """Let the engine's own contact act between a straight piece of a link and an obstacle from now on, and no other."""
         # Its surface may be another one by now, as that of a dent is.
-        key = obstacle.name, obstacle.link
+        key = obstacle.name, obstacle.link, obstacle.corner
         if key not in self._shapes:
             self._shapes[key] = self._add(obstacle)
         shapes = self._shapes[key]
@@ -71,9 +72,9 @@ class ContactShapes:
         self._ignore()
         self._set_iterations(self.in_flight)
 
-    def record(self, obstacle: Obstacle) -> ImpulseRecord:
-        """Return a record of the impulses on a pair's link."""
-        return impulse_record(self.space, self.links[obstacle.link])
+    def record(self) -> ImpulseRecord:
+        """Return a record of the impulses of the space's contact."""
+        return ImpulseRecord(self.space)
 
     def totals(self, obstacle: Obstacle) -> tuple[float, float, float]:
         """Return (normal, tangential) impulse of the last step on a pair's link, and its slip if there is friction."""
@@ -120,3 +121,36 @@ def _slip(arbiter: pymunk.Arbiter, body: pymunk.Body) -> float:
         velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
         found = (-1.0 if first else 1.0) * velocity.dot((points.normal.y, -points.normal.x))
     return found
+
+
+class ImpulseRecord:
+    """Has the engine write down the impulses of all its contacts, one step after the other, to be read at once."""
+
+    def __init__(self, space: pymunk.Space) -> None:
+        """Record nothing yet."""
+        self._numbers = ffi.gc(lib.pmFloatArrayNew(0), lib.pmFloatArrayFree)
+        self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, lib.TOTAL_IMPULSE | lib.NORMAL))
+        write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
+        self.note = partial(lib.cpSpaceEachCachedArbiter, space._space, write, self._data)
+
+    def begin(self) -> int:
+        """Reset the record, note the last step's contacts, and return how many numbers that are."""
+        self._numbers.num = 0
+        self.note()
+        count: int = self._numbers.num
+        return count
+
+    def read(self) -> Sequence[float]:
+        """Return impulse (x, y) and normal (x, y) of one contact after the other."""
+        numbers: list[float] = ffi.unpack(self._numbers.arr, self._numbers.num)
+        return numbers
+
+
+def pushes(numbers: Sequence[float]) -> list[float]:
+    """Return the normal part of each impulse of a record.
+
+    Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
+    contact only pushes, which settles both.
+    """
+    each = [iter(numbers)] * 4
+    return [abs(p * x + q * y) for p, q, x, y in zip(*each, strict=True)]

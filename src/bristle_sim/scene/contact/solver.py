@@ -33,7 +33,7 @@ from scipy.linalg.lapack import dposv
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.obstacles import ClosestApproach, Held, Obstacle
-from bristle_sim.scene.engine import placer
+from bristle_sim.scene.engine import Placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
 DEPENDENT = 1e-12
@@ -129,13 +129,13 @@ class _Chains:
         """Return each wire's values times the matrix of a wire."""
         return np.asarray((values.reshape(-1, self._wires.size) @ matrix).ravel())
 
-    def touch(self, obstacle: Obstacle, piece: int | None) -> ClosestApproach:
+    def closest(self, obstacle: Obstacle, piece: int | None) -> ClosestApproach:
         """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
         links = [obstacle.link] if obstacle.partner is None else [obstacle.link, obstacle.partner]
         # Of the links only these are looked at.
         poses: Any = {link: self._pose(link) for link in links}
         rates: Any = {link: float(self.rates[link]) for link in links}
-        return obstacle.touch_between(poses, rates, piece)
+        return obstacle.closest(poses, rates, piece)
 
     def row(self, obstacle: Obstacle, touch: ClosestApproach, direction: Vector) -> Array:
         """Return d(relative velocity of a contact along a direction)/d(rates)."""
@@ -190,7 +190,7 @@ class WireVelocities:
         self.impulses: list[tuple[float, float, float]] = []
         self._springs = [(spring, spring.damping) for spring in springs]
         has_hub = hub is not None
-        self._bodies = placer([hub, *links] if hub is not None else links)
+        self._bodies = Placer([hub, *links] if hub is not None else links)
         rows = np.frombuffer(self._bodies.values)[: 6 * (len(links) + has_hub)].reshape(-1, 6)
         self._velocities = rows[has_hub:, 3:]
         self._old = self._velocities.copy()
@@ -231,7 +231,7 @@ class WireVelocities:
     def _push(self) -> None:
         """Add the impulses of the contacts."""
         chains = self._chains
-        touches = [chains.touch(each.obstacle, each.piece) for each in self.contacts]
+        touches = [chains.closest(each.obstacle, each.piece) for each in self.contacts]
         pairs = list(zip(self.contacts, touches, strict=True))
         rows = [chains.row(each.obstacle, touch, touch.normal) for each, touch in pairs]
         pushes, speeds, along = list(rows), [touch.velocity[0] for touch in touches], {}

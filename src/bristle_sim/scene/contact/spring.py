@@ -1,221 +1,244 @@
-"""The contact spring of the compliant law, its forces as a load on the scene, and the time that a contact on it lasts."""
+"""The spring of a contact resolved in time, and its force and friction as a load on the scene.
+
+Normal force over penetration delta is bilinear: k delta while penetration grows, and (k/e*^2)(delta - delta_r) with
+delta_r = (1 - e*^2) delta_max while it unloads, so that the spring returns e*^2 of the work it took, whatever the bodies
+do. The tangential force is -mu sign(v_t) N in slip; in stick it is what stops the point within each engine step,
+-(K_nt N + v_t/h)/K_tt.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from operator import mul
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact.course import ContactCourse
 from bristle_sim.scene.contact.laws import Coefficients
-from bristle_sim.scene.contact.obstacles import ClosestApproach
-from bristle_sim.scene.engine import point_reader, pusher
-from bristle_sim.scene.mechanism import Vector
-from bristle_sim.theory.impact import Impact
+from bristle_sim.scene.engine import point_calls, point_reader, pusher
+from bristle_sim.scene.mechanism import Pose, Vector
+from bristle_sim.trajectory import ContactHistory
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.build import Scene
+    from bristle_sim.scene.contact.obstacles import Obstacle
+    from bristle_sim.scene.integrate.stepping import Stepper
+
+NO_SLIP_TO_STOP = 1e-14
+"""K_tt over K_nn below which a tip can only move straight up: its K_tt is rounding, and it has no slip to stop."""
 
 
-class Plane(NamedTuple):
-    """The plane of contact: unit vectors, and the height of the plane along its normal."""
-
-    normal: Vector
-    tangent: Vector
-    height: float
-
-    def penetration(self, tip: Vector) -> float:
-        """Return the depth of a tip below the plane."""
-        return self.height - tip[0] * self.normal[0] - tip[1] * self.normal[1]
-
-    def components(self, velocity: Vector) -> Vector:
-        """Return the (normal, tangential) components of a velocity."""
-        return (
-            velocity[0] * self.normal[0] + velocity[1] * self.normal[1],
-            velocity[0] * self.tangent[0] + velocity[1] * self.tangent[1],
-        )
-
-
-class Spring:
-    """Normal spring and Coulomb friction between the last link's tip and a plane, in the phase the contact is in.
+class Expectation(NamedTuple):
+    """What is known of a contact before it is integrated.
 
     Attributes:
-        plane: of contact.
-        stiffness: of the spring in compression, engine units.
-        coefficients: of friction and restitution.
-        inverse_mass: K at the first touch.
-        coupling, tangential: K_nt and K_tt where stick is computed.
-        loading: whether the penetration is the largest so far; else the spring unloads, more steeply.
-        peak, residual: penetration at which unloading began, and the one at which its force ends.
-        slip: direction of slip, or 0 in stick.
+        duration: of the contact, were the bodies rigid and free meanwhile.
+        longest: longest interval.
+        outcome: of the rigid-body law.
+        moves: whether the bodies move noticeably meanwhile, as in a contact of a given duration; else the contact is the
+            rigid-body limit, and its K is constant.
+        stepper: integrator of the intervals in which the spring acts.
     """
 
-    def __init__(
-        self,
-        plane: Plane,
-        slip_velocity: float,
-        inverse_mass: Array,
-        stiffness: float,
-        coefficients: Coefficients,
-    ) -> None:
-        """Build the spring of a tip that touches the plane now, with the K of the contact."""
-        self.plane = plane
-        self.inverse_mass = inverse_mass
-        self.follow(inverse_mass)
-        self.stiffness = stiffness
-        self.coefficients = coefficients
-        self.loading = True
-        self.peak = self.residual = 0.0
-        self.slip = math.copysign(1.0, slip_velocity) if slip_velocity else 0.0
+    duration: float
+    longest: float
+    outcome: str
+    moves: bool
+    stepper: Stepper
 
-    def follow(self, inverse_mass: Array) -> None:
-        """Compute stick with the K of the bodies as they stand now: they turn while the contact lasts."""
-        (normal, self.coupling), (_, tangential) = inverse_mass.tolist()
-        # A tip that moves straight up alone has a K_tt of rounding, and no slip to stop.
-        self.tangential = tangential if tangential > 1e-14 * normal else 0.0
+
+@dataclass(slots=True, eq=False)
+class Spring:
+    """Normal spring with energetic restitution, and Coulomb friction.
+
+    Attributes:
+        stiffness: in compression, engine units.
+        coefficients: of friction and restitution.
+        expected: what is known of the contact beforehand.
+        surface: gap at the first touch, from which the penetration is measured.
+        inverse_mass: K in the order normal, tangential, at the first touch or of the interval.
+        loading: whether the penetration is the largest so far; else the spring unloads, more steeply.
+        deepest: penetration at which unloading began.
+        slip: sense of slip, or 0 in stick.
+        stick_force: tangential force that stick takes at the last state.
+        course: what is recorded of the contact.
+    """
+
+    stiffness: float
+    coefficients: Coefficients
+    expected: Expectation
+    surface: float
+    inverse_mass: Array
+    loading: bool = True
+    deepest: float = 0.0
+    slip: int = 0
+    stick_force: float = 0.0
+    course: ContactCourse = field(default_factory=ContactCourse)
 
     @property
     def friction(self) -> float:
-        """mu of the phase the contact is in."""
+        """Coulomb's mu, of compression or of restitution."""
         return self.coefficients.friction if self.loading else self.coefficients.restitution_friction
 
     @property
-    def stop(self) -> float:
-        """Tangential impulse per unit of slip velocity that stops the point within a step of stick, 1/K_tt; 0 in slip."""
-        return 0.0 if self.slip or not self.tangential else 1.0 / self.tangential
+    def residual(self) -> float:
+        """Penetration at which the force is back at zero."""
+        return 0.0 if self.loading else self.deepest * (1.0 - self.coefficients.restitution**2)
 
-    def unload(self, tip: Vector) -> None:
-        """Begin unloading: compression has ended with the tip here."""
-        self.loading = False
-        self.peak = self.plane.penetration(tip)
-        self.residual = self.peak * (1.0 - self.coefficients.restitution**2)
+    @property
+    def compliance_in_stick(self) -> float:
+        """K_tt; 0 where there is no slip to stop."""
+        normal, tangential = float(self.inverse_mass[0, 0]), float(self.inverse_mass[1, 1])
+        return tangential if tangential > NO_SLIP_TO_STOP * normal else 0.0
 
-    def line(self) -> tuple[float, float, float]:
-        """Return the spring's present stiffness, depth at which its force ends, and tangential over normal force.
-
-        Past that depth the spring would pull, so that the end of the contact is a clean root. In stick the ratio leaves
-        out inertia, and what stops leftover slip.
-        """
-        ratio = -self.friction * self.slip
-        if not self.slip and self.tangential:
-            ratio = -self.coupling / self.tangential
-        if self.loading:
-            return self.stiffness, 0.0, ratio
+    @property
+    def present_stiffness(self) -> float:
+        """Stiffness now; 0 where nothing comes back."""
         restitution = self.coefficients.restitution
-        return (self.stiffness / restitution**2 if restitution else 0.0), self.residual, ratio
+        if self.loading:
+            return self.stiffness
+        return self.stiffness / restitution**2 if restitution else 0.0
 
-    def forces(self, depth: float) -> Vector:
-        """Return (normal, tangential) force at a penetration."""
-        stiffness, end, ratio = self.line()
-        normal = stiffness * (depth - end)
-        return normal, ratio * normal
+    @property
+    def ratio(self) -> float:
+        """Tangential over normal force; in stick without inertia and without the force that stops leftover slip."""
+        if not self.slip and (tangential := self.compliance_in_stick):
+            return -float(self.inverse_mass[0, 1]) / tangential
+        return -self.friction * self.slip
+
+    def unload(self, penetration: float) -> None:
+        """Begin unloading at the end of compression."""
+        self.loading, self.deepest = False, penetration
+
+    def forces(self, penetration: float) -> Vector:
+        """Return (normal, tangential) force at a penetration, within the friction cone."""
+        normal = max(self.present_stiffness * (penetration - self.residual), 0.0)
+        if self.slip:
+            return normal, -self.friction * self.slip * normal
+        return normal, math.copysign(min(abs(self.stick_force), self.friction * normal), self.stick_force)
+
+    def history(self) -> ContactHistory:
+        """Return the samples of the contact."""
+        return self.course.history(None if self.expected.moves else self.inverse_mass)
+
+    def spare_friction(self, penetration: float, stick_force: float) -> float:
+        """Return the force by which friction's limit exceeds the force that stick takes."""
+        return self.friction * self.present_stiffness * (penetration - self.residual) - abs(stick_force)
 
 
-class SpringLoad:
-    """The forces of a spring as a load on the last link's tip, with what they add up to.
+class SpringForce:
+    """The force of a contact's spring, with what it adds up to: six numbers.
 
-    Attributes:
-        spring: whose law acts.
+    They are impulse (normal, tangential), work (the same), and the force that stick takes at the beginning and the end.
     """
 
-    symmetric = False
-
-    def __init__(
-        self,
-        scene: Scene,
-        touch: ClosestApproach,
-        inverse_mass: Array,
-        stiffness: float,
-        coefficients: Coefficients,
-    ) -> None:
-        """Build the load of a scene whose last link's tip is at the point of touch now, on a plane through that point."""
-        link = scene.mechanism.links[-1]
-        body, point = scene.links[-1], (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
-        self._tip, self._push = point_reader(body, point), pusher(body)
-        x, y, _, _ = self._tip()
-        plane = Plane(touch.normal, touch.tangent, x * touch.normal[0] + y * touch.normal[1])
-        self.spring = Spring(plane, touch.velocity[1], inverse_mass, stiffness, coefficients)
+    def __init__(self, scene: Scene, obstacle: Obstacle, spring: Spring) -> None:
+        """Act between a pair of a scene by a spring."""
+        self.spring = spring
+        body, link = scene.links[obstacle.link], scene.mechanism.links[obstacle.link]
+        self._push = pusher(body)
+        self._level, self._read = 0.0, None
+        if obstacle.corner is not None:
+            x, y = (*link.knees, link.tip)[obstacle.corner]
+            self._read = point_calls(body, (x - link.centre[0], y - link.centre[1]))
+            # The gap of a corner above the surface is its height and this.
+            self._level = obstacle.closest(_at_origin(scene), (0.0,) * len(scene.links)).gap
+        self._sense = self._sense_corner if self._read else _sense_anywhere(scene, obstacle)
+        self._back = None if obstacle.partner is None else pusher(scene.links[obstacle.partner])
 
     def begin(self, step: float) -> Callable[[], None]:
-        """Forget what was added up; return what pushes on the tip for a step, by the law that acts until something turns."""
-        plane, stop = self.spring.plane, self.spring.stop
-        (n_x, n_y), (t_x, t_y) = plane.normal, plane.tangent
-        stiffness, end, ratio = self.spring.line()
-        height, tip, push = plane.height - end, self._tip, self._push
+        """Reset the sums. Return a callback that pushes for a step, by the phase that the spring is in."""
+        spring, sense, push, back = self.spring, self._sense, self._push, self._back
+        tangential = spring.compliance_in_stick
+        stop = 0.0 if spring.slip or not tangential else 1.0 / tangential
+        stiffness, ratio, depth = spring.present_stiffness, spring.ratio, spring.surface - spring.residual
         steps: list[tuple[float, float, float, float]] = []
-        note = steps.append
+        self._step, self._steps, self._law = step, steps, (stiffness, depth, ratio, stop)
+        note, stop = steps.append, stop / step
+        height, read = depth - self._level, self._read
+
+        def act_on_corner() -> None:
+            """Push a corner off a surface with the normal +y, and note forces and velocities."""
+            place, velocity = place_of(), velocity_of()
+            normal = stiffness * (height - place.y)
+            along = ratio * normal - stop * velocity.x
+            push((along, normal), (place.x, place.y))
+            note((normal, along, velocity.y, velocity.x))
 
         def act() -> None:
-            """Push on the tip by the law, and note forces and velocities."""
-            x, y, u, v = tip()
-            slip = u * t_x + v * t_y
-            normal = stiffness * (height - x * n_x - y * n_y)
-            tangential = ratio * normal
-            if stop:
-                tangential -= stop * slip / step
-            push((normal * n_x + tangential * t_x, normal * n_y + tangential * t_y), (x, y))
-            note((normal, tangential, u * n_x + v * n_y, slip))
+            """Push by the law, and note forces and velocities."""
+            gap, place, opening, slip, n_x, n_y = sense()
+            normal = stiffness * (depth - gap)
+            along = ratio * normal - stop * slip
+            force = (normal * n_x + along * n_y, normal * n_y - along * n_x)
+            push(force, place)
+            if back is not None:
+                back((-force[0], -force[1]), place)
+            note((normal, along, opening, slip))
 
-        self._step, self._steps, self._law = step, steps, (stiffness, height, ratio, stop)
-        return act
+        if read is None:
+            return act
+        place_of, velocity_of = read
+        return act_on_corner
 
     def totals(self) -> list[float]:
-        """Return impulse (normal, tangential), work (the same), and the force that stick takes at the beginning and the end.
+        """Return the six numbers.
 
         What stops the point in a step is what the step before has left of its motion, forces of the spring and of inertia
         alike. So the second step applies what stick takes at the beginning, and one more step would apply what it takes
         at the end, both up to powers of the step. In slip these two are 0.
         """
         step = self._step
-        normal, tangential, opening, slip = zip(*self._steps, strict=True)
-        sums = [sum(normal), sum(tangential), sum(map(mul, normal, opening)), sum(map(mul, tangential, slip))]
+        normal, along, opening, slip = zip(*self._steps, strict=True)
+        sums = [sum(normal), sum(along), sum(map(mul, normal, opening)), sum(map(mul, along, slip))]
         found = [step * each for each in sums]
-        stiffness, height, ratio, stop = self._law
+        stiffness, depth, ratio, stop = self._law
         if not stop:
             return [*found, 0.0, 0.0]
-        (n_x, n_y), (t_x, t_y) = self.spring.plane.normal, self.spring.plane.tangent
-        x, y, u, v = self._tip()
-        last = ratio * stiffness * (height - x * n_x - y * n_y) - stop * (u * t_x + v * t_y) / step
-        return [*found, tangential[1] if len(tangential) > 1 else last, last]
+        gap, _, _, leftover, _, _ = self._sense()
+        last = ratio * stiffness * (depth - gap) - stop * leftover / step
+        return [*found, along[1] if len(along) > 1 else last, last]
 
-    def fails(self, totals: list[float]) -> bool:
-        """Return that a spring always acts."""
-        del totals
-        return False
-
-
-def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
-    """Return the time in touch for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
-
-    Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the
-    phase is a piece of a harmonic motion between velocities and forces that the impact law knows.
-    """
-    works = [float(work) for work in impact.phase_work_normal]
-    time, stored = 0.0, 0.0
-    for index, impulse in enumerate(float(each) for each in impact.phase_impulse):
-        if impulse <= 0.0:
-            continue
-        stiffness = 1.0
-        if index >= 2:
-            stiffness, stored = 1.0 / restitution**2, sum(works[index:])
-        left = stored - works[index]
-        change = 2.0 * (works[index] / impulse - velocity)
-        time += _phase_time(
-            stiffness, impulse, (velocity, velocity + change), (_force(stiffness, stored), _force(stiffness, left))
-        )
-        stored, velocity = left, velocity + change
-    return time
+    def _sense_corner(self) -> tuple[float, Vector, float, float, float, float]:
+        assert self._read is not None
+        place, velocity = self._read[0](), self._read[1]()
+        return place.y + self._level, (place.x, place.y), velocity.y, velocity.x, 0.0, 1.0
 
 
-def _force(stiffness: float, stored: float) -> float:
-    return math.sqrt(2.0 * stiffness * max(stored, 0.0))
+Sense = Callable[[], tuple[float, Vector, float, float, float, float]]
+"""Gap, place of contact, normal and tangential velocity, and normal (x, y), from the bodies as they are."""
 
 
-def _phase_time(stiffness: float, impulse: float, velocities: Vector, forces: Vector) -> float:
-    """Return the duration of a phase of given normal impulse between two velocities and forces."""
-    compliance = (velocities[1] - velocities[0]) / impulse
-    if compliance <= 1e-12 * max(map(abs, velocities)) / impulse:
-        mean = 0.5 * (forces[0] + forces[1])
-        return impulse / mean if mean > 0.0 else 0.0
-    impedance = math.sqrt(compliance / stiffness)
-    before, after = (math.atan2(v, impedance * f) for v, f in zip(velocities, forces, strict=True))
-    return (after - before) / math.sqrt(compliance * stiffness)
+def _at_origin(scene: Scene) -> list[Pose]:
+    """Return poses of links whose corners are all at the origin."""
+    still = (0.0, 0.0)
+    return [
+        Pose(still, still, still, still, still, still, (still,) * len(link.knees)) for link in scene.mechanism.links
+    ]
+
+
+def _sense_anywhere(scene: Scene, obstacle: Obstacle) -> Sense:
+    """Return the function for a pair whose contact slides along its links."""
+    readers = {}
+    for number in (obstacle.link, obstacle.partner):
+        if number is not None:
+            link, body = scene.mechanism.links[number], scene.links[number]
+            corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
+            readers[number] = body, [point_reader(body, each) for each in corners]
+
+    def sense() -> tuple[float, Vector, float, float, float, float]:
+        poses, rates = {}, {}
+        for number, (body, corners) in readers.items():
+            joint, *knees, tip = [read() for read in corners]
+            place, rates[number] = (0.0, 0.0), body.angular_velocity
+            poses[number] = Pose(
+                joint[:2], place, tip[:2], joint[2:], place, tip[2:], tuple(each[:2] for each in knees)
+            )
+        touch = obstacle.closest(poses, rates)  # type: ignore[arg-type]
+        joint_place = poses[obstacle.link].joint
+        point = (joint_place[0] + touch.arm[0], joint_place[1] + touch.arm[1])
+        return touch.gap, point, *touch.velocity, *touch.normal
+
+    return sense

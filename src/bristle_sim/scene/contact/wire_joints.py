@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from bristle_sim.scene.contact.gaps import GAP_ROUNDING
-from bristle_sim.scene.contact.obstacles import Obstacle
+from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle
 from bristle_sim.scene.mechanism import State
 
 if TYPE_CHECKING:
@@ -17,12 +17,12 @@ AT_JOINT = 1e-9
 """Fraction of a link within which a foot on it is at its end."""
 
 
-def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> Obstacle | None:
+def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> BarObstacle | None:
     """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
     link, size = obstacle.link + step, progress.mechanism.wire_links
-    if obstacle.link < 0 or obstacle.partner is not None or link // size != obstacle.link // size:
+    if obstacle.link < 0 or not isinstance(obstacle, BarObstacle) or link // size != obstacle.link // size:
         return None
-    return next((each for each in progress.obstacles if (each.name, each.link) == (obstacle.name, link)), None)
+    return next((each for each in progress.obstacles if isinstance(each, BarObstacle) and each.link == link), None)
 
 
 def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle], end: State) -> bool:
@@ -30,6 +30,8 @@ def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstac
 
     One that is clear of it and ends elsewhere may touch it by itself.
     """
+    if not isinstance(obstacle, BarObstacle):
+        return False
     gaps, now = progress.gaps, progress.state
     sides = [(1.0, 0, neighbour(progress, obstacle, -1)), (-1.0, 1, neighbour(progress, obstacle, 1))]
     for sign, index, other in sides:
@@ -43,6 +45,10 @@ def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstac
 def at_joint(progress: Progress, obstacle: Obstacle) -> Obstacle:
     """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
     lower = neighbour(progress, obstacle, -1)
-    if lower is None or obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])[0] > 0.0:
+    if (
+        lower is None
+        or not isinstance(obstacle, BarObstacle)
+        or obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])[0] > 0.0
+    ):
         return obstacle
     return lower

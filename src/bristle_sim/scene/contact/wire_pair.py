@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from bristle_sim.scene.contact.laws import ENERGETIC, ContactLaw
 from bristle_sim.scene.contact.obstacles import ClosestApproach
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
@@ -29,13 +30,17 @@ class WirePair:
     friction: float
     restitution: float
     name: str = "wire"
+    law: ContactLaw = ENERGETIC
+    first_touch: str = "wire touch"
+    dent: float = 0.0
+    corner: None = None
 
     @property
     def restitution_friction(self) -> float:
         """Friction in restitution is that in compression."""
         return self.friction
 
-    def touch_between(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
+    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
         """Return the closest approach of the two pieces, or of one named end and the other piece."""
         own, other = _piece(poses[self.link], self.own_piece), _piece(poses[self.partner], self.partner_piece)
         found = [_nearest(own, other, each) for each in (range(4) if piece is None else (piece,))]
@@ -58,18 +63,8 @@ class WirePair:
             )
             velocity[0] += sign * (moving[0] * normal[0] + moving[1] * normal[1])
             velocity[1] += sign * (moving[0] * normal[1] - moving[1] * normal[0])
-        gap = (-1.0 if _crossed(own, other) else 1.0) * distance - 2.0 * self.wire_radius
+        gap = (-1.0 if _crossed(own, other) else 1.0) * distance - 2.0 * self.wire_radius + self.dent
         return ClosestApproach(gap, arms[0], normal, (velocity[0], velocity[1]), (), piece, arms[1])
-
-    def gap_beside(self, pose: Pose, piece: int) -> float:
-        """Other pieces have pairs of their own."""
-        del pose, piece
-        return math.inf
-
-    def foot(self, pose: Pose) -> tuple[float, float]:
-        """A touch at a joint is found by the pair of either link."""
-        del pose
-        return math.inf, 0.0
 
 
 def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restitution: float) -> Iterator[WirePair]:
@@ -83,8 +78,7 @@ def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restit
 def _piece(pose: Pose, number: int) -> Line:
     if not pose.knees:
         return pose.joint, pose.tip
-    corners = (pose.joint, *pose.knees, pose.tip)
-    return corners[number], corners[number + 1]
+    return pose.corners[number], pose.corners[number + 1]
 
 
 def _nearest(own: Line, other: Line, piece: int) -> tuple[Vector, Vector]:

@@ -58,7 +58,7 @@ class WireSteps(EngineSteps):
     def set_iterations(self, count: int) -> None:
         """Have the engine's solver take this many iterations in every step; one leaves the joints of bending wires to theirs."""
         super().set_iterations(count)
-        self._price = max(self._price, math.ceil(len(self._readers[2]) / LINKS_OF_A_STEP))
+        self._price = max(self._price, math.ceil(len(self._links) / LINKS_OF_A_STEP))
         self._always = self._bending and count == 1
         self.hold(())
         if self._bending:

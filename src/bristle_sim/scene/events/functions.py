@@ -1,23 +1,22 @@
-"""Event functions of a run besides touches: functions whose change of sign within a smooth interval is an event."""
+"""Event functions, whose change of sign within a smooth interval is an event, and what an event changes about the contacts."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from enum import Enum, auto
 from typing import NamedTuple
 
-from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact.obstacles import Obstacle
-from bristle_sim.scene.events.search import turns
-from bristle_sim.scene.integrate.acceleration import acceleration
+from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.integrate.stepping import Advance
-from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.mechanism import State
 from bristle_sim.stop_reason import StopReason
 
 
 class Touch(NamedTuple):
-    """A link meets what it can touch; ``rests`` takes what is left of the approach."""
+    """A link meets what it can touch; with ``rests`` the impact has no restitution."""
 
     obstacle: Obstacle
     rests: bool = False
@@ -37,13 +36,35 @@ class HandOver(NamedTuple):
 
 
 class Slip(NamedTuple):
-    """A sustained contact slips in another sense from now on; 0 sticks."""
+    """A rigid contact slips in another sense from now on; 0 sticks."""
 
-    obstacle: Obstacle
+    contact: Sustained
     sense: int
 
 
-Change = Touch | Release | HandOver | Slip
+class Kink(NamedTuple):
+    """The motion has a kink: the contact passes a corner of the wire, or the tip leaves a dent."""
+
+
+class SpringEvent(Enum):
+    """What happens to a contact with a spring."""
+
+    COMPRESSION_ENDS = auto()
+    UNLOADED = auto()
+    PRESSED_ON = auto()
+    SLIP_STOPS = auto()
+    STICK_BREAKS = auto()
+    OVERDUE = auto()
+
+
+class SpringChange(NamedTuple):
+    """A contact with a spring passes into another phase, or ends."""
+
+    contact: Sustained
+    event: SpringEvent
+
+
+Change = Touch | Release | HandOver | Slip | Kink | SpringChange
 """What an event changes about the contacts."""
 
 
@@ -55,12 +76,14 @@ class EventFunction:
         name: what it is.
         value: function of the result of an interval; a change of its sign is the event.
         falling: True or False if only falling or rising through zero counts, None for both.
-        event: name under which it is recorded; None for a mere kink in the motion, where an interval has to end.
+        event: name under which it is recorded; None for one that is not.
         final: why the run stops there; None if the run continues.
         exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
         act: returns what the event changes about the contacts; None if it changes nothing.
         wire: number of the wire whose event it is.
         difference: whether the value is made of a difference of rates over a step, and carries its rounding.
+        tolerance: to which it is located where the run's own does not do; values then have a sign down to rounding.
+        positive: whether the value is known to be positive where the motion begins.
     """
 
     name: str
@@ -72,51 +95,10 @@ class EventFunction:
     act: Callable[[], Change | None] | None = None
     wire: int = 0
     difference: bool = False
+    tolerance: float | None = None
+    positive: bool = False
 
 
-def in_flight(scene: Scene) -> list[EventFunction]:
-    """Return extremes of each wire's motion relative to the hub: of a wire of several links, which vibrates, its retraction."""
-    found = retraction(scene.mechanism)
-    if scene.mechanism.wire_links > 1:
-        return found
-    event = "highest relative speed"
-    for wire in range(scene.mechanism.wires):
-        exact = partial(acceleration, scene, link=wire)
-        value = partial(_acceleration, wire)
-        found.append(
-            EventFunction(f"{event} of wire {wire}", value, True, event, exact=exact, wire=wire, difference=True)
-        )
-    return found
-
-
-def retraction(mechanism: Mechanism) -> list[EventFunction]:
-    """Return the event functions of each wire's largest retraction."""
-
-    def relative_rate(link: int, at: Advance) -> float:
-        return at.state.rates[link] - mechanism.hub_speed
-
-    event, size = "largest retraction", mechanism.wire_links
-    return [
-        EventFunction(f"{event} of wire {wire}", partial(relative_rate, wire * size), False, event, wire=wire)
-        for wire in range(mechanism.wires)
-    ]
-
-
-def freedom(mechanism: Mechanism, limit: float, start: State) -> list[EventFunction]:
-    """Return the event functions of the retraction limit, which a wire's relative angle reaches within an interval or at its end."""
-
-    def left(link: int, at: Advance) -> float:
-        states = (at.state, *turns(mechanism, start, at.state, link))
-        return limit - max(abs(each.angles[link] - mechanism.root_angle(link, each.time)) for each in states)
-
-    name, size = "retraction limit", mechanism.wire_links
-    return [
-        EventFunction(
-            f"{name} of wire {wire}", partial(left, wire * size), True, name, StopReason.RETRACTION_LIMIT, wire=wire
-        )
-        for wire in range(mechanism.wires)
-    ]
-
-
-def _acceleration(link: int, at: Advance) -> float:
-    return at.accelerations[link]
+def at_state(state: State) -> Advance:
+    """Return a state as the end of an interval of no length."""
+    return Advance(state, (math.nan,) * len(state.angles), (), 0.0)

@@ -13,7 +13,6 @@ import numpy as np
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.integrate.repetitions import LEAST_NOISE
-from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
@@ -81,14 +80,12 @@ def motion_scale(scene: Scene, start: State) -> float:
     return min(reached, 1.0) if reached else 1.0
 
 
-def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, end: float) -> Stepper:
-    """Return plain steps if a step is given, else extrapolation to the accuracy.
+def stepper_for(scene: Scene, settings: Settings, start: State, end: float) -> Extrapolation:
+    """Return extrapolation to the accuracy.
 
     Raises:
-        ValueError: if the step is too long for this scene, or rounding would hide the accuracy of so small a motion.
+        ValueError: if rounding would hide the accuracy of so small a motion.
     """
-    if settings.step is not None:
-        return PlainSteps(_checked_step(scene, settings.step, settings.samples, units) / units.time)
     scale = motion_scale(scene, start)
     least = LEAST_NOISE / (LOCAL_FRACTION * scale)
     if settings.accuracy < least:
@@ -100,10 +97,11 @@ def stepper_for(scene: Scene, settings: Settings, units: Units, start: State, en
     return Extrapolation(fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples))
 
 
-def _checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:
+def checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:
+    """Return a fixed step, s. Raises ValueError if it is too long for a scene."""
     fastest = max(1.0 / time_scale(scene), damping_rate(scene)) / units.time
     largest = min(2.0 * math.pi / samples_per_period, LARGEST_STEP) / fastest
-    if step > largest:
+    if not 0.0 < step <= largest:
         raise ValueError(
             f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle, whose"
             f" fastest motion has {fastest:g} rad/s (in s)"

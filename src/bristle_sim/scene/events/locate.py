@@ -1,20 +1,17 @@
-"""Finding the instant at which something happens within an interval of motion, without missing it.
+"""The locator: where within an interval of motion a function of the state or of the interval is zero.
 
-An interval is first searched on the cubic through the states at its two ends, then the engine is run again with the
-interval shortened, from the restored state, until the event is at its end. Gaps are searched by conservative
-advancement (Mirtich 1996): from a gap g no contact can happen before g / (largest speed), so nothing is jumped over.
+The zero is guessed on the cubic through the states at the interval's two ends. Then the engine is run again over less of the
+interval, from the restored state, until the zero is at its end.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Mechanism, State
-
-CUBIC_ERROR = 0.01
-"""Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety."""
 
 SHORTEST_BRACKET = 1e-15
 """Intervals of a scene's time unit shorter than this are an instant."""
@@ -22,11 +19,24 @@ SHORTEST_BRACKET = 1e-15
 SHORTEST_FRACTION = 1e-12
 """So is this fraction of an interval that is searched: a fast motion needs short ones."""
 
-SHORTEST_ADVANCE = 1e-9
-"""A least gap sooner than this, in a scene's time units and lengths, is the one at which the interval begins."""
 
-RESOLUTION = 1.0 / 8.0
-"""Least advance in a search, as a fraction of the interval; least values of the gap in between show in its slopes."""
+class Interval(NamedTuple):
+    """An interval that has been carried, and what carries the scene over less of it.
+
+    Attributes:
+        start: state that it begins with.
+        end: result at its end.
+        again: the result after a shorter time from the start.
+    """
+
+    start: State
+    end: Advance
+    again: Callable[[float], Advance]
+
+    @property
+    def length(self) -> float:
+        """Duration of the interval."""
+        return self.end.state.time - self.start.time
 
 
 def interpolate(start: State, end: State, fraction: float) -> State:
@@ -62,50 +72,11 @@ def turns(mechanism: Mechanism, start: State, end: State, link: int = 0) -> list
 MOST_TRIALS = 110
 """A smooth function takes three with a guess and six without; a jump is halved for the last digit of a double."""
 
-LEAST_SHARE = 1e-10
+LEAST_PART = 1e-10
 """Closest to the ends of what is left that the root is looked for, as a fraction of it."""
 
 GUESSED = 1e-9
 """To which a guess is located, relative; the cubic is not that good."""
-
-Gap = Callable[[State], tuple[float, float]]
-"""The gap of a state, and its rate."""
-
-
-def first_touch(
-    mechanism: Mechanism, gap: Gap, start: State, end: State, interpolation_error: float = 0.0
-) -> float | None:
-    """Return the fraction of the interval at which the gap is closed or nearly so, on the cubic; None if it stays open.
-
-    The fraction may be later than the touch but never past a second one. ``interpolation_error`` is how far the motion may be off the
-    cubic besides its own error.
-    """
-    length = end.time - start.time
-    bound = 1.5 * max(mechanism.speed_bound(start), mechanism.speed_bound(end)) * length
-    margin = CUBIC_ERROR * length**4 + interpolation_error
-    fraction, (value, rate) = 0.0, gap(start)
-    while fraction < 1.0 and value <= bound * (1.0 - fraction) + margin:
-        ahead = min(1.0, fraction + max(value / bound if bound else 1.0, RESOLUTION))
-        following, next_rate = gap(interpolate(start, end, ahead)) if ahead < 1.0 else gap(end)
-        if following < 0.0:
-            return ahead
-        if rate < 0.0 < next_rate:
-            dip, least = _dip(lambda at: gap(interpolate(start, end, at)), fraction, ahead)
-            if least < 0.0 or (least < margin and dip * max(length, bound) > SHORTEST_ADVANCE):
-                return dip
-        fraction, value, rate = ahead, following, next_rate
-    return None
-
-
-def _dip(gap: Callable[[float], tuple[float, float]], left: float, right: float) -> tuple[float, float]:
-    """Return where a gap that falls at its left and rises at its right end is closed, or least: fraction, and gap."""
-    for _ in range(40):
-        middle = 0.5 * (left + right)
-        value, rate = gap(middle)
-        if value < 0.0:
-            return middle, value
-        left, right = (middle, right) if rate < 0.0 else (left, middle)
-    return right, gap(right)[0]
 
 
 def locate(
@@ -128,13 +99,13 @@ def locate(
     """
     last, at_last, other, at_other = right, at_right, left, at_left
     instant = min(SHORTEST_BRACKET, SHORTEST_FRACTION * (right - left))
-    share = min(max(at_right / (at_right - at_left), 1e-4), 1.0 - 1e-4)
+    part = min(max(at_right / (at_right - at_left), 1e-4), 1.0 - 1e-4)
     if guess is not None and left < guess < right:
-        share = (guess - right) / (left - right)
+        part = (guess - right) / (left - right)
     for _ in range(MOST_TRIALS):
         if abs(other - last) <= 4e-16 * max(other, last) + instant:
             break
-        trial = last + share * (other - last)
+        trial = last + part * (other - last)
         found = value(trial)
         if abs(found) <= tolerance:
             return trial
@@ -142,18 +113,18 @@ def locate(
         if (found < 0.0) != (at_last < 0.0):
             before, at_before, other, at_other = other, at_other, last, at_last
         last, at_last = trial, found
-        share = _share(last - other, before - other, at_last, at_other, at_before)
+        part = _part(last - other, before - other, at_last, at_other, at_before)
     return max(last, other)
 
 
-def _share(last: float, before: float, at_last: float, at_other: float, at_before: float) -> float:
+def _part(last: float, before: float, at_last: float, at_other: float, at_before: float) -> float:
     """Return how far the root is on the way from the last point back to the other one of another sign, both seen from that."""
     place, value = last / before, (at_last - at_other) / (at_before - at_other)
     if not (value * value < place and (1.0 - value) ** 2 < 1.0 - place):
         return 0.5
-    share = at_last / (at_other - at_last) * at_before / (at_other - at_before)
-    share += (last - before) / last * at_last / (at_before - at_last) * at_other / (at_before - at_other)
-    return min(max(share, LEAST_SHARE), 1.0 - LEAST_SHARE)
+    part = at_last / (at_other - at_last) * at_before / (at_other - at_before)
+    part += (last - before) / last * at_last / (at_before - at_last) * at_other / (at_before - at_other)
+    return min(max(part, LEAST_PART), 1.0 - LEAST_PART)
 
 
 MOST_GUESSES = 4
@@ -216,8 +187,8 @@ def guess(value: Callable[[State], float], start: State, end: State, fraction: f
         fraction: of the interval that is searched.
     """
 
-    def at(share: float) -> float:
-        return value(interpolate(start, end, share))
+    def at(part: float) -> float:
+        return value(interpolate(start, end, part))
 
     length = end.time - start.time
     if length <= 0.0:

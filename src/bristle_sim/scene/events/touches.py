@@ -1,52 +1,45 @@
-"""Where within an interval a link touches an obstacle, for the first time or again."""
+"""Where within an interval a link touches an obstacle, for the first time or again, without missing it.
+
+Gaps are searched on the cubic by conservative advancement (Mirtich 1996): from a gap g no contact can happen before
+g / (largest speed), so nothing is jumped over.
+"""
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.wire_joints import behind_joint
 from bristle_sim.scene.events.functions import Touch
-from bristle_sim.scene.events.search import first_touch, guess, interpolate, locate, settle
+from bristle_sim.scene.events.locate import Interval, guess, interpolate, locate, settle
 from bristle_sim.scene.integrate.stepping import Advance
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.mechanism import Mechanism, State
 
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress
 
+CUBIC_ERROR = 0.01
+"""Gap by which the cubic may be off, per fourth power of the interval, in a scene's units: h^4/384 times some safety."""
+
+SHORTEST_ADVANCE = 1e-9
+"""A least gap sooner than this, in a scene's time units and lengths, is the one at which the interval begins."""
+
+RESOLUTION = 1.0 / 8.0
+"""Least advance in a search, as a fraction of the interval; least values of the gap in between show in its slopes."""
 
 GAP_TOLERANCE = 1e-13
 """Least gap to which a touch is located: rounding of an extrapolated interval is of this size, and a closer search would not end."""
 
-LOCATED = 1e-6
+TOUCH_LOCATED = 1e-6
 """Gap to which a touch is located, as a fraction of the accuracy: a slow approach makes more of it in time."""
 
 SHORTEST_INTERVAL = 1e-13
 """An interval shorter than this fraction of the scene's time unit means that no interval is short enough. A motion of that
 fraction of the scene's length, too, is an instant."""
-
-
-class Interval(NamedTuple):
-    """An interval that has been carried, and what carries the scene over less of it.
-
-    Attributes:
-        start: state that it begins with.
-        end: result at its end.
-        again: the result after a shorter time from the start.
-    """
-
-    start: State
-    end: Advance
-    again: Callable[[float], Advance]
-
-    @property
-    def length(self) -> float:
-        """Duration of the interval."""
-        return self.end.state.time - self.start.time
 
 
 MUCH_SHORTER = 0.25
@@ -164,7 +157,7 @@ def find_touch(
     near = guess(gap_of, start, end.state, fraction)
     if (near or last) < MUCH_SHORTER * interval.length:
         progress.stepper.begin_afresh()
-    tolerance = min(max(LOCATED * progress.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
+    tolerance = min(max(TOUCH_LOCATED * progress.plan.accuracy, GAP_TOLERANCE), 0.1 * GAP_ROUNDING)
     if near is not None and (closed := settle(gap_of, start, again, near, last, tolerance)) is not None:
         return again(closed), True
     reached, closed = end if fraction == 1.0 else again(last), last
@@ -190,3 +183,43 @@ def least_gap(interval: Interval, gaps: Gaps, obstacle: Obstacle, span: float, g
             return middle, gap
         left, right = (middle, right) if rate < 0.0 else (left, middle)
     return right, gap
+
+
+Gap = Callable[[State], tuple[float, float]]
+"""The gap of a state, and its rate."""
+
+
+def first_touch(
+    mechanism: Mechanism, gap: Gap, start: State, end: State, interpolation_error: float = 0.0
+) -> float | None:
+    """Return the fraction of the interval at which the gap is closed or nearly so, on the cubic; None if it stays open.
+
+    The fraction may be later than the touch but never past a second one. ``interpolation_error`` is how far the motion may be off the
+    cubic besides its own error.
+    """
+    length = end.time - start.time
+    bound = 1.5 * max(mechanism.speed_bound(start), mechanism.speed_bound(end)) * length
+    margin = CUBIC_ERROR * length**4 + interpolation_error
+    fraction, (value, rate) = 0.0, gap(start)
+    while fraction < 1.0 and value <= bound * (1.0 - fraction) + margin:
+        ahead = min(1.0, fraction + max(value / bound if bound else 1.0, RESOLUTION))
+        following, next_rate = gap(interpolate(start, end, ahead)) if ahead < 1.0 else gap(end)
+        if following < 0.0:
+            return ahead
+        if rate < 0.0 < next_rate:
+            dip, least = _dip(lambda at: gap(interpolate(start, end, at)), fraction, ahead)
+            if least < 0.0 or (least < margin and dip * max(length, bound) > SHORTEST_ADVANCE):
+                return dip
+        fraction, value, rate = ahead, following, next_rate
+    return None
+
+
+def _dip(gap: Callable[[float], tuple[float, float]], left: float, right: float) -> tuple[float, float]:
+    """Return where a gap that falls at its left and rises at its right end is closed, or least: fraction, and gap."""
+    for _ in range(40):
+        middle = 0.5 * (left + right)
+        value, rate = gap(middle)
+        if value < 0.0:
+            return middle, value
+        left, right = (middle, right) if rate < 0.0 else (left, middle)
+    return right, gap(right)[0]

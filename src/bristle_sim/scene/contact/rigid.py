@@ -1,0 +1,283 @@
+"""Rigid sustained contacts: what keeps them closed, and their forces as a load that adds them up.
+
+A lone link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone. The
+engine's own contact keeps it closed; the linear solve that several links need would make a pass 1.9 to 2.2 times as dear.
+Contacts of several links are solved for together with their joints (:mod:`bristle_sim.scene.contact.solver`). Which of
+the two a scene has is decided in :func:`rigid_contacts` and nowhere else.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.contact.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration, turned_back
+from bristle_sim.scene.contact.obstacles import ClosestApproach, Held, Obstacle
+from bristle_sim.scene.contact.shapes import pushes
+from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
+from bristle_sim.scene.mechanism import Link, Pose, State, Vector, cross
+
+LEAST_SLIP = 1e-9
+"""Slip below this fraction of the scene's unit has no sense, however accurate the run is."""
+
+LEAST_ACCELERATION = 1e-7
+"""Acceleration of slip, in the scene's unit, below which it is rounding of its difference over ``MOMENT``."""
+
+MOST_GRIP = 1.99
+"""With more, each iteration of the engine's solver overshoots twofold."""
+
+ROUNDED_PULL = 1e-14
+"""Impulse of a step, in the scene's unit, below which a pull is rounding."""
+
+TOTALS = 5
+"""Numbers of a contact: normal and tangential force in the last step, normal and tangential impulse, friction's work."""
+
+
+class RigidContacts(ABC):
+    """The rigid contacts of a smooth motion, which are lost once one of their forces is gone.
+
+    Attributes:
+        scene: of the contacts.
+        obstacles: the pairs in contact.
+        pieces: which straight piece of its link touches, for each of them.
+        slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks; None
+            without friction, and of a lone link that does not slip.
+        solvable: whether the engine's iterations tend to a solution.
+        paired: whether steps are symmetric in time, so that the mean of two forces counts.
+    """
+
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
+        """Prepare the contacts."""
+        self.scene = scene
+        self.obstacles = tuple(obstacles)
+        self.pieces: list[int | None] = [None] * len(obstacles)
+        self.slips = list(slips)
+        self.solvable, self.paired = True, paired
+        self._step = 0.0
+        self._sums: list[float] = []
+        self._due = False
+
+    @abstractmethod
+    def engage(self, gaps: Gaps, state: State) -> float:
+        """Let the contacts act from a state on; return the least grip."""
+
+    @abstractmethod
+    def set_back(self, gaps: Gaps, state: State) -> State:
+        """Return the nearest state in which all contacts are closed and stay so."""
+
+    @abstractmethod
+    def totals(self) -> list[float]:
+        """Return ``TOTALS`` numbers of each contact, with the last step."""
+
+    @abstractmethod
+    def _add(self) -> None:
+        """Add what was done in the step before."""
+
+    @abstractmethod
+    def _response(self, poses: Sequence[Pose], index: int, touch: ClosestApproach) -> tuple[float, float]:
+        """Return K_nn and K_nt of a contact."""
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset the sums. Return a callback to run before each step; it adds the previous step's impulses."""
+        self._step, self._due = step, False
+        self._sums = [0.0] * (3 * len(self.obstacles))
+        return self._apply
+
+    def _apply(self) -> None:
+        if self._due:
+            self._add()
+        self._due = True
+
+    def _add_up(self, index: int, push: float, rub: float, slip: float) -> None:
+        self._sums[3 * index] += push
+        self._sums[3 * index + 1] += rub
+        self._sums[3 * index + 2] += rub * slip
+
+    def normal(self, totals: Sequence[float]) -> Sequence[float]:
+        """Return the contacts' normal forces from the totals."""
+        return totals[: TOTALS * len(self.obstacles) : TOTALS]
+
+    def spare_friction(self, totals: Sequence[float], index: int) -> float:
+        """Return by how much friction's limit exceeds the tangential force of a contact."""
+        return self.obstacles[index].friction * totals[TOTALS * index] - abs(totals[TOTALS * index + 1])
+
+    def breaks_away(self, totals: Sequence[float]) -> int | None:
+        """Return the number of the first contact that sticks beyond what friction gives, if there is one."""
+        stuck = (index for index, slip in enumerate(self.slips) if slip == 0)
+        return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
+
+    def grip(self, gaps: Gaps, state: State, index: int = 0) -> float:
+        """Return the fraction of a free link's response that joints and friction leave, (K_nn - mu sign(v_t) K_nt)/K_free.
+
+        Where it is not positive, friction or geometry locks the link: no force keeps it there.
+        """
+        obstacle, mechanism = self.obstacles[index], self.scene.mechanism
+        touch, poses = gaps.closest(obstacle, state), gaps.poses(state)
+        slip: float | None = self.slips[index]
+        if slip is None:
+            slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > LEAST_SLIP else 0.0
+        normal, coupling = self._response(poses, index, touch)
+        free = _free_response(mechanism.links[obstacle.link], poses[obstacle.link], touch.arm, touch.normal)
+        if obstacle.partner is not None and touch.partner_arm is not None:
+            partner = mechanism.links[obstacle.partner], poses[obstacle.partner]
+            free += _free_response(*partner, touch.partner_arm, touch.normal)
+        return (normal - obstacle.friction * slip * coupling) / free
+
+    def _next_piece(self, obstacle: Obstacle, state: State) -> int:
+        """Return the piece that touches from now on: at a corner two do, a moment later one."""
+        if obstacle.partner is None and not self.scene.mechanism.links[obstacle.link].knees:
+            return 0
+        angles = tuple(angle + MOMENT * rate for angle, rate in zip(state.angles, state.rates, strict=True))
+        later = State(state.time + MOMENT, angles, state.rates)
+        return obstacle.closest(self.scene.mechanism.poses(later), later.rates).piece
+
+
+class EngineContact(RigidContacts):
+    """The engine's own contact of a lone link, which acts by itself."""
+
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
+        """Prepare the contact."""
+        super().__init__(scene, obstacles, slips, paired)
+        (self._obstacle,) = obstacles
+        # A push alone is read once an interval.
+        self._record = None if self._obstacle.friction else scene.contacts.record()
+        self._stale, self._last = 0, (0.0, 0.0)
+
+    def engage(self, gaps: Gaps, state: State) -> float:
+        """Let the contact act from a state on; return its grip.
+
+        Each of the engine's iterations corrects the contact as if the link were free, then the joint: it leaves 1 - grip of
+        the error, and there are as many as the state needs.
+        """
+        obstacle, grip = self._obstacle, self.grip(gaps, state)
+        self.pieces = [self._next_piece(obstacle, state)]
+        left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
+        rounds = max(self.scene.contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
+        self.solvable = grip <= MOST_GRIP
+        piece = self.pieces[0] or 0
+        self.scene.contacts.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece)
+        if (slip := self.slips[0]) is not None:
+            self.scene.contacts.direct_friction(slip, gaps.closest(obstacle, state).tangent)
+        return grip
+
+    def set_back(self, gaps: Gaps, state: State) -> State:
+        """Turn the link back onto the obstacle."""
+        return turned_back(gaps, self._obstacle, state, self.pieces[0])
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset the sums. Return a callback to run before each step; it notes the previous step's contact impulse."""
+        if step != self._step:
+            self.scene.warm_up(step)
+        if self._record is None:
+            return super().begin(step)
+        self._step = step
+        # The impulse before the interval is noted here, and before its first step once more.
+        self._stale = 2 * self._record.begin()
+        return self._record.note
+
+    def totals(self) -> list[float]:
+        """Return the contact's numbers."""
+        if self._record is None:
+            self._add()
+            return [self._last[0] / self._step, self._last[1] / self._step, *self._sums]
+        self._record.note()
+        found = pushes(self._record.read()[self._stale :])
+        return [found[-1] / self._step if found else 0.0, 0.0, sum(found), 0.0, 0.0]
+
+    def _add(self) -> None:
+        push, rub, slip = self.scene.contacts.totals(self._obstacle)
+        self._last = push, rub
+        self._add_up(0, push, rub, slip)
+
+    def _response(self, poses: Sequence[Pose], index: int, touch: ClosestApproach) -> tuple[float, float]:
+        del poses, index
+        inertia = self.scene.mechanism.links[0].inertia_about_joint
+        lever = cross(touch.arm, touch.normal)
+        return lever * lever / inertia, lever * cross(touch.arm, touch.tangent) / inertia
+
+
+class SolvedContacts(RigidContacts):
+    """Contacts of several links, whose forces are solved for with their joints.
+
+    In steps symmetric in time the forces of odd and even ones differ by an error that the mean of two does not have.
+    """
+
+    def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
+        """Prepare the contacts."""
+        super().__init__(scene, obstacles, slips, paired)
+        self._pulls: dict[int, float] = {}
+        self._last = self._mean = np.zeros((0, 2))
+        self._odd = False
+
+    def engage(self, gaps: Gaps, state: State) -> float:
+        """Let the contacts act from a state on; return the least grip."""
+        self.pieces = [self._next_piece(each, state) for each in self.obstacles]
+        self.scene.hold([Held(*each) for each in zip(self.obstacles, self.pieces, self.slips, strict=True)])
+        return min(self.grip(gaps, state, index) for index in range(len(self.obstacles)))
+
+    def set_back(self, gaps: Gaps, state: State) -> State:
+        """Set links back onto the obstacles; contacts that stick do not slip either."""
+        return set_back(gaps, self.obstacles, state, self.pieces, self.slips)
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset the sums. Return a callback to run before each step; it adds the previous step's impulses."""
+        self._pulls, self._odd = {}, False
+        return super().begin(step)
+
+    def totals(self) -> list[float]:
+        """Return the contacts' numbers; where earlier steps pulled, the normal force is that pull, so that it is released."""
+        self._add()
+        found: list[float] = []
+        for index, (push, rub) in enumerate((self._mean / self._step).tolist()):
+            found += [self._pulls.get(index, push), rub, *self._sums[3 * index : 3 * index + 3]]
+        return found
+
+    def _add(self) -> None:
+        impulses = np.array(self.scene.joint_solver.impulses)
+        self._odd = self.paired and not self._odd
+        self._mean = 0.5 * (self._last + impulses[:, :2]) if self.paired and not self._odd else impulses[:, :2]
+        self._last = impulses[:, :2]
+        for index, (push, rub, slip) in enumerate(impulses.tolist()):
+            if not self._odd and self._mean[index, 0] < -ROUNDED_PULL:
+                self._pulls[index] = self._mean[index, 0] / self._step
+            self._add_up(index, push, rub, slip)
+
+    def _response(self, poses: Sequence[Pose], index: int, touch: ClosestApproach) -> tuple[float, float]:
+        obstacle, mechanism = self.obstacles[index], self.scene.mechanism
+        rows = np.array(
+            [contact_row(mechanism, poses, obstacle, touch, each) for each in (touch.normal, touch.tangent)]
+        )
+        normal, coupling = (rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])).tolist()
+        return normal, coupling
+
+
+def rigid_contacts(
+    scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], *, paired: bool = True
+) -> RigidContacts:
+    """Return what keeps the contacts of a scene closed."""
+    kind = EngineContact if scene.mechanism.lone else SolvedContacts
+    return kind(scene, obstacles, slips, paired)
+
+
+def sense_of_slip(gaps: Gaps, obstacle: Obstacle, state: State, error: float) -> int | None:
+    """Return the sense of slip that friction acts against in a contact that begins; 0 sticks, None is at rest.
+
+    A slip velocity within the run's error has no sense. Several links then stick until friction does not suffice. A
+    lone link slips the way that its contact point is accelerated; where that is zero too, it is at rest.
+    """
+    slip, least = gaps.closest(obstacle, state).velocity[1], max(LEAST_SLIP, error)
+    if abs(slip) <= least:
+        if not gaps.mechanism.lone:
+            return 0
+        slip, least = slip_acceleration(gaps, obstacle, state), LEAST_ACCELERATION
+    return int(math.copysign(1.0, slip)) if abs(slip) > least else None
+
+
+def _free_response(link: Link, pose: Pose, arm: Vector, normal: Vector) -> float:
+    """Return the velocity that a unit impulse at an arm from the joint gives a link that is free."""
+    to_centre = (pose.joint[0] + arm[0] - pose.centre[0], pose.joint[1] + arm[1] - pose.centre[1])
+    return 1.0 / link.mass + cross(to_centre, normal) ** 2 / link.inertia
