@@ -13,7 +13,7 @@ import pytest
 from bristle_sim.contact_space.contact_pair import LocatedImpact
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.contact_space.sequence import MOST
-from bristle_sim.theory.impact import Impact
+from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact
 
 GRAVITY = 9.81
 
@@ -212,3 +212,33 @@ def test_a_law_that_is_none_is_refused_when_it_is_given(law: object) -> None:
         ValueError, match=r"^law = .*: must be a function like energetic_impact, which returns an Impact$"
     ):
         contact.add_pair(3, 4, friction=0.0, restitution=0.0, law=law)  # type: ignore[arg-type]
+
+
+def spun(**tangential: float) -> tuple[pymunk.Body, LocatedImpact]:
+    """A disc with spin that falls on a floor without gravity, after one step, and its impact."""
+    space, impacts = on_floor(), list[LocatedImpact]()
+    space.gravity = (0.0, 0.0)
+    body = ball(space, 0.0, 0.1 - 1e-9, (1.0, -2.0))
+    body.angular_velocity = 5.0
+    EnergeticContact(space, 1, 2, friction=0.4, restitution=0.7, report=impacts.append, **tangential).step(1e-9)
+    return body, impacts[0]
+
+
+@pytest.mark.parametrize("compliance", [0.0, 0.3, 1.21, 10.0])
+def test_a_contact_elastic_along_the_surface(compliance: float) -> None:
+    """The law's own answer for the disc's K = diag(1/m, 1/m + r^2/I) = diag(1, 3): bit for bit the rigid one at 0."""
+    body, impact = spun(tangential_compliance=compliance)
+    law = energetic_impact(np.diag([1.0, 3.0]), (-2.0, 1.5), 0.4, 0.7, tangential_compliance=compliance)
+    assert impact.impulse_tangential == pytest.approx(float(law.impulse_tangential), rel=1e-7)
+    assert body.velocity.x == pytest.approx(1.0 + float(law.impulse_tangential), rel=1e-7)
+    assert float(impact.energy_change) <= 0.0
+    if not compliance:
+        rigid, _ = spun()
+        assert (rigid.velocity, rigid.angular_velocity) == (body.velocity, body.angular_velocity)
+
+
+@pytest.mark.parametrize(("value", "law"), [(-1.0, energetic_impact), (2e4, energetic_impact), (1.0, newton_impact)])
+def test_a_tangential_compliance_out_of_range_or_unknown_to_the_law_is_refused(value: float, law: object) -> None:
+    contact = EnergeticContact(pymunk.Space(), 1, 2, friction=0.0, restitution=0.0)
+    with pytest.raises(ValueError, match=r"^tangential_compliance = .*: must be"):
+        contact.add_pair(3, 4, friction=0.3, restitution=0.5, tangential_compliance=value, law=law)  # type: ignore[arg-type]

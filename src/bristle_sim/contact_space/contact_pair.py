@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import math
 import reprlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -28,6 +30,17 @@ def refusal(name: str, value: Any, rule: str) -> ValueError:
     except ValueError:  # a whole number of thousands of digits, which Python does not write out
         shown = f"<{type(value).__name__}>"
     return ValueError(f"{name} = {shown}: {rule}")
+
+
+def number_from_zero(name: str, value: Any, most: float, unit: str) -> float:
+    """Return a number from 0 to ``most`` as a float, or raise ValueError."""
+    try:
+        number = math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
+    except OverflowError:
+        number = math.inf
+    if not 0.0 <= number <= most:
+        raise refusal(name, value, f"must be a finite number with 0 <= {name} <= {most:g} ({unit})")
+    return number + 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,9 +74,11 @@ class ContactPair:
     restitution: float
     restitution_friction: float | None = None
     law: Callable[..., Impact] = energetic_impact
+    tangential_compliance: float = 0.0
     chained: Any = None
     """The user's own ``pre_solve`` of these types."""
-    takes_stick_compliance: bool = False
+    _further: dict[str, float] = field(default_factory=dict)
+    """Further arguments of the law by name; it gets none that it does not know."""
 
     def __post_init__(self) -> None:
         """Check every value: what the engine gets unchecked can end the process."""
@@ -76,10 +91,18 @@ class ContactPair:
         self.friction, self.restitution, self.restitution_friction = checked_numbers(
             friction=self.friction, restitution=self.restitution, restitution_friction=self.restitution_friction
         )
+        compliance = number_from_zero("tangential_compliance", self.tangential_compliance, 1e4, "dimensionless")
+        self.tangential_compliance = compliance
         try:
-            self.takes_stick_compliance = "stick_compliance" in inspect.signature(self.law).parameters
+            known = inspect.signature(self.law).parameters.keys()
+            self._further = {"tangential_compliance": compliance} if compliance else {}
+            self._further |= {"stick_compliance": 1.0} if "stick_compliance" in known else {}
             answer: object = self._call(np.eye(2), (-1.0, 0.0), self.restitution, 1.0)
-        except Exception:  # whatever the function thinks of these arguments
+        except Exception as error:  # whatever the function thinks of these arguments
+            if "tangential_compliance" in str(error):
+                raise refusal(
+                    "tangential_compliance", compliance, "must be 0 in a law that does not take it"
+                ) from error
             answer = None
         if not isinstance(answer, Impact):
             raise refusal("law", self.law, "must be a function like energetic_impact, which returns an Impact")
@@ -94,5 +117,7 @@ class ContactPair:
         return self._call(space.inverse_mass, space.velocity, restitution, space.stick_compliance)
 
     def _call(self, inverse_mass: Array, velocity: Vector, restitution: float, stick_compliance: float) -> Impact:
-        extra = (stick_compliance,) if self.takes_stick_compliance else ()
-        return self.law(inverse_mass, velocity, self.friction, restitution, self.restitution_friction, *extra)
+        if "stick_compliance" in self._further:
+            self._further["stick_compliance"] = stick_compliance
+        coefficients = (self.friction, restitution, self.restitution_friction)
+        return self.law(inverse_mass, velocity, *coefficients, **self._further)

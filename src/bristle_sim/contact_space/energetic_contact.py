@@ -8,14 +8,12 @@ approaches takes the impulse of an impact law, Stronge's by default, on all bodi
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable
-from numbers import Real
 from typing import Any
 
 import pymunk
 
-from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, refusal
+from bristle_sim.contact_space.contact_pair import ContactPair, LocatedImpact, number_from_zero, refusal
 from bristle_sim.contact_space.rest_filter import RestFilter
 from bristle_sim.contact_space.sequence import ImpactSequence
 from bristle_sim.contact_space.touching import Contacts, Shapes, TouchingPoint, read_contact
@@ -37,6 +35,8 @@ class EnergeticContact:
         friction: Coulomb's mu, >= 0.
         restitution: energetic coefficient e*, in [0, 1].
         restitution_friction: mu in restitution; equal to ``friction`` by default.
+        tangential_compliance: eta^2 of a contact that is elastic along the surface, as in ``energetic_impact``; impacts
+            that are too many for one after the other are resolved without it.
         resting_speed: slower approach is left to the engine's contact with ``friction`` and no restitution, so that
             bodies rest; so is approach slower than gravity makes up in two steps.
         report: called with a :class:`~bristle_sim.contact_space.contact_pair.LocatedImpact` for each faster impact.
@@ -73,6 +73,7 @@ class EnergeticContact:
         friction: float,
         restitution: float,
         restitution_friction: float | None = None,
+        tangential_compliance: float = 0.0,
         resting_speed: float = 0.0,
         report: Callable[[LocatedImpact], None] | None = None,
     ) -> None:
@@ -84,7 +85,7 @@ class EnergeticContact:
         if self.of(space) is not None:
             raise ValueError("space: has an EnergeticContact already; take its add_pair for further collision types")
         self.space = space
-        self.resting_speed = _not_negative("resting_speed", resting_speed, FASTEST, "length/time")
+        self.resting_speed = number_from_zero("resting_speed", resting_speed, FASTEST, "in length/time")
         self.report = report
         self.time = 0.0
         self.pairs: dict[frozenset[int], ContactPair] = {}
@@ -96,6 +97,7 @@ class EnergeticContact:
             friction=friction,
             restitution=restitution,
             restitution_friction=restitution_friction,
+            tangential_compliance=tangential_compliance,
         )
 
     def add_pair(
@@ -106,19 +108,23 @@ class EnergeticContact:
         friction: float,
         restitution: float,
         restitution_friction: float | None = None,
+        tangential_compliance: float = 0.0,
         law: Callable[..., Impact] = energetic_impact,
     ) -> None:
         """Take contacts between two more collision types, with coefficients and a law of their own.
 
         Args:
             collision_type_a, collision_type_b: of the shapes; they may be equal.
-            friction, restitution, restitution_friction: as for the class, as ``law`` understands them.
-            law: called like :func:`~bristle_sim.theory.impact.energetic_impact`, with ``stick_compliance`` if it takes it.
+            friction, restitution, restitution_friction, tangential_compliance: as for the class, as ``law`` understands them.
+            law: called like :func:`~bristle_sim.theory.impact.energetic_impact`, with ``stick_compliance`` if it takes it, and
+                with ``tangential_compliance`` unless it is 0.
 
         Raises:
             ValueError: as the class, and for a pair that is there already.
         """
-        pair = ContactPair(collision_type_a, collision_type_b, friction, restitution, restitution_friction, law)
+        pair = ContactPair(
+            collision_type_a, collision_type_b, friction, restitution, restitution_friction, law, tangential_compliance
+        )
         if pair.types in self.pairs:
             types = (collision_type_a, collision_type_b)
             raise ValueError(f"collision_type_a, collision_type_b = {types}: must be a pair that is not added yet")
@@ -137,7 +143,7 @@ class EnergeticContact:
             ValueError: for a duration that is negative or not finite.
         """
         if type(duration) is not float or not 0.0 <= duration <= LONGEST:
-            duration = _not_negative("duration", duration, LONGEST, "time")
+            duration = number_from_zero("duration", duration, LONGEST, "in time")
         rest = self._attached()
         rest.begin(self.resting_speed)
         try:
@@ -230,17 +236,6 @@ class EnergeticContact:
 
         body.each_arbiter(read)
         return found
-
-
-def _not_negative(name: str, value: Any, most: float, unit: str) -> float:
-    """Return a number from 0 to ``most`` as a float, or raise ValueError."""
-    try:
-        number = math.nan if isinstance(value, bool) or not isinstance(value, Real) else float(value)
-    except OverflowError:
-        number = math.inf
-    if not 0.0 <= number <= most:
-        raise refusal(name, value, f"must be a finite number with 0 <= {name} <= {most:g} (in {unit})")
-    return number + 0.0
 
 
 def _handlers(space: pymunk.Space) -> dict[Any, Any]:
