@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -62,17 +62,15 @@ def figures_report(selection: Selection) -> Report:
 
     def report() -> Report:
         """Return how far the points of the figures are from their curves."""
-        apart = ((each, law, value) for each in figures for law, value in largest_differences(each).items())
+        apart = [(each, law, value) for each in figures for law, value in largest_differences(each).items()]
         words = "largest distance of the points from their curve, divided by the curve's largest value at a point, in"
         return Report(
             outcome=None,
-            quantities=tuple(
-                Quantity(f"{each.name}_{law}", "1", value, 0.0, tolerance=SOURCES[law].tolerance)
-                for each, law, value in apart
-            ),
+            quantities=(quantities := tuple(_quantity(*each) for each in apart)),
             wall_s=clock.perf_counter() - begin,
-            remarks=("", words, *(f"{each.name}: {each.title}" for each in figures)),
+            remarks=(words, *(f"{each.name}: {each.title}" for each in figures)),
             subject=tuple(figures),
+            answer=_answer(quantities),
         )
 
     try:
@@ -82,3 +80,26 @@ def figures_report(selection: Selection) -> Report:
     except KeyboardInterrupt:
         raise Unfinished(report()) from None
     return report()
+
+
+def _quantity(figure: Redrawn, source: str, distance: float) -> Quantity:
+    label = f"{figure.name.replace('_', ' ')}, {SOURCES[source].words}"
+    return Quantity(f"{figure.name}_{source}", "1", distance, 0.0, tolerance=SOURCES[source].tolerance, label=label)
+
+
+def _answer(quantities: Sequence[Quantity]) -> str:
+    """Return whether all points lie on their curves, and those that are farthest off."""
+    judged = [each for each in quantities if each.ok is not None]
+    missed = [each.label for each in judged if not each.ok]
+    if missed:
+        return f"No: {len(missed)} of {len(judged)} sets of points are off their curves: {'; '.join(missed)}."
+    findings = [each for each in quantities if each.ok is None and each.simulated is not None]
+    found = (
+        f"Yes: all {len(judged)} sets of points that must lie on a curve do."
+        if judged
+        else "No points must lie on these curves."
+    )
+    if not findings:
+        return found
+    farthest = max(findings, key=lambda each: each.simulated or 0.0)
+    return f"{found} Farthest off, as a finding, is {farthest.label}: {farthest.simulated or 0.0:.2g} of the largest value."
