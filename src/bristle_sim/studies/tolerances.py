@@ -26,7 +26,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import STRIKE_UNITS, keys_of, strike_of_keys
+from bristle_sim.studies.answers import amount
+from bristle_sim.studies.strike_point import IMPACT, STATE, STRIKE_UNITS, keys_of, strike_of_keys
 from bristle_sim.units import Range
 
 Measures = Mapping[str, float | None]
@@ -99,7 +100,22 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
         remarks=_remarks(rows),
         extra={"rows": rows},
         subject=study,
+        answer=answer(rows),
     )
+
+
+def answer(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the input that ranks first for most outputs, and by how much speed and impulse of the strike spread."""
+    first = {row["output"]: max(row["indices"], key=lambda key: row["indices"][key]["total"]) for row in rows}
+    most = max(first.values(), key=list(first.values()).count)
+    ranks = f"{most} matters most: it ranks first for {list(first.values()).count(most)} of {len(rows)} measures of the strike"
+    spreads = [
+        f"{(STATE | IMPACT)[row['output']][0]} {amount(row['mean'], STRIKE_UNITS[row['output']])} by"
+        f" {amount(row['std'], STRIKE_UNITS[row['output']], 2)} (mostly {first[row['output']]})"
+        for row in rows
+        if row["output"] in STATE or row["output"] in IMPACT
+    ]
+    return f"{ranks[0].upper()}{ranks[1:]}. Standard deviations: {'; '.join(spreads)}."
 
 
 def propagated(

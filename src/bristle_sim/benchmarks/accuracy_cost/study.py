@@ -29,6 +29,7 @@ from bristle_sim.benchmarks.accuracy_cost.measure import (
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, tables
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
 from bristle_sim.comparison import Quantity, Report, Unfinished
+from bristle_sim.studies.answers import amount
 
 Offers = dict[str, Callable[[Any], list[Attempt]]]
 
@@ -97,7 +98,19 @@ def accuracy_cost(effort: Effort) -> Report:
             "machine": circumstances,
         },
         subject=measured,
+        answer=_answer(measured),
     )
+
+
+def _answer(measured: AccuracyCost) -> str:
+    """Return our CPU time to each case's finest target error, beside the cheapest peer's."""
+    finest = {each.case: each for each in sorted(comparisons(measured), key=lambda each: -each.target)}
+    costs = []
+    for case, each in finest.items():
+        if each.ours is not None:
+            peer = "" if each.peer is None else f" ({package_of(each.peer.method)} {amount(each.peer.cpu_s, 's', 2)})"
+            costs.append(f"{case.replace('_', ' ')} to {each.target:.0e} {amount(each.ours.cpu_s, 's', 2)}{peer}")
+    return f"In CPU time: {'; '.join(costs)}." if costs else "No method of ours reaches the target errors."
 
 
 def _curves(measured: AccuracyCost) -> list[dict[str, Any]]:

@@ -74,7 +74,18 @@ def _report(themes: Sequence[str], tried: Tried, begin: float) -> Report:
         remarks=("", *_table(tried)),
         extra={"rows": rows},
         subject=tried,
+        answer=answer(tried),
     )
+
+
+def answer(tried: Tried) -> str:
+    """Return whether all cases keep their promise, or those that break it with what was reached."""
+    broken = [
+        f"{case.theme.replace('_', ' ')}: {case.name} ({finding.reached})" for case, finding in tried if not finding.ok
+    ]
+    if broken:
+        return f"No: {len(broken)} of {len(tried)} hard cases break their promise: {'; '.join(broken)}."
+    return f"Yes: all {len(tried)} hard cases keep their promise."
 
 
 WIDTHS = (30, 30, 31, 3)
