@@ -13,7 +13,7 @@ from bristle_sim.render.drawing import touch_places
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
 from bristle_sim.render.tool_films import row_film
 from bristle_sim.settings import Settings
-from bristle_sim.studies import neighbours as module
+from bristle_sim.studies import least_pitch as module
 from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
 
 ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "normal_final_impulse": 2.751e-3}

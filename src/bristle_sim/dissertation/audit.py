@@ -2,7 +2,7 @@
 
 Three rows are from chapters 1 and 5, which print the same quantities.
 
-The rows are those of ``printed.toml``; the modules ``audit_chapter_2`` to ``audit_chapter_4`` compute their figures. A number
+The rows are those of ``printed.toml``; the modules ``audit_chapter_2`` to ``audit_chapter_4`` and ``audit_pendulums`` compute their figures. A number
 counts as reproduced when the computed value lies within half a unit of the last printed digit. Where a printed number was
 itself worked out from rounded ones, an allowance adds the effect of their rounding, and ``why`` says so. A statement in words has a
 computed figure that decides whether it holds.
@@ -70,12 +70,12 @@ class AuditView(Declared):
 
 def audit_rows() -> tuple[AuditRow, ...]:
     """Return all rows of the audit; numbers are finite, places unique."""
-    from bristle_sim.dissertation import audit_chapter_2, audit_chapter_3, audit_chapter_4
+    from bristle_sim.dissertation import audit_chapter_2, audit_chapter_3, audit_chapter_4, audit_pendulums
 
     figures = {
         **audit_chapter_2.cue_figures(),
         **audit_chapter_2.impact_figures(),
-        **audit_chapter_2.pendulum_figures(),
+        **audit_pendulums.pendulum_figures(),
         **audit_chapter_3.force_history_figures(),
         **audit_chapter_4.motion_figures(),
         **audit_chapter_4.plies_figures(),

@@ -35,7 +35,6 @@ MEASURES = {
 }
 
 REFERENCE_ACCURACY = 1e-9
-
 REFERENCE_FRICTION = 10.0
 """Largest friction of a strike for which the independent solution is computed: its steps shrink with the time that slip lasts."""
 
@@ -185,9 +184,8 @@ def _answer(links: int, own: Mapping[str, float], stiff: Mapping[str, float], ag
         f" crater {shown['crater_depth'][0]} deep; the rigid bristle at the same contact stiffness has"
         f" {shown['normal_final_impulse'][1]}, {shown['peak_force'][1]} and {shown['crater_depth'][1]}."
     )
-    if again is None:
-        return found
-    return f"{found} The wire's end touches again {amount(again, 's')} after the first touch, which these numbers leave out."
+    late = "" if again is None else f" The wire's end touches again {amount(again, 's')} after the first touch"
+    return f"{found}{late}{late and ', which these numbers leave out.'}"
 
 
 def again(wire: WireStrike) -> float | None:

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
+from bristle_sim.parameters import Tool
 from bristle_sim.trajectory import Trajectory
 
 PITCH_STEP = math.radians(0.25)
@@ -27,6 +29,16 @@ INSTANTS = 1500
 
 DEEPEST = 2
 """Local minima of the distance over time that are refined, beginning with the least."""
+
+
+MOST_SAMPLES = 5000
+"""Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
+
+LARGEST = math.pi / 2.0
+"""Pitch from which the search goes down, rad."""
+
+BEYOND = 1e-6
+"""How far above a least pitch the search for a smaller one begins, rad: a thousand times what it is good to."""
 
 
 class LonePass:
@@ -156,3 +168,46 @@ def least_pitch(
         if closed <= 0.0:
             return float(brentq(gap, narrower, pitch, xtol=PITCH_TOLERANCE))
         pitch, before, wider, open_gap = narrower, pitch, open_gap, closed
+
+
+@dataclass(frozen=True, slots=True)
+class LeastPitch:
+    """A pitch, deg, above which by a lone bristle's motion two wires do not touch up to an instant of its pass, s.
+
+    There is no instant where the pass has no strike; it may be one of the follower's pass, a pitch later than of the one in
+    front.
+    """
+
+    name: str
+    until: float | None
+    of_follower: bool
+    by_theory: float | None
+
+
+def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
+    """Return the theoretical least pitches, from the narrowest; none where ``unsearched`` says why."""
+    contact = lone.first_contact("workpart")
+    strike = None if contact is None else contact.time
+    found, largest, searched = [], LARGEST, not unsearched(tool, lone)
+    # Each counts fewer touches than the one before, so that its pitch is smaller.
+    for words, until, own in (
+        ("whole_pass", float(lone.time[-1]), False),
+        ("to_own_strike", strike, True),
+        ("to_strike", strike, False),
+    ):
+        theory = None
+        if until is not None and searched:
+            largest = least_pitch(lone, tool.bristle.wire_diameter, until=until, of_follower=own, largest=largest)
+            theory = math.degrees(largest)
+            largest += BEYOND
+        found.append(LeastPitch(f"least_pitch_{words}_deg", until, own, theory))
+    return tuple(reversed(found))
+
+
+def unsearched(tool: Tool, lone: Trajectory) -> str:
+    """Return the reason why no least pitch is searched; empty if it is."""
+    if lone.time.size > MOST_SAMPLES:
+        return "the pass has too many oscillations of the bristle on its belt"
+    if nearest_approach(LonePass(lone), LARGEST, float(lone.time[-1]))[0] <= tool.bristle.wire_diameter:
+        return f"wires touch each other even {math.degrees(LARGEST):g} deg apart"
+    return ""

@@ -22,7 +22,7 @@ from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.answers import amount
-from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach
+from bristle_sim.studies.least_pitch import LeastPitch, least_pitches_of, unsearched
 from bristle_sim.studies.strike_point import (
     IMPACT,
     STATE,
@@ -51,15 +51,6 @@ AGREEMENT = 0.05
 SAMPLES_PER_PERIOD = 150
 """Samples in a period of the lone bristle on its belt, for the cubics of its centre line."""
 
-MOST_SAMPLES = 5000
-"""Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
-
-LARGEST = math.pi / 2.0
-"""Pitch from which the search goes down, rad."""
-
-BEYOND = 1e-6
-"""How far above a least pitch the search for a smaller one begins, rad: a thousand times what it is good to."""
-
 STRIKE = {name: (STATE | IMPACT)[name] for name in (*STATE, "normal_final_impulse") if name != "tip_speed_at_contact"}
 """A bristle's strike: label and unit of each quantity."""
 
@@ -68,20 +59,6 @@ LEAST_PITCHES = {
     "least_pitch_to_own_strike_deg": "least pitch, no touch until its own strike",
     "least_pitch_whole_pass_deg": "least pitch, no touch in the whole pass",
 }
-
-
-@dataclass(frozen=True, slots=True)
-class LeastPitch:
-    """A pitch, deg, above which by a lone bristle's motion two wires do not touch up to an instant of its pass, s.
-
-    There is no instant where the pass has no strike; it may be one of the follower's pass, a pitch later than of the one in
-    front.
-    """
-
-    name: str
-    until: float | None
-    of_follower: bool
-    by_theory: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +95,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         )
     bristles = _simulated(tool, row, settings, row.pitch_deg)
     lone = simulate(tool, dataclasses.replace(settings, samples_per_period=SAMPLES_PER_PERIOD))
-    found = NeighbourRow(tool, row, settings, bristles, lone, _least_pitches(tool, lone))
+    found = NeighbourRow(tool, row, settings, bristles, lone, least_pitches_of(tool, lone))
     reference, least = None, dict[str, float | None]()
     if with_reference:
         from bristle_sim.reference import simulate_reference, simulate_row_reference
@@ -126,7 +103,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         options: Any = {"hub_turn": settings.hub_turn, "accuracy": max(1e-10, 0.1 * settings.accuracy)}
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
         alone = simulate_reference(tool, **options)
-        least = {each.name: each.by_theory for each in _least_pitches(tool, alone)}
+        least = {each.name: each.by_theory for each in least_pitches_of(tool, alone)}
     contact, each_bristle = bristles[-1].first_contact("workpart"), _each_bristle(found)
     least_pitches = [_searched(found, each, least.get(each.name)) for each in found.least]
     return Report(
@@ -228,35 +205,6 @@ def root_pitch(tool: Tool) -> float:
     return math.degrees(2.0 * math.asin(tool.bristle.wire_diameter / (2.0 * tool.hub.radius)))
 
 
-def _least_pitches(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
-    """Return the theoretical least pitches, from the narrowest; none where ``_unsearched`` says why."""
-    contact = lone.first_contact("workpart")
-    strike = None if contact is None else contact.time
-    found, largest, searched = [], LARGEST, not _unsearched(tool, lone)
-    # Each counts fewer touches than the one before, so that its pitch is smaller.
-    for words, until, own in (
-        ("whole_pass", float(lone.time[-1]), False),
-        ("to_own_strike", strike, True),
-        ("to_strike", strike, False),
-    ):
-        theory = None
-        if until is not None and searched:
-            largest = least_pitch(lone, tool.bristle.wire_diameter, until=until, of_follower=own, largest=largest)
-            theory = math.degrees(largest)
-            largest += BEYOND
-        found.append(LeastPitch(f"least_pitch_{words}_deg", until, own, theory))
-    return tuple(reversed(found))
-
-
-def _unsearched(tool: Tool, lone: Trajectory) -> str:
-    """Return the reason why no least pitch is searched; empty if it is."""
-    if lone.time.size > MOST_SAMPLES:
-        return "the pass has too many oscillations of the bristle on its belt"
-    if nearest_approach(LonePass(lone), LARGEST, float(lone.time[-1]))[0] <= tool.bristle.wire_diameter:
-        return f"wires touch each other even {math.degrees(LARGEST):g} deg apart"
-    return ""
-
-
 def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
     """Search the pitch from which two simulated wires touch, beside the theoretical one; reference by its lone pass."""
     if least.until is None or least.by_theory is None or row.neighbours.search == "no":
@@ -342,7 +290,7 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
 def _remarks(row: NeighbourRow) -> tuple[str, ...]:
     last = row.bristles[-1]
     counted = "least pitches: theory by the motion of one bristle alone"
-    if reason := _unsearched(row.tool, row.lone):
+    if reason := unsearched(row.tool, row.lone):
         counted = f"least pitches: not searched, as {reason}"
     stops = f"the row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
     return f"theory of bristle {row.neighbours.bristles}'s strike: a bristle alone; {stops}", counted
