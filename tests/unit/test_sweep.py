@@ -72,8 +72,8 @@ def kind(word: Any) -> float:
 
 
 def test_words_and_numbers_stay_what_they_are(tmp_path: Path):
-    found = sweep(lambda word, n: len(word) * n, {"word": ["ab", "abc"], "n": [1, 10]})
-    assert found["result"].sel(word="abc", n=10).item() == 30.0
+    found = sweep(lambda self, function: len(self) * function, {"self": ["ab", "abc"], "function": [1, 10]})
+    assert found["result"].values.tolist() == [[2.0, 20.0], [3.0, 30.0]]
     for store in (None, tmp_path, tmp_path):
         mixed = sweep(kind, {"word": [1, "a", "1"]}, store=store)
         assert mixed["result"].values.tolist() == [1.0, 0.0, 0.0]
@@ -94,11 +94,7 @@ def test_a_point_that_raises_has_a_reason_and_the_rest_goes_on():
     assert reasons[1] == "ZeroDivisionError: float division by zero"
     assert "shape (2,)" in reasons[3]
     assert reasons[::2] == ["", ""]
-
-
-def test_a_space_without_any_result():
-    found = sweep(lambda x: math.sqrt(-x), {"x": [1.0, 2.0]})
-    assert list(found.data_vars) == ["failure"]
+    assert list(sweep(lambda x: math.sqrt(-x), {"x": [1.0, 2.0]}).data_vars) == ["failure"]
 
 
 @pytest.mark.parametrize(
@@ -134,32 +130,26 @@ def test_workers_and_stores_that_are_none_are_refused(given: dict[str, Any]):
         sweep(power, SPACE, **given)
 
 
-def test_any_parameter_that_a_function_takes_may_vary():
-    assert sweep(lambda function, self: function + self, {"function": [1.0], "self": 2.0})["result"].values == [3.0]
-
-
 def test_results_do_not_depend_on_the_size_of_a_block(monkeypatch: pytest.MonkeyPatch):
     expected = sweep(power, SPACE)
     monkeypatch.setattr(sweep_store, "BLOCK", 3)
     assert sweep(power, SPACE).identical(expected)
 
 
-def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture[str]):
-    sweep(power, SPACE, progress=True)
-    shown = capsys.readouterr()
-    assert "8/8 [00:0" in shown.err
-    assert shown.out == ""
-    sweep(power, SPACE)
-    assert capsys.readouterr().err == ""
-
-
-def test_a_long_sweep_tells_of_itself(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
-    """Where standard error is no terminal, too; nothing is shown where it is not wanted."""
-    monkeypatch.setattr("bristle_sim.studies.sweep.PATIENCE", 0.01)
-    for progress, words in ((None, "4/4"), (False, "")):
+def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    """Of a long sweep, where standard error is no terminal too, unless it is not wanted; of a short one if it is."""
+    for patience, progress, words in (
+        (5.0, True, "4/4 [00:0"),
+        (5.0, None, ""),
+        (0.01, None, "4/4"),
+        (0.01, False, ""),
+    ):
+        monkeypatch.setattr("bristle_sim.studies.sweep.PATIENCE", patience)
         sweep(lambda x: time.sleep(0.01 * x), {"x": np.ones(4)}, progress=progress)
-        assert words in (err := capsys.readouterr().err)
-        assert bool(err) is bool(words)
+        shown = capsys.readouterr()
+        assert words in shown.err
+        assert bool(shown.err) is bool(words)
+        assert shown.out == ""
 
 
 def test_every_kind_of_worker_gives_the_serial_results_bit_for_bit():
@@ -254,44 +244,24 @@ def test_a_point_that_always_kills_its_process_is_named_and_the_others_are_kept(
         sweep(function, {"x": [3.0]}, workers=executor)
 
 
-def test_finished_points_are_never_computed_again(tmp_path: Path):
-    function = functools.partial(counted, folder=str(tmp_path))
-    first = sweep(function, {"x": [1.0, 2.0, 3.0]}, store=tmp_path / "store")
-    again = sweep(function, {"x": [1.0, 2.0, 3.0]}, store=tmp_path / "store")
-    assert again.identical(first)
-    wider = sweep(function, {"x": [4.0, 3.0, 0.0, 1.0]}, store=tmp_path / "store")
-    assert wider["result"].values.tolist() == [16.0, 9.0, 0.0, 1.0]
-    assert calls(tmp_path) == [0.0, 1.0, 2.0, 3.0, 4.0]
+def noted(x: float, y: float, folder: str) -> dict[str, Any]:
+    counted(x, folder)
+    return power(x, y)
 
 
-def test_a_grid_takes_over_the_points_of_another(tmp_path: Path):
+def test_finished_points_are_never_computed_again_on_any_grid(tmp_path: Path):
     function = functools.partial(noted, folder=str(tmp_path))
-    sweep(function, SPACE, store=tmp_path / "store")
+    for _ in range(2):
+        found = sweep(function, SPACE, store=tmp_path / "store", units={"power": "1"})
+        assert not found["power"].variable._in_memory
+        assert found.load().equals(sweep(power, SPACE))
+        assert found["power"].attrs == {"units": "1"}
     other = {"y": [0.75, 0.25], "x": [4.0, 5.0, 1.0]}
     assert sweep(function, other, store=tmp_path / "store").equals(sweep(power, other))
     # Of the six points those with y = 0.25 and x = 4 or 1 were known.
     assert len(calls(tmp_path)) == 8 + 4
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"version": "2"},
-        {"function": functools.partial(counted, pause=1e-9)},
-    ],
-)
-def test_a_changed_version_or_argument_is_a_new_point(tmp_path: Path, change: dict[str, Any]):
-    function = functools.partial(change.pop("function", counted), folder=str(tmp_path))
-    plain = functools.partial(counted, folder=str(tmp_path))
-    sweep(plain, {"x": [1.0]}, store=tmp_path / "store")
-    sweep(function, {"x": [1.0]}, store=tmp_path / "store", **change)
-    assert calls(tmp_path) == [1.0, 1.0]
-
-
-def test_results_are_read_from_disk_when_they_are_used(tmp_path: Path):
-    found = sweep(power, SPACE, store=tmp_path, units={"power": "1"})
-    assert not found["power"].variable._in_memory
-    assert found.load().identical(sweep(power, SPACE, units={"power": "1"}))
+    sweep(function, {"x": [1.0], "y": [0.25]}, store=tmp_path / "store", version="2")
+    assert len(calls(tmp_path)) == 8 + 4 + 1
 
 
 def emptied(path: Path) -> None:
@@ -302,11 +272,6 @@ def changed(path: Path) -> None:
     found = bytearray(path.read_bytes())
     found[len(found) // 2] ^= 1
     path.write_bytes(found)
-
-
-def noted(x: float, y: float, folder: str) -> dict[str, Any]:
-    counted(x, folder)
-    return power(x, y)
 
 
 @pytest.mark.parametrize(
@@ -322,6 +287,7 @@ def noted(x: float, y: float, folder: str) -> dict[str, Any]:
         (emptied, "power/zarr.json", 8),
         (Path.unlink, "zarr.json", 8),
         (emptied, "zarr.json", 8),
+        (shutil.rmtree, "pair", 8),
     ],
 )
 def test_damaged_and_lost_parts_are_computed_again(
@@ -338,13 +304,6 @@ def test_damaged_and_lost_parts_are_computed_again(
         assert len(calls(tmp_path)) == 8 + recomputed
     lost_without_trace = harm is Path.unlink and part.startswith(("failure", "zarr"))  # as if never computed
     assert bool(caplog.records) is bool(recomputed and not lost_without_trace)
-
-
-def test_a_lost_variable_is_computed_again(tmp_path: Path):
-    expected = sweep(power, SPACE, store=tmp_path).load()
-    (store,) = tmp_path.glob("*.zarr")
-    shutil.rmtree(store / "pair")
-    assert sweep(power, SPACE, store=tmp_path).identical(expected)
 
 
 def test_a_store_holds_data_alone(tmp_path: Path):

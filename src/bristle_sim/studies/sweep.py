@@ -93,7 +93,7 @@ def sweep(
         target = Path(store) / f"{same}-{digest[:16]}.zarr"
         target.mkdir(parents=True, exist_ok=True)
     results = SweepStore(target, grid, units)
-    for other in target.parent.glob(f"{same}-*.zarr") if store is not None and results.missing().all() else ():
+    for other in target.parent.glob(f"{same}-*.zarr") if store is not None and not results.shapes else ():
         results.adopt(other)
     for _ in range(ROUNDS):
         missing = np.flatnonzero(results.missing())
