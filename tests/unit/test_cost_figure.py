@@ -4,12 +4,10 @@ import math
 from dataclasses import dataclass
 
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
 from bristle_sim.render.colours import BLUE, ORANGE
-from bristle_sim.render.cost_figure import LEAST, OTHERS, WIDTH, best_methods, cost_figure, verdict
-from bristle_sim.render.style import save_figure
+from bristle_sim.render.cost_figure import LEAST, OTHERS, best_methods, cost_figure, verdict
 
 
 @dataclass
@@ -57,14 +55,6 @@ def figure():
     return cost_figure(Measured(POINTS))
 
 
-def test_one_panel_a_case_on_logarithmic_axes(figure):
-    assert [axes.get_title(loc="left") for axes in figure.axes] == [
-        *("case first", "case second", "case third"),
-        "cost over links and bristles",
-    ]
-    assert all(axes.get_xscale() == axes.get_yscale() == "log" for axes in figure.axes)
-
-
 def test_growth_over_links_and_bristles(figure):
     for line in figure.axes[-1].get_lines():
         assert line.get_xdata().tolist() == [1, 2, 4]
@@ -108,34 +98,6 @@ def test_an_error_of_zero_is_drawn_at_the_bottom_and_a_failure_is_not(figure):
     assert "mujoco rk4" not in lines
 
 
-def test_notes_are_shown(figure):
-    assert all(
-        any("a peer cannot express this law" in text.get_text() for text in axes.texts) for axes in figure.axes[:-1]
-    )
-
-
-def test_all_text_is_inside_the_page_and_nothing_overlaps(figure):
-    canvas = FigureCanvasAgg(figure)
-    canvas.draw()
-    page = figure.bbox
-    boxes = [axes.get_tightbbox(canvas.get_renderer()) for axes in figure.axes]
-    for box in boxes:
-        assert box.x0 >= page.x0
-        assert box.x1 <= page.x1
-        assert box.y0 >= page.y0
-        assert box.y1 <= page.y1
-    for index, box in enumerate(boxes):
-        assert not any(box.overlaps(other) for other in boxes[index + 1 :])
-
-
-def test_it_is_sixteen_centimetres_wide(figure):
-    assert figure.get_size_inches()[0] * 2.54 == pytest.approx(WIDTH) == pytest.approx(16.0)
-
-
 def test_no_case_is_refused():
     with pytest.raises(ValueError, match="must be one case or more"):
         cost_figure(Measured({}))
-
-
-def test_it_can_be_saved(figure, tmp_path):
-    assert save_figure(figure, tmp_path / "cost.png").stat().st_size > 10_000

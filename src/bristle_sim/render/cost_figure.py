@@ -15,7 +15,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
 from bristle_sim.benchmarks.accuracy_cost.results import NOT_IN_TIME, AccuracyCost
-from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE
+from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from bristle_sim.render.panels import note
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, styled
 
@@ -25,11 +25,14 @@ WIDTH = 16.0
 PANEL, HEAD, ROW, NOTES = (6.3, 5.6), 1.35, 10.7, 2.45
 """Size of a panel, height of its title and verdict, height of a row of panels, and how far below a panel its notes are, cm."""
 
-COLORS = {OURS: BLUE, "scipy": ORANGE, "mujoco": GREEN}
+OWN = (BLUE, PURPLE, SKY, BLACK)
+"""Colours of our methods, in their order."""
+
+PEERS = {"scipy": ORANGE, "mujoco": GREEN, "exudyn": VERMILION, "heyoka": "#7a5c00"}
 OTHERS = "#c4c4c4"
 """Colour of peers' methods that are not their package's best."""
 
-HEAVY: dict[str, Any] = {"markersize": 3.6, "linewidth": 1.3, "zorder": 3, "markeredgewidth": 0.7}
+HEAVY: dict[str, Any] = {"markersize": 3.8, "linewidth": 1.8, "zorder": 3, "markeredgewidth": 0.7}
 LIGHT = HEAVY | {"markersize": 3.2, "markerfacecolor": "white", "linewidth": 1.0, "zorder": 2}
 PALE: dict[str, Any] = {"color": OTHERS, "linewidth": 0.8, "marker": ".", "markersize": 2.0, "zorder": 1}
 """Our curves, the peers' best, and the others."""
@@ -50,14 +53,17 @@ def cost_figure(measured: AccuracyCost) -> Figure:
     """
     if not measured.cases:
         raise ValueError("cases = (): must be one case or more")
-    rows = math.ceil(len(measured.cases) / 2) + bool(measured.effects)
+    rows = math.ceil((len(measured.cases) + bool(measured.effects)) / 2)
     figure = blank_figure(WIDTH, rows * ROW)
     for number, case in enumerate(measured.cases):
         row, column = divmod(number, 2)
         place = (1.45 + 8.2 * column, (rows - row) * ROW - PANEL[1] - HEAD)
         _panel(axes_at(figure, *place, *PANEL), case, measured.of(case.name))
     if measured.effects:
-        _growth_panel(axes_at(figure, 1.45, ROW - PANEL[1] - HEAD, *PANEL), measured)
+        wide = len(measured.cases) % 2 == 0
+        left = 1.45 + (0.0 if wide else 8.2)
+        bottom = ROW - PANEL[1] - HEAD
+        _growth_panel(axes_at(figure, left, bottom, 14.1 if wide else PANEL[0], PANEL[1]), measured)
     return figure
 
 
@@ -71,9 +77,10 @@ def _growth_panel(axes: Axes, measured: AccuracyCost) -> None:
     axes.set_title("cost over links and bristles", loc="left", pad=16.0)
     axes.set_xticks([1, 2, 4, 8, 16], labels=["1", "2", "4", "8", "16"])
     axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.set_xlim(0.85, 1.3 * max(int(row.effect) for row in measured.effects))
     axes.set_xlabel("number", labelpad=1.0)
     axes.set_ylabel("CPU time (ms)", labelpad=2.0)
-    axes.legend(loc="upper left", bbox_to_anchor=(-0.2, -1.05 / PANEL[1]), borderaxespad=0.0, fontsize=6.5)
+    axes.legend(loc="upper left", bbox_to_anchor=(0.0, -1.05 / PANEL[1]), borderaxespad=0.0, fontsize=6.5)
 
 
 def best_methods(points: Sequence[Point]) -> dict[str, str]:
@@ -108,6 +115,7 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     """Draw a case; named in colour are all of our methods and the best of each peer, below them the others and the notes."""
     drawn = [point for point in points if math.isfinite(point.error)]
     best, grey, markers = best_methods(points).values(), dict[str, list[str]](), dict[str, Iterator[str]]()
+    used: list[str] = []
     for method in dict.fromkeys(point.method for point in drawn):
         times = [point.cpu_s * MILLISECONDS for point in drawn if point.method == method]
         errors = [max(point.error, LEAST) for point in drawn if point.method == method]
@@ -115,14 +123,17 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
         if package == OURS or method in best:
             look = HEAVY if package == OURS else LIGHT
             marker = next(markers.setdefault(package, itertools.cycle("osD^vPX*")))
-            look = {**look, "color": COLORS.get(package, BLACK), "marker": marker, "label": method}
+            own = OWN[len(used) % len(OWN)] if package == OURS else PEERS.get(package, GREY)
+            used += [method] * (package == OURS)
+            look = {**look, "color": own, "marker": marker, "label": method}
         else:
             grey.setdefault(package, []).append(method.partition(" ")[2])
         axes.loglog(times, errors, gid=method, **look)
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(LogLocator(numticks=9))
         axis.set_minor_formatter(NullFormatter())
-    axes.set_title(case.title, loc="left", pad=16.0)
+    axes.set_title(case.title, loc="left", pad=16.0, fontweight="bold")
+    axes.axhline(TARGETS[0], color=GREY, linewidth=0.7, dashes=(4, 2), zorder=0)
     in_time = [each for each in points if each.method not in NOT_IN_TIME]
     note(axes, verdict(in_time), (0.0, 1.0), (0.0, 5.0), xycoords="axes fraction", fontsize=6.5)
     axes.set_xlabel("CPU time (ms)", labelpad=1.0)
@@ -130,6 +141,8 @@ def _panel(axes: Axes, case: Case, points: Sequence[Point]) -> None:
     look = {"columnspacing": 0.8, "labelspacing": 0.25, "handlelength": 2.0, "fontsize": 6.5}
     axes.legend(loc="upper left", bbox_to_anchor=(-0.2, -1.05 / PANEL[1]), ncols=2, borderaxespad=0.0, **look)
     words = "grey: " + "; ".join(f"{package} {', '.join(names)}" for package, names in grey.items())
-    lines = [*(textwrap.wrap(words, 62) if grey else []), *case.notes]
+    packages = {package_of(point.method) for point in drawn}
+    notes = [each for each in case.notes if each.partition(":")[0] in packages]
+    lines = [*(textwrap.wrap(words, 62) if grey else []), *notes]
     look = {"transform": axes.transAxes, "fontsize": 6.5, "va": "top", "linespacing": 1.35, "color": GREY}
     axes.text(-0.19, -NOTES / PANEL[1], "\n".join(lines), **look)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
 from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import blank_figure, styled
+from bristle_sim.render.style import blank_figure, signed, styled
 from bristle_sim.studies.crater_study import (
     IMPACT_ANGLES_DEG,
     MEASURED,
@@ -44,12 +44,25 @@ OWN: dict[str, Any] = {"marker": "*", "color": ORANGE, "markersize": 9, "markere
 
 @styled()
 def crater_figure(study: CraterStudy) -> Figure:
-    """Draw depths (um) over plies, the chip, the estimates, and C."""
-    figure = blank_figure(16.0, 15.6)
-    _draw_plies(add_panel(figure, (1.3, 9.0, 5.2, 5.2), "Merchant's depth over the plies"), study)
-    _draw_chip(add_panel(figure, (8.4, 9.0, 7.3, 5.2), "chip and shear plane at the end, to scale"), study)
-    _draw_estimates(add_panel(figure, (4.4, 1.1, 3.6, 5.5), "every estimate"), study)
-    _draw_constants(add_panel(figure, (9.8, 1.1, 5.9, 5.5), "C for the measured depth"), study)
+    """Draw every estimate of the depth (um) beside the measured one, and below how they come about."""
+    figure, emerges = blank_figure(16.0, 20.6), study.angles is not None
+    rows = _estimates(study)
+    figure.text(1.5 / 16.0, 1.0 - 0.75 / 20.6, _finding(rows), fontsize=9.0)
+    _draw_estimates(
+        add_panel(
+            figure,
+            (4.6, 14.2, 10.6, 4.6),
+            "crater depth by every estimate",
+            "shaded: within 10 % of the measured depth",
+        ),
+        rows,
+    )
+    _draw_chip(add_panel(figure, (1.5, 7.7, 7.3 if emerges else 14.0, 4.4), "chip and shear plane, to scale"), study)
+    if emerges:
+        _draw_plies(add_panel(figure, (10.4, 7.7, 5.2, 4.4), "Merchant's depth over the plies"), study)
+    _draw_constants(
+        add_panel(figure, (1.5, 1.1, 14.0, 4.2), "Merchant's constant C that gives the measured depth"), study
+    )
     return figure
 
 
@@ -57,10 +70,6 @@ def _draw_plies(axes: Axes, study: CraterStudy) -> None:
     crater = study.crater
     axes.axhline(MICRO * MEASURED, color=GREY, dashes=(4, 2), label="measured")
     axes.set(xscale="log", xlabel="number of plies", ylabel="crater depth (µm)")
-    if study.angles is None:
-        axes.set_ylim(0.0, 150.0)
-        axes.text(0.5, 0.5, "the shear plane\nstays below the surface", transform=axes.transAxes, ha="center")
-        return
     curve, points = np.unique(np.geomspace(1, 1e5, 61).astype(int)), (1, 3, 10, 30, 100, 300, 1000, 10000, 100000)
     sums = [float(merchant_depth_course(dataclasses.replace(crater, plies=n))[-1]) for n in points]
     cut = cut_of(crater)
@@ -79,7 +88,7 @@ def _draw_chip(axes: Axes, study: CraterStudy) -> None:
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     tip, depth = path * _direction(-gamma), path * math.sin(gamma)
     width = max(3.3 * path * math.cos(gamma), 7.0 * depth, 1.0)
-    sides, height = (-0.12 * width, 0.88 * width), width * 5.2 / 7.3
+    sides, height = (-0.12 * width, 0.88 * width), width * axes.bbox.height / axes.bbox.width
     bottom = -max(1.7 * depth, 0.25 * height)
     cut = np.array([(0.0, 0.0), tip, tip + depth / math.cos(LEAN) * _direction(upright)])
     axes.fill_between(sides, 0.0, bottom, color="#e3e6ea", linewidth=0.0, zorder=0)
@@ -113,33 +122,52 @@ def _direction(angle: float) -> Array:
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-def _draw_estimates(axes: Axes, study: CraterStudy) -> None:
-    """Draw every estimate of the depth; the work-energy sum, millimetres, is left out."""
+def _estimates(study: CraterStudy) -> list[tuple[str, float, str]]:
+    """Return name, depth (um) and colour of every estimate; the work-energy sum, millimetres, is left out."""
     crater, inclined = study.crater, study.inclined
     force = study.parallel if study.parallel is not None and study.parallel.shear_plane_emerges else None
     ratio = float(energy_crater_depth_ratio(5, study.impact_angle, compression_time=crater.compression_time))
-    rows = [
-        ("contact's energy,\nshear to the surface", inclined.depth_from_energy if inclined else None, VERMILION),
-        ("contact's energy", force.depth_from_energy if force else None, VERMILION),
-        ("contact's force", force.depth_from_force if force else None, VERMILION),
-        ("work and energy,\nratio of sums, 5 plies", ratio, GREEN),
-    ]
+    rows = []
     if study.angles is not None:
         cut = cut_of(crater)
-        rows.append(("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE))
-        depth = float(merchant_crater_depth(plies=crater.plies, **cut))
-        rows.append((f"Merchant, {crater.plies:g} plies", depth, BLUE))
-    shown = [(name, MICRO * depth, color) for name, depth, color in rows if depth is not None]
-    for row, (_, depth, color) in enumerate(shown):
-        axes.plot([depth], [row], "o", color=color, markersize=4.5)
-        box = {"facecolor": "white", "linewidth": 0.0, "pad": 0.5}
-        note(axes, f"{depth:.3g}", (depth, row), (5.0, 0.0), va="center", color=color, bbox=box)
-    axes.axvline(MICRO * MEASURED, color=GREY, dashes=(4, 2))
-    note(axes, "measured", (MICRO * MEASURED, 1.0), (2, 2), xycoords=("data", "axes fraction"))
-    axes.set_yticks(range(len(shown)), [name for name, _, _ in shown])
-    axes.set_xlim(0.0, 1.3 * max(MICRO * MEASURED, *(depth for _, depth, _ in shown)))
-    axes.margins(y=0.08)
-    axes.set_xlabel("crater depth (µm)")
+        rows = [
+            (f"Merchant, {crater.plies:g} plies", float(merchant_crater_depth(plies=crater.plies, **cut)), BLUE),
+            ("Merchant, limit", float(merchant_crater_depth_limit(**cut)), BLUE),
+        ]
+    rows.append(("work and energy, 5 plies", ratio, GREEN))
+    if force is not None:
+        rows += [
+            ("simulated force", force.depth_from_force, VERMILION),
+            ("simulated energy", force.depth_from_energy, VERMILION),
+        ]
+    if inclined:
+        rows.append(("simulated energy,\nshear to the surface", inclined.depth_from_energy, VERMILION))
+    return [(name, MICRO * depth, color) for name, depth, color in rows]
+
+
+def _finding(rows: list[tuple[str, float, str]]) -> str:
+    """Return which estimate is nearest to the measured depth, and by how much it misses it."""
+    name, depth, _ = min(rows, key=lambda row: abs(row[1] - MICRO * MEASURED))
+    off = 100.0 * (depth / (MICRO * MEASURED) - 1.0)
+    words = "as measured" if abs(off) < 0.5 else f"{abs(off):.0f} % {'deeper' if off > 0.0 else 'shallower'}"
+    return f"Nearest to the measured depth: {' '.join(name.split())}, {words}"
+
+
+def _draw_estimates(axes: Axes, rows: list[tuple[str, float, str]]) -> None:
+    """Draw a bar for every estimate, with its difference from the measured depth."""
+    measured = MICRO * MEASURED
+    axes.axvspan(0.9 * measured, 1.1 * measured, color=GREY, alpha=0.18, linewidth=0.0)
+    axes.axvline(measured, color=BLACK, linewidth=1.2)
+    for row, (_, depth, color) in enumerate(rows):
+        axes.barh(row, depth, color=color, alpha=0.55, height=0.6)
+        off = 100.0 * (depth / measured - 1.0)
+        words = f"{depth:.0f} µm, {'+' * (off >= 0.5)}{signed(off, 0)} %"
+        note(axes, words, (max(depth, measured), row), (5.0, 0.0), va="center", color=BLACK)
+    axes.set_yticks(range(len(rows)), [name for name, _, _ in rows])
+    axes.invert_yaxis()
+    axes.grid(visible=False, axis="y")
+    axes.set_xlim(0.0, 1.35 * max(measured, *(depth for _, depth, _ in rows)))
+    axes.set_xlabel(f"crater depth (µm); line: measured, {measured:.0f} µm", labelpad=1.0)
 
 
 def _draw_constants(axes: Axes, study: CraterStudy) -> None:
@@ -161,7 +189,7 @@ def _draw_constants(axes: Axes, study: CraterStudy) -> None:
     axes.set_xticks((0.5, 1.0, 2.0, 4.0), ["0.5", "1", "2", "4"])
     axes.minorticks_off()
     axes.set(xlim=(LEAST_FRICTION, MOST_FRICTION), ylim=(0.0, 98.0), xlabel="friction coefficient", ylabel="C (°)")
-    axes.legend(loc="lower left", title="impact angle", labelspacing=0.3, title_fontsize=7.0)
+    axes.legend(loc="lower left", title="impact angle", labelspacing=0.3, title_fontsize=7.0, ncols=2)
     words = "solid: the shear\nplane comes out\nof the surface"
     note(axes, words, (0.97, 0.82), (0.0, 0.0), xycoords="axes fraction", ha="right", va="top")
 

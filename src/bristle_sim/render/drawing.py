@@ -23,6 +23,9 @@ from bristle_sim.render.style import MILLIMETRES, scale_for
 LONGEST_SCALE_BAR = 0.28
 """Longest scale bar as a fraction of the axes' width."""
 
+BAR_SHOWN = 2.0
+"""A bar farther from the hub's centre than the wires ever are, by this factor, is out of the picture."""
+
 HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
 
 GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}
@@ -58,9 +61,10 @@ class View:
 
 
 def close_up(lines: Array, tool: Tool, aspect: float, margin: float = 0.05) -> View:
-    """Return the smallest view, mm, that holds wires (shape (..., 2), m), the bar and the workpart's surface."""
+    """Return the smallest view, mm, that holds wires (shape (..., 2), m), a bar near them and the workpart's surface."""
     points = [lines]
-    if tool.bar is not None:
+    reach = BAR_SHOWN * float(np.hypot(lines[..., 0], lines[..., 1]).max())
+    if tool.bar is not None and math.hypot(*tool.bar.centre) < reach:
         points.append(np.array(tool.bar.centre) + tool.bar.radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
     if tool.workpart is not None:
         points.append(np.array([[lines[..., 0].mean(), -tool.workpart_depth]]))
@@ -127,8 +131,8 @@ def name_parts(axes: Axes, tool: Tool, letter_size: float) -> None:
     (left, right), (bottom, top) = axes.get_xlim(), axes.get_ylim()
     width, height, radius = right - left, top - bottom, tool.hub.radius * MILLIMETRES
     # As near to the hub's centre as the view lets it.
-    x = float(np.clip(0.0, left + 0.08 * width, right - 0.08 * width))
-    y = float(np.clip(-0.25 * radius, bottom + 0.05 * height, top - 0.05 * height))
+    x = float(np.clip(0.3 * radius, left + 0.08 * width, right - 0.08 * width))
+    y = float(np.clip(0.35 * radius, bottom + 0.05 * height, top - 0.05 * height))
     names = [("hub", (x, y), "center", HUB_COLOUR)] if math.hypot(x, y) < 0.9 * radius else []
     if tool.bar is not None:
         centre = (MILLIMETRES * tool.bar.centre[0], MILLIMETRES * tool.bar.centre[1])

@@ -39,5 +39,5 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
     phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
     phase.margins(x=0.05, y=0.12)
-    turn.legend(loc="upper left", labelspacing=0.3)
+    turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2, columnspacing=1.2)
     return figure

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 MAPS = ("lag_deg_at_contact", "tip_speed_at_contact", "normal_compressive_work", "crater_depth")
 
+ARC: dict[str, Any] = {"color": GREY, "linewidth": 0.7, "dashes": (3, 2)}
+"""Look of the bar's places at its distance from the hub's centre."""
+
 COLOUR_PERCENTILE = 97.0
 """Percentile of the values at which the colours end: the few points next to a jam, where work has no bound, lie beyond."""
 
@@ -31,22 +34,37 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
 
     ``maps`` is what :func:`bristle_sim.studies.cue_map.position_map` computes.
     """
-    lower = 5.0 if found.moves else 0.0
-    figure, places = blank_figure(16.0, 14.9 + lower), _places(found)
+    lower = 5.4 if found.moves else 0.0
+    figure, places = blank_figure(16.0, 15.3 + lower), _places(found)
     for number, name in enumerate(MAPS):
         title, unit, factor = QUANTITIES[name]
-        place = (1.5 + 7.9 * (number % 2), lower + 8.6 - 6.6 * (number // 2), 5.2, 4.9)
-        axes = add_panel(figure, place, title, "white: the bar cues no strike")
+        place = (1.5 + 7.9 * (number % 2), lower + 9.0 - 6.6 * (number // 2), 5.2, 4.9)
+        axes = add_panel(
+            figure,
+            place,
+            title,
+            "white: the bar cues no strike",
+        )
         values = factor * maps[name].values if name in maps else None
         _draw_map(figure, axes, maps, values, unit, "viridis" if number else "RdBu")
         _mark_places(axes, found, places)
         axes.set_ylabel("" if number % 2 else "S_V, normal to the workpart (mm)")
         axes.set_xlabel("S_H, along the workpart (mm)" if number >= 2 else "")
+    words = "Arrows on the scales: cells beside a jam, where the work has no bound, lie beyond the colours."
+    figure.text(1.5 / 16.0, (lower + 1.1) / (15.3 + lower), words, fontsize=7.0, color=GREY)
     if found.moves:
         _draw_moves(figure, found)
-    handles = [*(Line2D([], [], **look) for _, look in places.values()), Line2D([], [], color=BLACK, linewidth=0.9)]
-    names = [*(f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in places.items()), "lag zero"]
-    figure.legend(handles, names, loc="lower center", ncols=5, columnspacing=1.0, handletextpad=0.3)
+    handles = [
+        *(Line2D([], [], **look) for _, look in places.values()),
+        Line2D([], [], color=BLACK, linewidth=0.9),
+        Line2D([], [], **ARC),
+    ]
+    names = [
+        *(f"{name}, {math.degrees(direction):.2f}°" for name, (direction, _) in places.items()),
+        "lag zero",
+        "bar at its distance from the hub",
+    ]
+    figure.legend(handles, names, loc="lower center", ncols=3, columnspacing=1.0, handletextpad=0.3)
     return figure
 
 
@@ -67,7 +85,7 @@ def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, values: np.ndarray |
     left, bottom, width, height = axes.get_position().bounds
     scale = figure.add_axes((left + 1.03 * width, bottom, 0.04 * width, height))
     figure.colorbar(image, cax=scale, extend="max" if np.nanmax(values, initial=high) > high else "neither")
-    scale.set_title(unit, fontsize=7.0, color=GREY)
+    scale.set_title({"°": "deg."}.get(unit, unit), fontsize=7.0, color=GREY)
     axes.set_aspect("equal")
     lag = maps.get("lag_deg_at_contact")
     if lag is not None and np.nanmin(lag.values) < 0.0 < np.nanmax(lag.values):
@@ -84,7 +102,7 @@ def _places(found: CueMap) -> dict[str, tuple[float, dict[str, Any]]]:
     if found.formula is not None:
         places["by the formula"] = (found.formula, look | {"marker": "^", "markerfacecolor": BLUE})
     places["radial strike"] = (found.radial.direction, look | {"marker": "o", "markerfacecolor": VERMILION})
-    places["fastest tip"] = (found.fastest.direction, look | {"marker": "+", "markersize": 7.0})
+    places["fastest tip at this distance"] = (found.fastest.direction, look | {"marker": "+", "markersize": 7.0})
     return places
 
 
@@ -95,7 +113,7 @@ def _mark_places(axes: Axes, found: CueMap, places: dict[str, tuple[float, dict[
     axes.autoscale(enable=False)
     distance = math.hypot(*found.tool.bar.centre) * MILLIMETRES
     turn = np.linspace(0.0, np.pi, 721)
-    axes.plot(distance * np.sin(turn), distance * np.cos(turn), color=GREY, linewidth=0.7, dashes=(3, 2))
+    axes.plot(distance * np.sin(turn), distance * np.cos(turn), **ARC)
     for name, (direction, look) in places.items():
         axes.plot([distance * math.sin(direction)], [distance * math.cos(direction)], gid=name, zorder=5, **look)
 
@@ -109,9 +127,9 @@ def _draw_moves(figure: Figure, found: CueMap) -> None:
         (belt.damping_ratio, "belt damping ratio"),
     )
     formula = None if found.formula is None else math.degrees(found.formula)
-    title = "the bar direction for a radial strike moves with hub speed, stiffness and damping"
+    title = "the bar direction for a radial strike over hub speed, stiffness and damping"
     for number, (key, (value, label)) in enumerate(zip(MOVES, own, strict=True)):
-        spot = (1.5 + 4.95 * number, 1.7, 4.0, 2.5)
+        spot = (1.5 + 4.95 * number, 2.1, 4.0, 2.5)
         axes = axes_at(figure, *spot) if number else add_panel(figure, spot, title)
         moved = [list(row.values())[1:4] for row in found.moves if row["key"] == key]
         rows = sorted([*moved, [value, math.degrees(found.radial.direction), formula]], key=lambda row: row[0])

@@ -18,11 +18,11 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_tool, name_parts, toward
 from bristle_sim.render.story import CARRIED, key_events, story_end
-from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
-from bristle_sim.trajectory import Event, Motion, Trajectory
+from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
+from bristle_sim.trajectory import ContactRecord, Event, Motion, Trajectory
 
-DRAWING, PANEL = (8.7, 6.6), (13.4, 2.9)
-"""Width and height of the drawing of the tool and of a panel over time, cm."""
+DRAWING, PANEL, ROW = (8.7, 6.6), (13.4, 2.9), 3.2
+"""Width and height of the drawing of the tool and of a panel over time, and the distance of the panels, cm."""
 
 BADGE_GAP = 0.035
 """Least distance between the numbers above a panel, as a fraction of its width."""
@@ -50,8 +50,10 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
     """
     course = trajectory.course(story_end(trajectory) if until is None else until)
     marks = _marks(trajectory, float(course.time[-1]))
-    figure = blank_figure(16.0, 20.0)
-    path = axes_at(figure, 1.4, 13.0, *DRAWING)
+    forced = bool(course.normal_force.any())
+    figure = blank_figure(16.0, 20.0 + forced * ROW)
+    base = 13.0 + forced * ROW
+    path = axes_at(figure, 1.4, base, *DRAWING)
     _draw_path(path, course, tool, trajectory.event_time("strike"))
     _draw_ghosts(path, tool, trajectory, marks)
     handles = [
@@ -59,23 +61,31 @@ def pass_figure(trajectory: Trajectory, tool: Tool, *, until: float | None = Non
         Line2D([], [], color=GREY, linewidth=3.0, label="wire, in the colour of its instant"),
         Line2D([], [], color=GREEN, linestyle="none", marker="o", markersize=4.5, label="root in the belt"),
     ]
-    figure.legend(handles=handles, loc="center", bbox_to_anchor=(0.5, 0.57), ncols=len(handles), columnspacing=1.6)
-    _draw_table(axes_at(figure, 10.25, 13.0, 5.6, 6.6), marks, trajectory)
+    place = (0.5, (base - 1.6) / (20.0 + forced * ROW))
+    figure.legend(handles=handles, loc="center", bbox_to_anchor=place, ncols=len(handles), columnspacing=1.6)
+    _draw_table(axes_at(figure, 10.25, base, 5.6, 6.6), marks, trajectory)
     potential = "belt" if tool.gravity == 0.0 else "belt and gravity"
     energies: dict[str, tuple[Array, dict[str, Any]]] = {
         "sum": (course.total_energy, {"color": GREY, "linewidth": 1.0, "dashes": (4, 2)}),
         "bristle, kinetic": (course.kinetic_energy, {"color": BLUE}),
         potential: (course.potential_energy, {"color": GREEN}),
     }
-    rows: tuple[tuple[str, dict[str, tuple[Array, dict[str, Any]]]], ...] = (
+    rows: list[tuple[str, dict[str, tuple[Array, dict[str, Any]]]]] = [
         ("retraction (°)", {"retraction": (np.degrees(course.retraction), {"color": BLUE})}),
         ("relative\nspeed (rad/s)", {"relative speed": (course.relative_rate, {"color": BLUE})}),
         ("energy (mJ)", {name: (1e3 * at, look) for name, (at, look) in energies.items()}),
-    )
+    ]
+    if forced:
+        rows.append(("normal\nforce (N)", {"normal force": (course.normal_force, {"color": VERMILION})}))
     panels: list[Axes] = []
-    for (label, lines), bottom in zip(rows, (7.5, 4.3, 1.1), strict=True):
-        panels.append(axes_at(figure, 2.0, bottom, *PANEL, sharex=panels[0] if panels else None))
+    struck = trajectory.first_contact("workpart")
+    for number, (label, lines) in enumerate(rows):
+        bottom, (width, height) = 1.1 + (len(rows) - 1 - number) * ROW, PANEL
+        panels.append(axes_at(figure, 2.0, bottom, width, height, sharex=panels[0] if panels else None))
         _draw_lines(panels[-1], label, course.time, lines, marks)
+        panels[-1].tick_params(labelbottom=number == len(rows) - 1)
+    if forced and struck is not None and struck.history is not None:
+        _draw_strike(axes_at(figure, 11.6, 1.1 + 0.42 * PANEL[1], 3.7, 0.5 * PANEL[1]), trajectory, struck)
     panels[0].set_xlim(course.time[0] * MILLISECONDS, course.time[-1] * MILLISECONDS)
     panels[-1].set_xlabel("time (ms)")
     _number_instants(panels[0], marks)
@@ -89,7 +99,11 @@ def _marks(trajectory: Trajectory, until: float) -> list[_Mark]:
     if abs(trajectory.relative_angle[0]) > CARRIED:
         events, first = (Event("start", float(trajectory.time[0])), *events), 0
     ghosts = _GHOSTS if trajectory.event_time("strike") is not None else _GHOSTS | {"highest relative speed": BLACK}
-    return [_Mark(number, event, ghosts.get(event.name, GREY)) for number, event in enumerate(events, start=first)]
+    marks, drawn = [], set[str]()
+    for number, event in enumerate(events, start=first):  # of several events of a name the first shows the wire
+        marks.append(_Mark(number, event, GREY if event.name in drawn else ghosts.get(event.name, GREY)))
+        drawn.add(event.name)
+    return marks
 
 
 def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> Array:
@@ -115,13 +129,22 @@ def _draw_lines(
         axes.axvline(mark.event.time * MILLISECONDS, color=mark.color, linewidth=0.7, dashes=(2, 2), zorder=1)
     axes.set_ylabel(label, linespacing=1.4)
     axes.yaxis.set_label_coords(-1.05 / PANEL[0], 0.5)  # in line, however wide the numbers are
-    axes.tick_params(labelbottom=len(lines) > 1)
     if len(lines) > 1:
         axes.legend(loc="upper left", ncols=3, borderaxespad=0.2, columnspacing=1.2)
         bottom, top = axes.get_ylim()
         axes.set_ylim(bottom, top + 0.25 * (top - bottom))  # room for the legend
     else:
         axes.axhline(0.0, color=GREY, linewidth=0.6)
+
+
+def _draw_strike(axes: Axes, run: Trajectory, struck: ContactRecord) -> None:
+    """Draw the force of a strike that is resolved in time, enlarged."""
+    time = np.linspace(struck.time, struck.time + struck.duration, 200)
+    axes.plot(MICROSECONDS * (time - struck.time), run.at(time).normal_force, color=VERMILION)
+    axes.set_title("in the strike, over µs", fontsize=6.5, loc="left", pad=2.0)
+    axes.patch.set_alpha(0.9)
+    axes.set_ylim(bottom=0.0)
+    axes.tick_params(labelsize=6.0)
 
 
 def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:

@@ -29,13 +29,13 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
     """Draw the strike at hand, and what contact stiffness and number of links change."""
     figure, size = blank_figure(16.0, 13.6), (6.3, 4.6)
     _draw_force(figure, struck)
-    by_links = add_panel(figure, (9.4, 8.1, 6.3, 4.2), "the strike settles with more links")
-    impulse = add_panel(figure, (1.4, 1.2, *size), "a stiff contact feels less of the wire")
-    others = add_panel(figure, (9.4, 1.2, *size), "in a soft contact the wire acts as if rigid")
+    by_links = add_panel(figure, (9.4, 8.1, 6.3, 4.2), "measures over the number of links")
+    impulse = add_panel(figure, (1.4, 1.2, *size), "impulse over the contact's duration")
+    others = add_panel(figure, (9.4, 1.2, *size), "measures over the contact's duration")
     durations, most = study.durations * MICROSECONDS, max(study.by_duration)
     for name, (words, color, marker) in LOOKS.items():
         look: dict[str, Any] = {"color": color, "marker": marker, "markersize": 3.4, "label": words}
-        by_links.plot(study.links, study.by_links[name], **look)
+        by_links.plot(study.links, study.by_links[name], **look, linestyle="none")
         others.plot(durations, study.by_duration[most][name], **look)
     for color, (links, found) in zip(LINK_COLOURS[-len(study.by_duration) :], study.by_duration.items(), strict=True):
         ratio = found["normal_final_impulse"]

@@ -1,0 +1,148 @@
+"""Every figure for tools that are not the one it was made for: nothing overlaps, is cut, empty or contradicted by its data."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
+from bristle_sim.cli import Scenario, command
+from bristle_sim.render.cost_figure import cost_figure
+from bristle_sim.render.crater_figure import MEASURED, MICRO
+from bristle_sim.render.panels import add_panel
+from bristle_sim.render.style import blank_figure
+from bristle_sim.render.wire_figure import wire_figure
+from figure_faults import faults
+
+PASSES = (
+    "", "knee_angle_deg=-30", "knee_angle_deg=45", "hub_speed=500", "friction=0.9", "penetration=-0.01", "wire_links=4",
+    "contact=compliant contact_duration=0.1ms", "restitution=0", "belt_stiffness=0.00041",
+    "bar_vertical=0.5 friction=0.6", "bar_friction=0.8", "hub_radius=0.1 bar_horizontal=0.11", "bristle_length=0.06",
+    "hub_turn=20", "bar_restitution=0.6", "belt_damping_ratio=1", "hub_speed=20", "bristle_mass=0.002", "contact=engine",
+)  # fmt: skip
+"""Twenty tools: bent, fast, sticking, out of reach, of many links, in time, soft, jammed, large, long, slow and heavy ones."""
+
+OTHERS = {
+    "oblique_impact": ("", "friction=0.9", "restitution=0", "impact_angle_deg=80", "bristle_mass=5"),
+    "double_pendulum": ("", "mass_ratio=100", "rate_2=-2000 rate_1=-100", "friction=0.7"),
+    "single_pendulum": ("friction=0", "impact_angle_deg=60"),
+    "cue_timing": ("hub_speed=500", "belt_damping_ratio=0.5"),
+    "bent_bristles": ("friction=0.9", "knee_angle_deg=60", "penetration=-0.01"),
+    "inertia_driven": ("", "belt_stiffness=0.1", "penetration=-0.01"),
+    "neighbours": ("pitch_deg=15 search=no", "pitch_deg=50 search=no"),
+    "crater_depth": ("", "friction=0.3", "impact_angle_deg=5", "shear_yield_stress=1e9"),
+    "force_history": ("",),
+    "whole_tool": ("",),
+}
+QUICK = {("cue_and_impact", PASSES[7]), ("crater_depth", "friction=0.3"), ("oblique_impact", "friction=0.9")}
+"""Drawn with every run of the tests; the others are many."""
+
+
+@cache
+def scenario(name: str) -> Scenario:
+    return command.load(command.scripts()[name])
+
+
+def drawn(name: str, assignments: str) -> Figure:
+    declared = scenario(name)
+    assert declared.plot is not None
+    return declared.plot(declared.answer(declared.values_of(assignments.split())))
+
+
+CASES = [("cue_and_impact", each) for each in PASSES]
+CASES += [(name, each) for name, given in OTHERS.items() for each in given]
+
+
+@pytest.mark.parametrize(
+    ("name", "assignments"), [pytest.param(*each, marks=() if each in QUICK else pytest.mark.nightly) for each in CASES]
+)
+def test_nothing_overlaps_is_cut_or_empty(name: str, assignments: str):
+    assert faults(drawn(name, assignments)) == []
+
+
+def titles(figure: Figure) -> str:
+    return "\n".join(
+        [*(text.get_text() for text in figure.texts), *(axes.get_title(loc="left") for axes in figure.axes)]
+    )
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("friction", ["0", "0.6"])
+def test_titles_of_the_wire_state_what_their_data_give(friction: str, monkeypatch: pytest.MonkeyPatch):
+    """At a friction of 0.6 the wire pushes longer and harder than the rigid bristle in a soft contact: 2.1 times."""
+    seen: list[Any] = []
+    monkeypatch.setattr(
+        "bristle_sim.render.wire_figure.wire_figure", lambda *args: seen.append(args) or wire_figure(*args)
+    )
+    figure = drawn("flexible_wire", f"wire_links=2 friction={friction}")
+    assert faults(figure) == []
+    struck = seen[0][0]
+    peaks = [float(each.contact.history.normal_force.max()) for each in (struck.rigid, struck.wire)]
+    stated = re.search(r"pushes ([\d.]+) times", titles(figure))
+    assert stated is not None
+    assert float(stated[1]) == pytest.approx(peaks[0] / peaks[1], rel=0.05)  # two digits
+    assert not re.search(r"as if rigid|settles|feels less", titles(figure))
+
+
+def test_the_crater_says_first_which_estimate_is_nearest():
+    """Printed: 140 um by Merchant's plies and 130 um measured, 7 % more."""
+    figure = drawn("crater_depth", "")
+    assert faults(figure) == []
+    assert "Nearest to the measured depth: Merchant, 300 plies, 7 % deeper" in titles(figure)
+    bars = [float(each.get_width()) for each in figure.axes[0].patches[1:]]  # the first is the shaded band
+    assert bars[0] == pytest.approx(MICRO * MEASURED * 139.4 / 130.0, rel=1e-3)  # model.md: 139.40 um
+
+
+@pytest.mark.nightly
+def test_the_map_names_what_it_draws():
+    pytest.importorskip("xarray")
+    figure = drawn("cue_map", "")
+    assert faults(figure) == []
+    named = "\n".join(text.get_text() for text in figure.legends[0].get_texts())
+    for words in ("fastest tip at this distance", "bar at its distance from the hub", "lag zero"):
+        assert words in named
+
+
+def at(method: str, error: float, cpu_s: float) -> Point:
+    return Point("case", method, "step=1", error, cpu_s, cpu_s, 1, "" if np.isfinite(error) else "failed")
+
+
+def test_methods_of_the_cost_are_told_apart_and_captions_are_of_what_is_drawn():
+    points = [
+        at(f"bristle_sim {name}", 10.0**-power, 1e-4 * power)
+        for name in ("simulate", "extrapolation", "plain steps")
+        for power in (3, 6)
+    ]
+    points += [at("scipy dop853", 1e-6, 3e-4), at("scipy rk45", 1e-2, 1e-3), at("mujoco rk4", np.inf, np.nan)]
+    notes = ("scipy: derived by hand", "mujoco: cannot", "exudyn, mujoco cannot express it")
+    effects = [Effect(what, str(size), 1e-3 * size, size, "") for what in ("links", "bristles") for size in (1, 2, 4)]
+    for count in (1, 2, 3, 4):
+        cases = tuple(SimpleNamespace(name=str(each), title=f"case {each}", notes=notes) for each in range(count))
+        figure = cost_figure(SimpleNamespace(cases=cases, effects=effects, of=lambda _: points))  # type: ignore[arg-type]
+        assert faults(figure) == []
+        looks = {
+            (line.get_color(), line.get_marker())
+            for line in figure.axes[0].lines
+            if str(line.get_gid()).startswith("bristle_sim")
+        }
+        assert len({color for color, _ in looks}) == 3
+        said = "\n".join(text.get_text() for text in figure.axes[0].texts)
+        assert "scipy: derived by hand" in said
+        assert "mujoco" not in said
+
+
+def test_a_fault_is_seen():
+    figure = blank_figure(10.0, 8.0)
+    add_panel(figure, (1.0, 1.0, 3.0, 3.0), "nothing")
+    axes = add_panel(figure, (6.0, 1.0, 3.0, 3.0), "a title that goes on and on, far beyond the page's edge")
+    axes.plot([0.0, 1.0], [0.0, 1.0])
+    axes.set_ylabel("(°)")
+    for shift in (0.0, 0.05):
+        axes.text(0.5, 0.5 + shift, "words")
+    assert {each.split()[0] for each in faults(figure)} == {"empty", "cut:", "a", "overlap:"}
