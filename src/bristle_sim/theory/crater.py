@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import checked_arguments, positive, require
+from bristle_sim.theory.checks import positive, require
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
@@ -41,7 +41,6 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(64)
 """Gauss-Legendre rule on (-1, 1) for integrands that are smooth over the compression; 20 nodes would reach rounding."""
 
 
-@checked_arguments
 def merchant_crater_depth(
     friction: ArrayLike = CUTTING_FRICTION,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -63,7 +62,6 @@ def merchant_crater_depth(
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * sums
 
 
-@checked_arguments
 def merchant_crater_depth_limit(
     friction: ArrayLike = CUTTING_FRICTION,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -82,7 +80,6 @@ def merchant_crater_depth_limit(
     return _depth_ratio(friction, impact_angle, shear_yield_stress, angles) * growth
 
 
-@checked_arguments
 def friction_for_crater_depth(
     depth: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,
@@ -107,7 +104,6 @@ def friction_for_crater_depth(
     return np.tan(2.0 * np.arcsin(np.sqrt(depth / scale)) - gamma)
 
 
-@checked_arguments
 def constant_for_crater_depth(
     depth: ArrayLike,
     friction: ArrayLike = CUTTING_FRICTION,
@@ -150,7 +146,6 @@ def _ply_sum(plies: int, compression_time: float) -> float:
     return float(np.sum(np.diff(BRISTLE(time)) / PRINTED_WIDTH(time[1:])))
 
 
-@checked_arguments
 def energy_crater_depth(
     plies: int = PLIES, impact_angle: ArrayLike = IMPACT_ANGLE, *, compression_time: float = COMPRESSION_TIME
 ) -> Number:
@@ -159,7 +154,6 @@ def energy_crater_depth(
     return np.cos(impact_angle) * np.sum(lost / resisted)
 
 
-@checked_arguments
 def energy_crater_depth_ratio(
     plies: int = PLIES, impact_angle: ArrayLike = IMPACT_ANGLE, *, compression_time: float = COMPRESSION_TIME
 ) -> Number:

@@ -30,7 +30,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import checked_arguments, require
+from bristle_sim.theory.checks import require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
 
@@ -69,7 +69,6 @@ class ContactCrater:
     shear_plane_emerges: bool
 
 
-@checked_arguments
 def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
     """Return the volume V(S) that the face sweeps below the surface, integral of b(S' sin(gamma)) S' tan(gamma) dS', m^3.
 
@@ -85,7 +84,6 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
     return (inner + outer) * np.tan(gamma)
 
 
-@checked_arguments
 def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
@@ -102,7 +100,6 @@ def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angl
     return np.sin(impact_angle) * _root(excess, np.sqrt(2.0 * volume / (PRINTED_FACE.short_axis * slope)))
 
 
-@checked_arguments
 def depth_from_force(
     cutting_force: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE
 ) -> Number:
@@ -126,7 +123,6 @@ def depth_from_force(
     return np.where(wide >= PRINTED_FACE.full_depth, wide, narrow)[()]
 
 
-@checked_arguments
 def cutting_stroke(
     speed: float, effective_mass: float, specific_energy: float, impact_angle: float = IMPACT_ANGLE
 ) -> CuttingStroke:
@@ -163,7 +159,6 @@ def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> N
     return root[()]
 
 
-@checked_arguments
 def crater_depth_from_contact(
     time: ArrayLike,
     normal_force: ArrayLike,

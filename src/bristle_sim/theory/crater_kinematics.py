@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import Bristle, Tool
-from bristle_sim.theory.checks import checked_arguments, require
+from bristle_sim.theory.checks import require
 
 COMPRESSION_TIME = 5e-5  # t_c, read off high-speed camera frames, s (Zhang 2020, eq. 3.20)
 IMPACT_ANGLE = math.radians(23.4)  # rad (Zhang 2020, eq. 4.51)
@@ -166,7 +166,6 @@ def energy_coefficients(kinematics: CraterKinematics = PRINTED_KINEMATICS) -> tu
     )
 
 
-@checked_arguments
 def kinetic_energy(
     time: ArrayLike, coefficients: tuple[float, float, float] = PRINTED_ENERGY, decay: float = PRINTED_KINEMATICS.decay
 ) -> Number:
@@ -176,7 +175,6 @@ def kinetic_energy(
     return coefficients[0] * left**2 + coefficients[1] * left + coefficients[2]
 
 
-@checked_arguments
 def path_force(time: ArrayLike) -> Number:
     """Return the force along the path that the postulated motion takes, (m/3) lambda v_C(t), N.
 

@@ -24,13 +24,12 @@ import numpy as np
 
 from bristle_sim.arrays import Number
 from bristle_sim.parameters import RETRACTION_AT_RELEASE, Tool
-from bristle_sim.theory.checks import checked_arguments, positive, require
+from bristle_sim.theory.checks import positive, require
 from bristle_sim.units import shown
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(64)  # on [-1, 1]; 64 leave only rounding up to 150 deg
 
 
-@checked_arguments
 def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Number:
     """Return gamma of a radial bristle whose tip touches the workpart: cos gamma = (r_h + L - Delta)/(r_h + L), rad."""
     reach = hub_radius + length
@@ -40,19 +39,16 @@ def impact_angle(hub_radius: Number, length: Number, penetration: Number) -> Num
     return 2.0 * np.arcsin(np.sqrt(penetration / (2.0 * reach)))
 
 
-@checked_arguments
 def tip_radius(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """Return the distance of the tip from the hub's centre, sqrt(r_h^2 + L^2 + 2 r_h L cos theta_p), m."""
     return np.hypot(hub_radius + length * np.cos(retraction), length * np.sin(retraction))
 
 
-@checked_arguments
 def tip_lag(hub_radius: Number, length: Number, retraction: Number) -> Number:
     """Return A, the angle by which the tip lags the root as seen from the hub's centre, rad (fig. 2.3)."""
     return np.arctan2(length * np.sin(retraction), hub_radius + length * np.cos(retraction))
 
 
-@checked_arguments
 def retraction_at_bar(
     bar_horizontal: Number, bar_vertical: Number, bar_reach: Number, hub_radius: Number, length: Number
 ) -> Number:
@@ -68,7 +64,6 @@ def retraction_at_bar(
     return 2.0 * np.arcsin(np.minimum(half, 1.0))
 
 
-@checked_arguments
 def natural_rate(stiffness: Number, inertia: Number) -> Number:
     """Return sqrt(k/I), rad/s, of a belt stiffness in N m/rad and the inertia about the root in kg m^2.
 
@@ -78,20 +73,17 @@ def natural_rate(stiffness: Number, inertia: Number) -> Number:
     return np.sqrt(stiffness) / np.sqrt(inertia)
 
 
-@checked_arguments
 def centrifugal_stiffness(mass: Number, hub_radius: Number, length: Number, hub_speed: Number) -> Number:
     """Return g = m r_h (L/2) omega^2, N m/rad."""
     return 0.5 * mass * hub_radius * length * hub_speed**2
 
 
-@checked_arguments
 def stiffened_highest_speed(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
     """Return sqrt((k theta_p^2 + 2 g (1 - cos theta_p))/I), rad/s: the energy integral of the undamped motion."""
     chord = 2.0 * np.sin(0.5 * retraction)
     return np.sqrt(stiffness * retraction**2 + centrifugal * chord**2) / np.sqrt(inertia)
 
 
-@checked_arguments
 def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Number, inertia: Number) -> Number:
     """Return the time from rest at theta_p to the radial direction, undamped, s; |theta_p| < pi.
 
@@ -111,7 +103,6 @@ def stiffened_cue_time(retraction: Number, stiffness: Number, centrifugal: Numbe
     return np.pi / 4.0 * np.sum(_WEIGHTS * np.sqrt(heavy) / np.sqrt(stiff + extra * shape), axis=-1)
 
 
-@checked_arguments
 def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
     """Return the time from release at rest to the highest speed, s, without g.
 
@@ -123,7 +114,6 @@ def damped_cue_time(natural_rate: Number, damping_ratio: Number) -> Number:
     return _phase(damping_ratio) / natural_rate
 
 
-@checked_arguments
 def damped_highest_speed(retraction: Number, natural_rate: Number, damping_ratio: Number) -> Number:
     """Return the highest speed relative to the hub, theta_p Omega e^(-zeta f(zeta)), rad/s."""
     return retraction * natural_rate * np.exp(-_phase(damping_ratio) * damping_ratio)
@@ -133,7 +123,6 @@ LEAST_TURN = 1e-100
 """Below it, rad, sin(x)/x is 1, and the quotient would overflow."""
 
 
-@checked_arguments
 def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number, Number]:
     """Return retraction and speed relative to the hub of the released bristle without g, rad and rad/s, at times in s.
 
@@ -149,7 +138,6 @@ def released_motion(tool: Tool, retraction: float, time: Number) -> tuple[Number
     return retraction * fading * (swing + decay * drift).real, retraction * rate**2 * fading * drift.real
 
 
-@checked_arguments
 def damping_ratio(speed_share: Number) -> Number:
     """Return zeta for which the highest speed is this fraction of the undamped one, from 0.368 (1/e at zeta = 1) to 1.
 
@@ -194,7 +182,6 @@ class Cue:
     bar_vertical: float
 
 
-@checked_arguments
 def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the dissertation's cue of a tool, without g but with the belt's damping; retraction in rad."""
     _check_tool(tool)
@@ -203,7 +190,6 @@ def cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     return placed_cue(tool, retraction, damped_cue_time(rate, damping), speed)
 
 
-@checked_arguments
 def stiffened_cue(tool: Tool, retraction: float = RETRACTION_AT_RELEASE) -> Cue:
     """Return the cue with centrifugal stiffening, exact for an undamped belt; retraction in rad."""
     _check_tool(tool)
@@ -223,7 +209,6 @@ def _check_tool(tool: Tool) -> None:
         raise ValueError(f"tool = {shown(tool)}: must be a Tool")
 
 
-@checked_arguments
 def placed_cue(tool: Tool, retraction: float, time: float, relative_speed: float) -> Cue:
     """Place the bar for a cue time (2.1): S (sin, cos)(A + theta_1 + gamma) along and normal to the workpart.
 

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import checked_arguments, finite, positive
+from bristle_sim.theory.checks import finite, positive
 
 LEAD_SHARE = 0.1  # t_o/t_f (Zhang 2020, below eq. 3.3).
 
@@ -172,7 +172,6 @@ BRISTLE = ForceCurve((1.0160,), (5.4990,), offset=26.0, swing=30.0, lead=1e-5, p
 """Resultant force on the bristle tip (Zhang 2020, eq. 3.19): t_f = 0.1 ms, F* = 60 N."""
 
 
-@checked_arguments
 def segment_impulses(
     curve: ForceCurve, impulse: ArrayLike, segments: int = 10, compression_time: float | None = None
 ) -> Array:

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from bristle_sim.theory.checks import checked_arguments, require
+from bristle_sim.theory.checks import require
 
 LEAST_SPEED = 1e-100  # least speed, rad/s: the squares of smaller speeds vanish beside the least inertia
 
@@ -26,7 +26,6 @@ NODES, WEIGHTS = 0.25 * math.pi * (_RULE[0] + 1.0), 0.25 * math.pi * _RULE[1]
 """Gauss-Legendre rule on (0, pi/2); the integrand is analytic there."""
 
 
-@checked_arguments
 def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
     """Return the largest lag, the root of k alpha^2/2 + g (1 - cos alpha) = I omega^2/2, rad.
 
@@ -48,7 +47,6 @@ def largest_retraction(inertia: float, stiffness: float, centrifugal: float, hub
     return float(brentq(excess, 0.9 * min(flat, math.sqrt(2.0 * energy / (stiffness + centrifugal))), flat, xtol=1e-16))
 
 
-@checked_arguments
 def time_to_radial(inertia: float, stiffness: float, centrifugal: float, hub_speed: float) -> float:
     """Return the time from the pulley's tangent point to the radial direction, T = 2 int_0^A d alpha/alpha', s.
 

@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import checked_arguments, require
+from bristle_sim.theory.checks import require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 
 Surface = Literal["parallel", "inclined"]  # how the surface lies to the path where the shear plane ends
@@ -69,7 +69,6 @@ PRINTED_ANGLES = CuttingAngles(math.radians(34.9), math.radians(74.9), math.radi
 """Angles at mu = 0.5, gamma = 23.4 deg as rounded in print (Zhang 2020, eqs. 4.36, 4.52)."""
 
 
-@checked_arguments
 def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool = True) -> CuttingAngles:
     """Return the modified circle's angles: alpha = gamma + offset, beta = offset + arccot(mu), eta = pi/4 - (beta - alpha)/2.
 
@@ -94,7 +93,6 @@ def oblique_angles(friction: ArrayLike, impact_angle: ArrayLike, *, check: bool 
     return angles
 
 
-@checked_arguments
 def specific_cutting_energy(
     friction: ArrayLike,
     impact_angle: ArrayLike = IMPACT_ANGLE,

@@ -26,7 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import checked_arguments, require
+from bristle_sim.theory.checks import require
 from bristle_sim.theory.impact import NO_CONTACT, NO_REBOUND, OUTCOMES, REBOUND, STICTION
 
 LEAST_ANGLE = 1e-150  # least impact angle, rad: impulses grow as its inverse, and would overflow without friction
@@ -66,7 +66,6 @@ class MonofilamentImpact:
         return OUTCOMES[int(self.outcome)]
 
 
-@checked_arguments
 def monofilament_impact(
     mass: Number,
     length: Number,
@@ -105,26 +104,22 @@ def monofilament_impact(
     )
 
 
-@checked_arguments
 def tip_speed(length: Number, hub_radius: Number, hub_speed: Number, speed_ratio: Number) -> Number:
     """Return the speed of the tip towards the workpart before the impact, v_C = (R L + r_h) omega, m/s (2.24, 2.33)."""
     return hub_speed * (speed_ratio * length + hub_radius)
 
 
-@checked_arguments
 def stiction_friction(impact_angle: Number) -> Number:
     """Return the least mu_2 with which no impulse can part the tip from the workpart, tan gamma (2.51)."""
     # The tangent of the float next to pi/2 is 1.6e16: more than any friction allowed.
     return np.tan(impact_angle)
 
 
-@checked_arguments
 def normal_compressive_impulse(mass: Number, tip_speed: Number, impact_angle: Number, friction: Number) -> Number:
     """Return p_cy = m v_C/(3 s_1), N s (2.37)."""
     return mass * np.maximum(tip_speed, 0.0) / (3.0 * _s_1(impact_angle, friction))
 
 
-@checked_arguments
 def normal_final_impulse(
     mass: Number,
     tip_speed: Number,
@@ -144,7 +139,6 @@ def normal_final_impulse(
     return impulse * (1.0 + restitution * root)
 
 
-@checked_arguments
 def final_rate(
     tip_speed: Number,
     length: Number,

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Array, Number
-from bristle_sim.theory.checks import RANGES, checked_arguments, checked_numbers, require
+from bristle_sim.theory.checks import RANGES, checked_numbers, require
 from bristle_sim.theory.monofilament import LEAST_ANGLE
 
 _ROUNDING = 1e-12  # fraction of the rods' initial speeds below which a component of the tip's velocity counts as zero
@@ -133,7 +133,6 @@ def double_pendulum_impact(
     )
 
 
-@checked_arguments
 def stick_friction(mass_ratio: ArrayLike, angle_1: ArrayLike, angle_2: ArrayLike) -> Number:
     """Return the least friction with which C, once its slip has stopped, sticks: mu_bar (Zhang 2020, eq. 2.90, n = 1).
 

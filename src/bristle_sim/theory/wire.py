@@ -20,26 +20,22 @@ import math
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.theory.checks import checked_arguments
 
 RIGID = 1e-10
 """Ratio of the root's spring to the wire's bending, k_T L/(E I_a), below which the first mode is a rigid rod's to this relative
 error; of a smaller one the beam equation, a difference of order lambda^3, keeps no more digits."""
 
 
-@checked_arguments
 def second_moment_of_area(diameter: float) -> float:
     """Return the second moment of area of a round wire, pi d^4/64, in m^4."""
     return math.pi * diameter**4 / 64.0
 
 
-@checked_arguments
 def hinge_stiffness(diameter: float, length: float, modulus: float, links: int) -> float:
     """Return the torsion spring between two links of a wire, E I_a/l with l = L/n, in N m/rad."""
     return modulus * second_moment_of_area(diameter) * links / length
 
 
-@checked_arguments
 def hinge_damping(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, damping_ratio: float, links: int
 ) -> float:
@@ -52,7 +48,6 @@ def hinge_damping(
     return 2.0 * damping_ratio * hinge_stiffness(diameter, length, modulus, links) / (math.tau * float(first))
 
 
-@checked_arguments
 def beam_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, modes: int
 ) -> Array:
@@ -84,7 +79,6 @@ def beam_frequencies(
     return np.array([first, *waves][:modes]) ** 2 * math.sqrt(bending / mass / length**3) / math.tau
 
 
-@checked_arguments
 def chain_frequencies(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> Array:
@@ -92,7 +86,6 @@ def chain_frequencies(
     return chain_modes(mass, length, diameter, modulus, root_stiffness, links)[0]
 
 
-@checked_arguments
 def chain_modes(
     mass: float, length: float, diameter: float, modulus: float, root_stiffness: float, links: int
 ) -> tuple[Array, Array]:
