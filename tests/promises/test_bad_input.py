@@ -12,13 +12,11 @@ import random
 import subprocess
 import sys
 import warnings
-from fractions import Fraction
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bristle_sim.cli import Scenario, main
@@ -29,12 +27,11 @@ from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.impacts import single_pendulum
-from bristle_sim.theory import cueing, monofilament
-from bristle_sim.theory.checks import checked, ranges
+from bristle_sim.theory import cueing
 from bristle_sim.units import Choice, Range, shown
-from promises.attempts import Tally, finite
+from promises.attempts import Tally
 from promises.bad_input import trials
-from promises.theory_samples import MODULES, WHOLE, public_functions, samples_of
+from promises.theory_samples import MODULES, public_functions, samples_of
 
 SCRIPTS = sorted((Path(__file__).parents[2] / "scenarios").glob("*.py"))
 
@@ -164,7 +161,6 @@ SPOILT = {
     "no bar's clearance": lambda: Tool(bar=None).bar_clearance,
     "no workpart": lambda: Tool(workpart=None).workpart_depth,
     "start": partial(simulate, Tool(), start_relative_angle=math.inf),
-    "formula": partial(cueing.tip_radius, 0.03, math.nan, 0.1),
     "not a tool": partial(cueing.cue, None),
 }
 
@@ -198,90 +194,16 @@ def test_refusals_stay_without_asserts() -> None:
 NUMBERS = st.floats(allow_nan=True, allow_infinity=True)
 
 
-@settings(max_examples=60, deadline=None, database=None)
-@given(st.lists(NUMBERS, min_size=4, max_size=4), st.lists(NUMBERS, min_size=1, max_size=3))
-def test_formulas_of_any_numbers(four: list[float], many: list[float]) -> None:
-    """A refusal in one line, or numbers, without a warning; arrays as well as single ones."""
-    array = np.array(many)
-    for call in (
-        lambda: cueing.stiffened_cue_time(*four),
-        lambda: cueing.stiffened_highest_speed(*four[:3], array),
-        lambda: cueing.centrifugal_stiffness(*four),
-        lambda: cueing.damped_highest_speed(*four[:2], array),
-        lambda: cueing.retraction_at_bar(*four, array),
-        lambda: monofilament.normal_compressive_impulse(array, *four[:3]),
-        lambda: monofilament.final_rate(*four, array, 0.3, 0.4),
-    ):
-        tally = Tally()
-        tally.attempt("call", call, finite)
-        assert not tally.faults
-
-
 @pytest.mark.parametrize("module", MODULES)
 def test_truth_values_and_text_are_no_numbers(module: str) -> None:
     """True would count as 1, "0.5" as a half."""
     for function in public_functions(module):
         good = samples_of(function)
         for name in good:
-            for bad in (True, np.True_, [True], [0.5, False], "0.5", ["0.5"]) if name not in WHOLE else ():
-                if isinstance(bad, str) and name == "path" and function.__name__ == "read_force_csv":
-                    continue
+            for bad in (True, np.True_, [True], [0.5, False], "0.5", ["0.5"]):
                 with pytest.raises(ValueError, match=r"must be|must have|shape") as refusal:
                     function(**{**good, name: bad})
                 assert "\n" not in str(refusal.value)
-
-
-LENGTH = Range("length", "m", 0.0, 10.0, False, "test")
-
-
-@pytest.mark.parametrize("value", [1, 1.0, np.float32(1.0), np.int8(1), Fraction(1), np.array(1.0), [[1], [2.0]], []])
-def test_numbers_of_all_kinds_become_floats(value: object) -> None:
-    found = checked(LENGTH, value)
-    assert np.asarray(found).dtype == float
-    assert np.shape(found) == np.shape(value)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("value", "told"),
-    [
-        (None, "None"),
-        (True, "True"),
-        ("1", "'1'"),
-        (1j, "1j"),
-        (10**400, "1" + 17 * "0" + "..." + 19 * "0"),
-        (-(10**400), "-1" + 16 * "0" + "..." + 19 * "0"),
-        ([1.0, 0.0], "0.0"),
-        ([1.0, math.nan], "nan"),
-        ([[1], [1, 2]], "[[1], [1, 2]]"),
-    ],
-)
-def test_what_is_no_number_in_range_is_told(value: object, told: str) -> None:
-    with pytest.raises(ValueError, match="must be") as refusal:
-        checked(LENGTH, value)
-    assert str(refusal.value) == f"length = {told}: must be a finite number with 0 < length <= 10 (in m)"
-
-
-def test_checked_functions_remain_themselves() -> None:
-    @ranges(LENGTH)
-    def half(length: float, other: str = "", *, width: float | None = None) -> tuple[float, str, float | None]:
-        """Half of it."""
-        return 0.5 * length, other, width
-
-    assert half(length=2, other="x") == (1.0, "x", None)
-    assert (half.__name__, half.__doc__) == ("half", "Half of it.")
-    with pytest.raises(ValueError, match=r"^length = -1\.0: "):
-        half(-1.0)
-    with pytest.raises(TypeError, match="length"):
-        half()  # type: ignore[call-arg]
-
-
-def test_an_argument_that_is_none_by_default_may_be_none() -> None:
-    @ranges(LENGTH)
-    def double(length: float | None = None) -> float | None:
-        return None if length is None else 2.0 * length
-
-    assert double(None) is None
-    assert double(1.0) == 2.0
 
 
 HUGE = 10**5000

@@ -214,31 +214,12 @@ def test_the_measured_crater_lies_between_the_two_surfaces():
         ({"normal_force": np.zeros(20_001), "tangential_force": np.zeros(20_001)}, "normal_force = 0"),
         ({"friction": 0.0}, "friction = 0"),
         ({"impact_angle": 0.0}, "impact_angle = 0"),
-        ({"shear_yield_stress": -1.0}, "shear_yield_stress = -1"),
         ({"surface": "curved"}, r"parallel \| inclined"),
     ],
 )
 def test_what_is_no_contact_is_refused(change, message):
     with pytest.raises(ValueError, match=message):
         crater_depth_from_contact(**(contact() | change))
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: swept_volume(-1.0), "path = -1"),
-        (lambda: depth_from_energy(-1.0, 1.0), "energy = -1"),
-        (lambda: depth_from_energy(math.inf, 1.0), "energy = inf"),
-        (lambda: depth_from_energy(1.0, 0.0), "specific_energy = 0"),
-        (lambda: depth_from_force(math.nan, 1.0), "cutting_force = nan"),
-        (lambda: depth_from_force(1.0, 1.0, 1.6), "impact_angle = 1.6"),
-        (lambda: cutting_stroke(0.0, 1.0, 1.0), "speed = 0"),
-        (lambda: cutting_stroke(1.0, -1.0, 1.0), "effective_mass = -1"),
-    ],
-)
-def test_values_out_of_range_are_refused(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
 
 
 ANGLE = 0.4
@@ -285,7 +266,6 @@ class TestCraterFromContact:
             ({"tangential_velocity": [1.0, 2.0]}, r"^time \(3,\), normal_force \(3,\), .*tangential_velocity \(2,\): "),
             ({"penetration": [[0.0, 1e-6, 2e-6]]}, r"^time \(3,\), .*penetration \(1, 3\), "),
             ({"time": [0.0, 2e-6, 1e-6]}, r"^time = 1e-06: .*decrease.* \(in s\)$"),
-            ({"normal_velocity": [0.0, math.nan, 0.0]}, r"^normal_velocity = nan: .* \(in m/s\)$"),
             ({"normal_force": [0.0, 0.0, -1.0]}, r"^normal_force = -1: .* \(in N\)$"),
         ],
     )
@@ -316,16 +296,3 @@ REFUSALS = {
     "speed = 0": (lambda: cutting_stroke(0.0, 1.0, 1.0), "1e-60 <= speed", "(in m/s)"),
     "effective_mass = 0": (lambda: cutting_stroke(1.0, 0.0, 1.0), "1e-60 <= effective_mass", "(in kg)"),
 }
-
-
-@pytest.mark.parametrize("start", REFUSALS)
-def test_refusals_name_key_value_range_and_unit(start: str) -> None:
-    """Values are compared as numbers: a message may write them with more or fewer digits."""
-    call, allowed, unit = REFUSALS[start]
-    name, _, value = start.partition(" = ")
-    with pytest.raises(ValueError, match=rf"^{name} = \S+: ") as refusal:
-        call()
-    shown = re.match(rf"{name} = (\S+): ", str(refusal.value))[1]
-    assert float(shown) == pytest.approx(float(value), rel=1e-5, nan_ok=True)
-    assert allowed in str(refusal.value)
-    assert str(refusal.value).endswith(unit)

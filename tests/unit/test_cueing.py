@@ -218,13 +218,11 @@ def test_cue_with_damping_comes_earlier_and_slower():
         (lambda: cueing.impact_angle(0.03, 0.03, np.array([0.0, 0.07])), r"^penetration = 0.07: must be 0 to"),
         (lambda: cueing.retraction_at_bar(0.2, 0.2, 0.005, 0.03, 0.03), r"tip radius = 0.277843: .* \(in m\)"),
         (lambda: cueing.natural_rate(0.0, 1.0), r"^stiffness = 0: .*> 0 \(in N m/rad\)"),
-        (lambda: cueing.natural_rate(1.0, -1.0), r"^inertia = -1\.0: .*1e-60 <= inertia .*\(in kg m\^2\)"),
         (
             lambda: cueing.stiffened_cue_time(3.2, 1.0, 1.0, 1.0),
             r"^retraction = 3.2: must be less than pi .*\(in rad\)",
         ),
         (lambda: cueing.stiffened_cue_time(math.nan, 1.0, 1.0, 1.0), r"^retraction = nan: "),
-        (lambda: cueing.damped_cue_time(1.0, -0.1), r"^damping_ratio = -0.1: .*0 <= damping_ratio .*\(dimensionless\)"),
         (lambda: cueing.damping_ratio(0.3), r"^speed_share = 0.3: must be 0.368 to 1"),
         (lambda: cueing.cue(Tool(bar=None)), "^bar, workpart: must both be there"),
     ],

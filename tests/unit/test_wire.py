@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bristle, Tool
-from bristle_sim.theory.checks import RANGES
 from bristle_sim.theory.wire import (
     beam_frequencies,
     chain_frequencies,
@@ -61,8 +60,9 @@ def test_a_soft_root_swings_a_rigid_rod(stiffness: float) -> None:
 
 @pytest.mark.parametrize("function", [beam_frequencies, chain_frequencies])
 def test_the_ends_of_all_ranges_give_finite_numbers(function: Callable) -> None:
-    names = ("mass", "length", "diameter", "modulus", "root_stiffness")
-    for values in itertools.product(*((RANGES[name].lowest, RANGES[name].highest) for name in names)):
+    """Mass, kg, length, m, diameter, m, modulus, Pa, and root stiffness, N m/rad."""
+    ends = ((1e-30, 1e6), (1e-9, 1e3), (1e-30, 1e2), (1e-30, 1e15), (0.0, 1e9))
+    for values in itertools.product(*ends):
         assert np.all(np.isfinite(function(*values, 3)))
 
 
@@ -117,26 +117,6 @@ def test_hinges() -> None:
     stiffness = hinge_stiffness(WIRE[2], WIRE[1], WIRE[3], 8)
     assert hinge_damping(*WIRE, BELT, 0.02, 8) == pytest.approx(0.04 * stiffness / omega, rel=1e-14)
     assert hinge_damping(*WIRE, BELT, 0.0, 8) == 0.0
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: beam_frequencies(*WIRE, BELT, 51), r"^modes = 51.0: must be a whole number from 1 to 50"),
-        (lambda: beam_frequencies(0.0, *WIRE[1:], BELT, 2), r"^mass = 0\.0: .*\(in kg\)$"),
-        (lambda: beam_frequencies([1.0, 2.0], *WIRE[1:], BELT, 2), r"^mass = .*: must be a single number"),
-        (lambda: chain_frequencies(*WIRE, -1.0, 2), r"^root_stiffness = -1\.0: .*\(in N m/rad\)$"),
-        (lambda: chain_frequencies(*WIRE, BELT, 2.5), r"^links = 2\.5: must be a whole number"),
-        (lambda: hinge_stiffness(0.0, 1.0, 1.0, 2), r"^diameter = 0\.0: .*\(in m\)$"),
-        (lambda: Bristle(links=2.5), r"^wire_links = 2\.5: must be a whole number from 1 to 64 \(dimensionless\)$"),
-        (lambda: Bristle(links=65), r"^wire_links = 65\.0: must be a whole number from 1 to 64"),
-        (lambda: Bristle(modulus=0.0), r"^wire_modulus = 0\.0: .*\(in Pa\)$"),
-    ],
-)
-def test_bad_input_is_named_in_one_line(call, message) -> None:
-    with pytest.raises(ValueError, match=message) as refusal:
-        call()
-    assert "\n" not in str(refusal.value)
 
 
 def test_links_are_kept_as_an_int() -> None:
