@@ -310,10 +310,6 @@ def test_rows_are_well_formed():
         assert row.why or row.status == REPRODUCED
 
 
-def test_the_same_call_gives_the_same_rows():
-    assert audit_rows() == tuple(ROWS.values())
-
-
 @pytest.mark.parametrize(("printed", "half"), [("1.619e-3", 5e-7), ("57", 0.5), ("0.00041", 5e-6), ("2.760", 5e-4)])
 def test_half_a_unit_of_the_last_digit(printed, half):
     assert half_unit(printed) == pytest.approx(half, rel=1e-12)

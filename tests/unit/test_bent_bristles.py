@@ -1,17 +1,12 @@
 """Bristles with a knee: geometry by quadrature, and the three shapes of the film."""
 
 import dataclasses
-import json
 import math
-import subprocess
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
-from bristle_sim.render.bent_figure import bent_figure
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import Slide, answer, bent_bristles, slide_of
@@ -105,63 +100,9 @@ def test_a_tip_that_retracts_at_once_is_named() -> None:
     assert "the reverse bent one never strikes" in answer({"reverse": None, "straight": sliding, "forward": sliding})
 
 
-@pytest.mark.parametrize("knee", [-45.0, 30.0])
-def test_figure_ends_wires_and_paths_at_the_strike(knee: float) -> None:
-    bent = bent_bristles(dataclasses.replace(TOOL, bristle=Bristle(knee_angle_deg=knee)), Settings()).subject
-    figure = bent_figure(bent)
-    wires, paths, slides = figure.axes
-    titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert len(set(titles)) == 3
-    for shape, corners in (("reverse", 3), ("straight", 2), ("forward", 3)):
-        wire = next(line for line in wires.lines if line.get_gid() == f"wire {shape}")
-        assert len(wire.get_xdata()) == corners
-        # Interpolated between samples: the instant of the strike is one of them.
-        np.testing.assert_allclose([wire.get_xdata()[-1], wire.get_ydata()[-1]], 0.0, atol=1e-9)
-        before, after = (line for line in paths.lines if line.get_gid() == f"path {shape}")
-        touch = next(line for line in paths.lines if line.get_gid() == f"touch {shape}")
-        np.testing.assert_allclose(np.transpose(before.get_data())[-1], 0.0, atol=1e-9)
-        # The path in touch by the trapezoidal rule on some thirty samples, as in test_slide_is_the_tips_displacement.
-        ends = np.transpose(touch.get_data())[-1] - np.transpose(after.get_data())[0]
-        np.testing.assert_allclose(ends, 0.0, atol=5e-3 * 1e3 * bent.slides[shape].forward)
-        assert max(next(line for line in slides.lines if line.get_gid() == f"in touch {shape}").get_ydata()) == (
-            pytest.approx(1e3 * bent.slides[shape].forward)
-        )
-    assert [text.get_text() for legend in figure.legends for text in legend.get_texts()][:3] == [
-        "reverse bent",
-        "straight",
-        "forward bent",
-    ]
-
-
-@pytest.mark.parametrize(("friction", "turning"), [(0.31, 3), (0.6, 0)])
-def test_figure_marks_slip_that_turns_back_and_not_slip_that_stops(friction: float, turning: int) -> None:
-    """Friction above tan(23.4 deg) = 0.43 stops the tip of a straight rod for good, and of these bent ones too."""
-    tool = dataclasses.replace(TOOL, workpart=Workpart(friction=friction))
-    bent = bent_bristles(tool, Settings()).subject
-    slides = bent_figure(bent).axes[2]
-    # A tip that sticks goes no farther than 1 % of its slide while in touch; one that turns leaves backwards.
-    assert all((slide.total > 0.99 * slide.forward) == (turning == 0) for slide in bent.slides.values())
-    assert {slide.ending for slide in bent.slides.values()} == {"turns" if turning else "stops"}
-    assert all(0.0 < slide.ending_time < slide.duration for slide in bent.slides.values())
-    assert [line.get_marker() for line in slides.lines].count("D") == turning
-
-
-def test_figure_of_bristles_that_never_strike_says_so() -> None:
-    tool = dataclasses.replace(TOOL, workpart=Workpart(penetration=-5e-3))
-    figure = bent_figure(bent_bristles(tool, Settings()).subject)
-    assert all("no tip strikes" in axes.texts[-1].get_text() for axes in figure.axes)
-
-
 def test_needs_a_contact_in_time() -> None:
     with pytest.raises(ValueError, match="contact = energetic"):
         bent_bristles(dataclasses.replace(TOOL, contact=Contact()), Settings())
-
-
-def test_script() -> None:
-    script = Path(__file__).parents[2] / "scenarios" / "bent_bristles.py"
-    done = subprocess.run([sys.executable, str(script), "--json", "-"], capture_output=True, text=True, check=True)
-    names = {row["name"] for row in json.loads(done.stdout)["quantities"]}
-    assert {"reverse_forward_slide", "straight_forward_slide", "forward_forward_slide"} <= names
 
 
 def test_a_spent_budget_is_no_result() -> None:

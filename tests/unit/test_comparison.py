@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pytest
 
-from bristle_sim.comparison import Quantity, Report, finite, rows, table
+from bristle_sim.comparison import Quantity, finite, rows, table
 
 
 def row(simulated: float | None, **sides: float | None) -> Quantity:
@@ -174,16 +174,6 @@ def test_a_row_has_one_unit():
     """That of its largest number; 0.97 ms beside 1.1 ms."""
     cells = re.split(r"\s{2,}", table([Quantity("name", "s", 0.00097, 0.0011)]).splitlines()[2])
     assert cells[:4] == ["name", "ms", "0.97", "1.1"]
-
-
-def test_table_of_nothing_has_a_head():
-    assert table([]).splitlines()[0].startswith("quantity")
-
-
-def test_a_report_needs_an_outcome_and_quantities_only():
-    report = Report("rebound", ())
-    assert (report.phases, report.events, report.remarks, report.extra, report.answer) == ((), (), (), {}, "")
-    assert report.extra is not Report("rebound", ()).extra
 
 
 def test_a_row_is_shown_by_its_label_and_kept_by_its_key():

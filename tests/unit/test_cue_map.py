@@ -1,6 +1,5 @@
 """Where the bar must stand, against the independent solution, a closed form and synthetic strikes."""
 
-import dataclasses
 import math
 import re
 from collections.abc import Callable
@@ -228,9 +227,3 @@ def test_a_tool_survives_its_keys():
     assert tool_of_keys(**keys_of(tool)) == tool
     with pytest.raises(ValueError, match="no_such_key: must be keys"):
         tool_of_keys(no_such_key=1.0)
-
-
-@pytest.mark.parametrize(("key", "value"), [("points", 2.5), ("workers", 1.5), ("points", 1.0)])
-def test_a_grid_is_whole(key: str, value: float):
-    with pytest.raises(ValueError, match=r"map_points|workers"):
-        dataclasses.replace(MapGrid(), **{key: value})

@@ -5,12 +5,11 @@ import math
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.text import Text
 
 from bristle_sim.dissertation import impact_figures
 from bristle_sim.dissertation.figures import NUMBERS, Selection, figures_report, redrawn
 from bristle_sim.dissertation.redrawn import SOURCES, Axis, Panel, Redrawn, curve_of, largest_differences
-from bristle_sim.render.dissertation_figures import contact_sheet, draw, save_figures
+from bristle_sim.render.dissertation_figures import draw, save_figures
 
 MASS, LENGTH, RADIUS, SPEED, RATIO, GAMMA = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4)
 
@@ -264,17 +263,6 @@ def test_the_report_has_a_row_for_each_source():
     assert found.subject[0].number == "2.24"
 
 
-@pytest.mark.parametrize("number", ["2.22", "4.2", "4.13", "table_3.1"])
-def test_a_drawing_has_number_title_and_units(figures, number):
-    page = draw(figures[number])
-    texts = [text.get_text() for text in page.texts]
-    assert any(figures[number].title in text for text in texts)
-    assert any(number.removeprefix("table_") in text for text in texts)
-    for axes, panel in zip(page.axes, figures[number].panels, strict=False):
-        assert (axes.get_xlabel(), axes.get_ylabel()) == (panel.x.label, panel.y.label)
-        assert {line.get_gid() for line in axes.lines} >= {f"curve {curve.name}" for curve in panel.curves}
-
-
 def test_drawn_lines_are_the_data_in_the_units_named(figures):
     (axes,) = draw(figures["2.8"]).axes
     curve = figures["2.8"].panels[0].curves[0]
@@ -283,24 +271,6 @@ def test_drawn_lines_are_the_data_in_the_units_named(figures):
     np.testing.assert_allclose(line.get_ydata(), 1e3 * curve.theory)
     assert "(mm)" in axes.get_xlabel()
     assert "(mN·s)" in axes.get_ylabel()
-
-
-def test_a_sheet_has_a_cell_for_each_panel_and_is_read_on_a_screen(figures):
-    """Figure 4.2 has six panels, the table a cell of its own; text is at least 8 pixels high at full size."""
-    chosen = [figures[number] for number in ("2.22", "4.2", "table_3.1", "4.19")]
-    sheet = contact_sheet(chosen)
-    assert len(sheet.axes) == 9
-    width, _ = sheet.get_size_inches() * sheet.dpi
-    assert width <= 1366
-    sheet.draw_without_rendering()
-    texts = [text for axes in sheet.axes for text in axes.findobj(Text) if text.get_text() and text.get_visible()]
-    assert min(text.get_fontsize() * sheet.dpi / 72.0 for text in texts) >= 8.0
-    for axes in sheet.axes:
-        box = axes.get_tightbbox()
-        assert box.x0 >= 0.0
-        assert box.x1 <= width
-    stiction = [text.get_text() for text in sheet.axes[0].get_legend().get_texts()]
-    assert "stiction, $\\mu$ = tan $\\gamma$" in stiction
 
 
 def test_several_figures_are_pages_of_one_pdf(figures, tmp_path):

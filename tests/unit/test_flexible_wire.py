@@ -9,7 +9,6 @@ import pytest
 
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Strike, Surface
-from bristle_sim.render.wire_figure import wire_figure
 from bristle_sim.render.wire_film import WireFilm
 from bristle_sim.settings import Settings
 from bristle_sim.studies.flexible_wire import again, flexible_wire, wire_study
@@ -151,14 +150,6 @@ def test_study(short: Report) -> None:
 def test_a_contact_without_end_leaves_a_gap_in_the_study(short: Report) -> None:
     poor = dataclasses.replace(short.subject.strike, settings=Settings(maximum_steps=100))
     assert math.isnan(wire_study(poor, stiffnesses=(1.0,)).by_duration[2]["peak_force"][0])
-
-
-def test_figure_draws_forces_and_ratios(short: Report) -> None:
-    figure = wire_figure(short.subject, wire_study(short.subject.strike, stiffnesses=(0.5, 1.0)))
-    force, by_links, impulse, others = figure.axes
-    assert force.get_title(loc="left").endswith("the rigid bristle pushes 1.5 times as hard")
-    assert max(line.get_ydata().max() for line in force.lines) == pytest.approx(66.8, abs=0.05)
-    assert [len(axes.lines) for axes in (by_links, impulse, others)] == [5, 3, 6]
 
 
 def test_film_shows_the_wire_bend(short: Report) -> None:

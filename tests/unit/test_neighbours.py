@@ -1,6 +1,5 @@
 """A row of bristles: least pitches searched on simulated rows, and what a neighbour's touch does to the strike."""
 
-import dataclasses
 import functools
 import math
 import re
@@ -196,7 +195,3 @@ class TestPictures:
         scene.show(float(scene.warp.film_time(strike.time)) + 0.01)
         rate = strike.rates_before[0] - Tool().hub.speed
         assert scene.texts[0] == f"bristle 2 strikes at {rate:.0f} rad/s relative to the hub"
-
-    def test_a_row_that_touches_nobody_can_be_drawn(self):
-        subject = dataclasses.replace(report(pitch_deg=50.0).subject)
-        assert [words for words, _ in instants(subject)] == ["bristle 1 strikes", "bristle 2 strikes"]
