@@ -59,8 +59,10 @@ DEPENDENT = 1e-12
 OPENS = 1e-9
 """A joint at its limit opens if its rate is above this fraction of the bodies' own speeds; the rest is rounding."""
 
+NO_LIMITS = np.zeros((0, 2))
 
-@dataclass(frozen=True, slots=True)
+
+@dataclass(slots=True)
 class ContactSpace:
     """A contact as an impact law sees it.
 
@@ -84,7 +86,7 @@ class ContactSpace:
     basis: Array
     factor: Array
     limits: tuple[JointRow, ...] = ()
-    limit_response: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    limit_response: Array = field(default_factory=lambda: NO_LIMITS)
     sizes: Array = field(default_factory=lambda: np.zeros(2))
 
     def limits_push(self, impulse: Sequence[float]) -> bool:
@@ -215,6 +217,8 @@ def _relative_motion(
 
 def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
     """Return the part of the last two columns that is orthogonal to the first ones, and its factors Q_2 and R_22."""
+    if not constraints and columns[:, 0].any():
+        return columns, *_of_two(columns)
     basis, triangle = np.linalg.qr(columns)
     if not constraints:
         return columns, basis, triangle
@@ -228,6 +232,20 @@ def _free_part(columns: Array, constraints: int) -> tuple[Array, Array, Array]:
         return basis @ triangle, basis, triangle
     free = _orthogonal(columns[:, constraints:], columns[:, :constraints])
     return free, *np.linalg.qr(free)
+
+
+def _of_two(columns: Array) -> tuple[Array, Array]:
+    """Return Q and R of two columns by Gram and Schmidt, twice: what two free bodies need, in a quarter of the time."""
+    first, rest = columns.T
+    length = math.sqrt(first @ first)
+    first = first / length
+    coupling = first @ rest
+    rest = rest - coupling * first
+    again = first @ rest
+    rest = rest - again * first
+    size = math.sqrt(rest @ rest)
+    unit = rest / size if size > 0.0 else np.zeros_like(rest)
+    return np.array([first, unit]).T, np.array([[length, coupling + again], [0.0, size]])
 
 
 def _refine(basis: Array, triangle: Array, columns: Array) -> None:

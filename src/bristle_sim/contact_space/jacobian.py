@@ -104,9 +104,10 @@ def joint_rows(joint: pymunk.Constraint, centres: MassCentres) -> list[JointRow]
     Raises:
         ValueError: for a kind of joint that pymunk 7 does not have.
     """
-    for kind, rows in _ROWS.items():
-        if isinstance(joint, kind):
-            return list(rows(joint, centres))
+    known = (_ROWS[kind] for kind in type(joint).__mro__ if kind in _ROWS)
+    rows = next(known, None)
+    if rows is not None:
+        return list(rows(joint, centres))
     raise ValueError(f"{type(joint).__name__}: must be a joint or spring of pymunk 7")
 
 
