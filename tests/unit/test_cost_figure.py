@@ -55,12 +55,6 @@ def figure():
     return cost_figure(Measured(POINTS))
 
 
-def test_growth_over_links_and_bristles(figure):
-    for line in figure.axes[-1].get_lines():
-        assert line.get_xdata().tolist() == [1, 2, 4]
-        assert line.get_ydata() == pytest.approx([1.0, 4.0, 16.0], rel=1e-12)
-
-
 def test_curves_are_the_points_in_milliseconds(figure):
     lines = {line.get_gid(): line for line in figure.axes[0].get_lines()}
     assert list(lines["bristle_sim simulate"].get_xdata()) == pytest.approx([0.1, 0.2])

@@ -12,7 +12,7 @@ from bristle_sim.render.impact_figure import impact_figure
 from bristle_sim.render.style import save_figure
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import energetic_course
-from impact_cases import TRAPEZOIDAL, bristle, data, panel, rods, words
+from impact_cases import TRAPEZOIDAL, data, panel, rods, words
 
 
 @pytest.fixture(scope="module")
@@ -56,18 +56,6 @@ def test_impulse_plane_shades_phases_and_marks_impulses(pendulum: Impacts, pendu
         assert data(plane, name)[0][0] == pytest.approx(impulse * 1e3, rel=1e-12)
 
 
-def test_impulses_that_fall_together_share_a_name(strike_figure: Figure) -> None:
-    plane = panel(strike_figure, "a")
-    assert "$p_c = p_s$" in words(plane)
-    assert data(plane, "p_c p_s")[0][0] == pytest.approx(1.231668, rel=5e-7)  # p_cy, mN s, eq. 2.37
-
-
-@pytest.mark.parametrize("suffix", [".png", ".svg"])
-def test_figures_are_written(pendulum_figure: Figure, tmp_path: Path, suffix: str) -> None:
-    path = save_figure(pendulum_figure, tmp_path / f"impact{suffix}")
-    assert path.stat().st_size > 10_000
-
-
 def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
     resting = impact_figure(rods(rate_1=0.0, rate_2=0.0))
     assert "no contact" in words(panel(resting, "a"))
@@ -76,10 +64,3 @@ def test_figures_of_what_does_not_happen_say_so(tmp_path: Path) -> None:
     del unresolved.strikes["compliant"]
     names = {each.get_gid() for each in panel(impact_figure(unresolved), "a").get_lines()}
     assert not any(name and "resolved" in name for name in names)
-
-
-@pytest.mark.parametrize("surface", [{"friction": 0.6}, {"restitution": 0.0}, {"restitution_friction": 0.9}])
-def test_figures_of_an_impact_without_rebound(surface: dict[str, float], tmp_path: Path) -> None:
-    figure = impact_figure(bristle(**surface))
-    assert [patch.get_gid() for patch in panel(figure, "a").patches] == ["compression slip"]
-    save_figure(figure, tmp_path / "stuck.png")

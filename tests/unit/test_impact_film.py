@@ -116,15 +116,6 @@ def test_films_of_grazing_and_head_on_strikes(state: Strike) -> None:
     assert (scene.tip.stretch > 1.0) == (state.impact_angle_deg < 45.0)
 
 
-@pytest.mark.parametrize("suffix", [".gif", ".mp4"])
-def test_film_is_written(strike: Impacts, tmp_path: Path, suffix: str) -> None:
-    if suffix == ".mp4":
-        pytest.importorskip("imageio_ffmpeg")
-    path = ImpactFilm(strike, width=320, height=180, duration=0.5).write(tmp_path / f"impact{suffix}", fps=10.0)
-    assert path.stat().st_size > 1000
-    assert [each.name for each in tmp_path.iterdir()] == [path.name]
-
-
 def test_no_film_of_a_tip_that_does_not_approach(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="no contact"):
         ImpactFilm(rods(rate_1=1.0, rate_2=1.0))

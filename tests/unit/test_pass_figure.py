@@ -12,10 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.text import Text
 
-from bristle_sim.parameters import Tool, Workpart
+from bristle_sim.parameters import Tool
 from bristle_sim.render.pass_figure import pass_figure, spread
 from bristle_sim.render.story import key_events
-from bristle_sim.scene.tool import simulate
 from bristle_sim.trajectory import Event, Trajectory
 from swinging_bristle import AMPLITUDE, END, FREQUENCY, STRIKE, artist, make_trajectory
 
@@ -73,41 +72,10 @@ def overlaps(figure) -> list[tuple[str, str]]:
     return [(one, other) for (one, box), (other, second) in pairs if box.shrunk(0.98, 0.9).overlaps(second)]
 
 
-@pytest.mark.parametrize("penetration", [0.0045, -0.003])
-def test_texts_keep_clear_of_each_other_with_and_without_a_strike(penetration):
-    tool = Tool(workpart=Workpart(penetration=penetration))
-    figure = pass_figure(simulate(tool), tool)
-    assert overlaps(figure) == []
-    written = {each.get_text() for each in figure.findobj(Text)}
-    colours = {"tip path until the strike", "tip path after it"} if penetration > 0.0 else {"tip path"}
-    assert colours | {"wire, in the colour of its instant", "root in the belt"} <= written
-
-
 def numbers_above(figure) -> list[Text]:
     """Numbers of the events above the panels over time."""
     panel = next(axes for axes in figure.axes if axes.get_ylabel() == "retraction (°)")
     return [each for each in panel.texts if each.get_text().isdigit()]
-
-
-def test_every_event_is_numbered_and_every_text_is_on_the_page(figure, run):
-    events = key_events(run)
-    assert {event.name for event in events} <= {each.get_text() for each in figure.findobj(Text)}
-    assert {each.get_text() for each in numbers_above(figure)} >= {str(n) for n in range(1, 1 + len(events))}
-    # The box of all that is drawn, in inches; what axes clip does not count.
-    drawn, page = figure.get_tightbbox(), figure.get_size_inches()
-    assert (drawn.min >= 0.0).all()
-    assert (drawn.max <= page).all()
-
-
-def test_numbers_of_a_crowd_of_events_keep_apart():
-    names = ("bar touch", "bar release", "largest retraction", "strike", "highest relative speed", "jam")
-    crowd = make_trajectory(events=tuple(Event(name, STRIKE + number * 1e-8) for number, name in enumerate(names)))
-    figure = pass_figure(crowd, Tool())
-    numbers = sorted(numbers_above(figure), key=lambda each: each.get_position()[0])
-    across = [each.get_transform().transform(each.get_position())[0] for each in numbers]
-    # The start, away from the radial direction, is numbered too.
-    assert [each.get_text() for each in numbers] == [str(number) for number in range(1 + len(names))]
-    assert np.diff(across).min() > 1.6 * numbers[0].get_fontsize() * figure.dpi / 72.0  # a circle is 1.5 letters wide
 
 
 def test_a_run_without_a_strike_or_obstacles_is_drawn():
@@ -123,8 +91,3 @@ def test_spread_keeps_gap_order_and_bounds(positions):
     moved = spread(positions, 0.1, 0.0, 1.0)
     assert (np.diff(moved) >= 0.1 - 1e-12).all()
     assert ((moved >= -1e-12) & (moved <= 1.0 + 1e-12)).all()
-
-
-def test_spread_leaves_alone_what_is_apart():
-    assert spread([0.1, 0.4, 0.9], 0.2, 0.0, 1.0) == pytest.approx([0.1, 0.4, 0.9])
-    assert spread([0.5, 0.5], 0.2, 0.0, 1.0) == pytest.approx([0.4, 0.6])

@@ -176,11 +176,6 @@ def test_a_missing_library_is_named_with_its_remedy(run: Trajectory, library: st
         getattr(run, method)()
 
 
-def test_a_run_draws_itself(run: Trajectory):
-    figure = run.plot(until=5e-3)
-    assert len(figure.axes) > 3
-
-
 def test_the_first_cell_of_a_notebook():
     """A notebook asks the value that a cell returns for its picture; matplotlib's own way needs pyplot."""
     pytest.importorskip("xarray")
