@@ -208,7 +208,10 @@ def _draw_table(axes: Axes, marks: Sequence[_Mark], trajectory: Trajectory) -> N
     for row, mark in enumerate(marks, start=1):
         retraction = float(np.degrees(trajectory.at(mark.event.time).retraction))
         _badge(axes, (0.03, 0.12 - row), mark)
-        axes.text(0.08, -row, mark.event.name, fontsize=7.0)
+        name = mark.event.name  # of the motion up to the strike; what is shown may swing farther after it
+        if name == "largest retraction" and retraction < float(np.degrees(trajectory.retraction.max())) - 0.01:
+            name = "largest retraction so far"
+        axes.text(0.08, -row, name, fontsize=7.0)
         axes.text(0.765, -row, f"{mark.event.time * MILLISECONDS:.3f}", fontsize=7.0, ha="right")
         axes.text(1.0, -row, signed(retraction, 2), fontsize=7.0, ha="right")
     contact = trajectory.first_contact("workpart")
