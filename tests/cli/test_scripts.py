@@ -634,7 +634,18 @@ def test_bad_values_of_every_key_are_refused(name: str, capsys: pytest.CaptureFi
             assert found.allowed in err
 
 
-@pytest.mark.parametrize("name", [name for name in SCRIPTS if scenario(name).keys().get("reference")])
+SEARCHING = {"cue_map", "neighbours"}
+"""Scripts whose independent solution searches a direction or a pitch, pass after pass."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[pytest.mark.nightly] if name in SEARCHING else [])
+        for name in SCRIPTS
+        if scenario(name).keys().get("reference")
+    ],
+)
 def test_the_independent_solution_agrees(name: str):
     """Every quantity that the simulation knows, the reference knows too, and they agree to the requested accuracy."""
     harder = ("--set", "pitch_deg=10") if name == "neighbours" else ()  # wires that stay in contact
