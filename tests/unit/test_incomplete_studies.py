@@ -55,7 +55,7 @@ OUT_OF_REACH = Tool(workpart=Workpart(penetration=-0.01))
             lambda: inertia_film(inertia_driven(OUT_OF_REACH, Settings(), with_reference=False).subject),
             "the bristle must strike with the bar",
         ),
-        (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "must be above 0"),
+        (lambda: fit_force_history(np.linspace(0.0, 1.0, 50), np.zeros(50), start=0.2), "be above 0"),
     ],
 )
 def test_what_cannot_be_done_is_refused_in_one_line(call, words: str):
