@@ -57,8 +57,8 @@ class CompliantLaw:
     """Contact resolved in time by the engine.
 
     Args:
-        duration: time in touch, engine units; of a wire that bends: in its first touch, were it rigid and without friction. None
-            is short enough for the rigid-body limit to ``accuracy``.
+        duration: time in touch of the first touch, engine units; of a wire that bends were it rigid and without friction. None
+            is short enough for the rigid-body limit to ``accuracy``, at every touch.
         accuracy: requested relative accuracy.
         plain_steps: number of plain engine steps in a contact, or None to extrapolate to the accuracy.
         stiffness: of the spring in compression, engine units; None is that of a rigid-body contact of the duration. With
@@ -95,13 +95,14 @@ class CompliantLaw:
         if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
-            # It is the obstacle's: later touches meet the same.
             self.stiffness = rigid_stiffness(
                 scene.mechanism, state, touch, obstacle.link, duration, coefficients.restitution
             )
         stiffness = self.stiffness
         if stiffness is None:
             stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
+            # It is the surface's: later touches meet the same, but in the rigid-body limit, which has none.
+            self.stiffness = None if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
         stepper = self._stepper(duration, longest, fastest, _rounding(space.inverse_mass, duration * unloading))
