@@ -106,7 +106,9 @@ def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
         progress.sample()
         progress.event("jam", progress.state.time, progress.wires_of(obstacle))
         return following(progress, kept, motion.separating)
-    if outcome is Outcome.REBOUND and progress.gaps.closest(obstacle, progress.state).velocity[0] > progress.slow:
+    # A spring without restitution pushes no more: where the tip is pressed on, it touches the ground of its dent.
+    spent = outcome is Outcome.NO_REBOUND and contact.spring is not None and contact.spring.expected.moves
+    if spent or (outcome is Outcome.REBOUND and progress.approach(obstacle) > progress.slow):
         progress.event(f"{obstacle.name} release", progress.state.time, progress.wires_of(obstacle))
         return following(progress, kept, [*motion.separating, obstacle])
     return following(progress, [*kept, Sustained(obstacle)], motion.separating)

@@ -262,10 +262,7 @@ class SmoothMotion:
         known = dict(signs.signs)
         # What changes a contact comes first: a link that slides onto its neighbour does not touch before that.
         moving = any(each.spring is not None and each.spring.expected.moves for each in self.sustained)
-        vibrates = moving and not progress.mechanism.lone
-        result, happens = signs.find_first(
-            self._contact_events, self.interval_to(result), self.before, vibrates=vibrates
-        )
+        result, happens = signs.find_first(self._contact_events, self.interval_to(result), self.before, turns=moving)
         active, touch = [each.obstacle for each in self.sustained], None
         cut, found = first_touch_of_all(progress, self.interval_to(result), active, self.separating)
         if cut is not result:

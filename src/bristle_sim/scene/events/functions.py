@@ -83,6 +83,7 @@ class EventFunction:
         wire: number of the wire whose event it is.
         difference: whether the value is made of a difference of rates over a step, and carries its rounding.
         tolerance: to which it is located where the run's own does not do; values then have a sign down to rounding.
+        turns: whether it may change its sign twice within an interval.
         positive: whether the value is known to be positive where the motion begins.
     """
 
@@ -96,6 +97,7 @@ class EventFunction:
     wire: int = 0
     difference: bool = False
     tolerance: float | None = None
+    turns: bool = False
     positive: bool = False
 
 

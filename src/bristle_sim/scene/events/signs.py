@@ -88,15 +88,15 @@ class Signs:
         self.signs |= {name: math.copysign(1.0, value) for name, value in exact.items() if abs(value) > LEAST_VALUE}
 
     def find_first(
-        self, functions: Sequence[EventFunction], interval: Interval, before: Advance | None, *, vibrates: bool = False
+        self, functions: Sequence[EventFunction], interval: Interval, before: Advance | None, *, turns: bool = False
     ) -> tuple[Advance, EventFunction | None]:
         """Return the interval up to the first change of sign, and the function.
 
-        ``before`` is the interval before it; in a motion that ``vibrates`` a function may change its sign twice.
+        ``before`` is the interval before it; in a motion that ``turns`` a function may change its sign twice.
         """
         first = None
         for function in functions:
-            looked_at = _to_the_extreme(function, interval) if vibrates and function.tolerance else interval
+            looked_at = _to_the_extreme(function, interval) if turns and function.turns else interval
             changed = self.find(function, looked_at, before)
             if changed is not None:
                 interval, first = interval._replace(end=changed), function
@@ -164,6 +164,14 @@ def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
     Its least value is that of the parabola through the least of five values and the two beside it.
     """
     sense = 1.0 if function.falling else -1.0
+    middle_state = interpolate(interval.start, interval.end.state, 0.5)
+    first, middle, last = (
+        sense * function.value(each) for each in (at_state(interval.start), at_state(middle_state), interval.end)
+    )
+    bend, slope = first + last - 2.0 * middle, 0.5 * (last - first)
+    # Without an extreme within, or far above zero there, nothing is missed.
+    if not (last >= 0.0 and bend > abs(slope) and middle - 0.5 * slope**2 / bend < FAR_OFF * max(first, last)):
+        return interval
     states = [interpolate(interval.start, interval.end.state, part) for part in QUARTERS]
     ends = [at_state(interval.start), *map(at_state, states), interval.end]
     margins = [sense * function.value(each) for each in ends]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, dented
+from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle, dented
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts
 from bristle_sim.scene.contact.spring import Spring
 from bristle_sim.scene.contact.sustained import Sustained
@@ -26,7 +26,7 @@ from bristle_sim.scene.events.functions import (
 from bristle_sim.scene.events.locate import turns
 from bristle_sim.scene.integrate.acceleration import acceleration
 from bristle_sim.scene.integrate.stepping import Advance
-from bristle_sim.scene.mechanism import Mechanism
+from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 
 if TYPE_CHECKING:
@@ -242,26 +242,36 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     obstacle, gaps, duration = contact.obstacle, progress.gaps, spring.expected.duration
     tolerance = max(LOCATED_VELOCITY * spring.expected.stepper.noise, math.ulp(1.0))
 
+    known: list[tuple[State, ClosestApproach]] = []
+
+    def touch(at: Advance) -> ClosestApproach:
+        if not known or known[0][0] is not at.state:
+            known[:] = [(at.state, gaps.closest(obstacle, at.state))]
+        return known[0][1]
+
     def opening(at: Advance) -> float:
-        return gaps.closest(obstacle, at.state).velocity[0]
+        return touch(at).velocity[0]
 
     def slip(at: Advance) -> float:
-        return spring.slip * gaps.closest(obstacle, at.state).velocity[1]
+        return spring.slip * touch(at).velocity[1]
 
     def beyond(level: float, at: Advance) -> float:
-        return (spring.surface - gaps.gap(obstacle, at.state) - level) / duration
+        return (spring.surface - touch(at).gap - level) / duration
 
     def spare(at: Advance) -> float:
         if not at.totals:
             return math.nan
-        penetration = spring.surface - gaps.gap(obstacle, at.state)
+        penetration = spring.surface - touch(at).gap
         return spring.spare_friction(penetration, at.totals[first + 5]) / (spring.stiffness * duration)
+
+    several = not progress.mechanism.lone
 
     def event(
         what: SpringEvent, value: Callable[[Advance], float], falling: bool, *, positive: bool = False
     ) -> EventFunction:
         name, act = f"{what.name} of {_label(obstacle)}", partial(SpringChange, contact, what)
-        return EventFunction(name, value, falling, act=act, tolerance=tolerance, positive=positive)
+        turns = several or what is SpringEvent.UNLOADED
+        return EventFunction(name, value, falling, act=act, tolerance=tolerance, turns=turns, positive=positive)
 
     if spring.loading:
         found = [event(SpringEvent.COMPRESSION_ENDS, opening, False)]

@@ -1,0 +1,115 @@
+"""Contacts resolved in time in whole passes, beside a bar, in a row, at the end of a run, against the independent solution.
+
+The reference's spring has the stiffness that the scene's first touch has, read off its record. Instants and the angle at the
+end are compared to ten times the requested accuracy, of the time scale of the belt, 1 ms, and of 1 rad.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import bristle_sim as bs
+from bristle_sim.reference import simulate_reference, simulate_row_reference
+
+ACCURACY = 1e-6
+TIMES = (2e-3, 5e-4, 1e-4)
+
+
+def timed(duration: float, friction: float = 0.31, restitution: float = 0.42) -> bs.Tool:
+    part = bs.Workpart(friction=friction, restitution=restitution)
+    return bs.Tool(contact=bs.Contact("compliant", duration), workpart=part)
+
+
+def stiffness(run: bs.Trajectory) -> float:
+    """Of the loading spring, N/m: force over penetration early in the first contact."""
+    history = run.first_contact("workpart").history
+    row = len(history.time) // 6
+    return float(history.normal_force[row] / history.penetration[row])
+
+
+def touches(run: bs.Trajectory) -> list[float]:
+    return [each.time for each in run.contacts if each.obstacle == "workpart"]
+
+
+@pytest.mark.parametrize("duration", TIMES)
+@pytest.mark.parametrize(("friction", "restitution"), [(0.31, 0.42), (0.6, 0.42), (0.31, 0.0)])
+def test_a_whole_pass(duration: float, friction: float, restitution: float) -> None:
+    if duration == 1e-4 and (friction, restitution) != (0.31, 0.42):
+        pytest.skip("some hundred touches: a minute of the reference")
+    tool = timed(duration, friction, restitution)
+    run = bs.simulate(tool, bs.Settings(accuracy=ACCURACY))
+    exact = simulate_reference(tool, contact_stiffness=stiffness(run), accuracy=1e-9)
+    assert run.stop_reason == exact.stop_reason
+    assert touches(run) == pytest.approx(touches(exact), abs=10.0 * ACCURACY * 1e-3)
+    assert run.angles[-1, 0] == pytest.approx(exact.angles[-1, 0], abs=10.0 * ACCURACY)
+
+
+def test_in_a_row() -> None:
+    """Each wire has springs of its own, and their neighbours are struck by it or not."""
+    row = {"bristles": 2, "pitch": math.radians(25.0), "neighbour_friction": 0.2, "neighbour_restitution": 0.5}
+    runs = bs.simulate_row(timed(1e-4), bs.Settings(hub_turn=1.6), **row)
+    exact = simulate_row_reference(
+        timed(1e-4), hub_turn=1.6, accuracy=1e-9, contact_stiffness=stiffness(runs[0]), **row
+    )
+    for run, other in zip(runs, exact, strict=True):
+        assert len(touches(run)) >= 1
+        assert touches(run) == pytest.approx(touches(other), abs=10.0 * ACCURACY * 1e-3)
+
+
+def test_beside_a_bar() -> None:
+    """A bar 0.3 mm beside the wire is met 9.4 us after the touch, while the spring acts."""
+    full = bs.simulate(timed(1e-3))
+    strike = full.first_contact("workpart")
+    at, before = full.at(strike.time), full.at(strike.time - 2e-5)
+    root, tip = at.centre_line[0], at.centre_line[-1]
+    along = (tip - root) / np.linalg.norm(tip - root)
+    centre = root + 0.8 * (tip - root) + np.array([-along[1], along[0]]) * (1e-3 + 0.355e-3 + 0.3e-3)
+    bar = bs.Bar(radius=1e-3, horizontal=float(-centre[0]), vertical=float(-centre[1]), restitution=0.2)
+    start = {
+        "start_hub_angle": float(before.hub_angle),
+        "start_relative_angle": float(before.relative_angle),
+        "start_relative_rate": float(before.rates[0] - before.hub_speed),
+    }
+    tool = replace(timed(1e-3), bar=bar)
+    run = bs.simulate(tool, **start)
+    exact = simulate_reference(tool, contact_stiffness=stiffness(full), accuracy=1e-9, **start)
+    for name in ("strike", "bar touch", "workpart release"):
+        assert run.event_time(name) == pytest.approx(exact.event_time(name), abs=10.0 * ACCURACY * 1e-3)
+    first, second = (each.contacts[0] for each in (run, exact))
+    assert first.impulse == pytest.approx(second.impulse, rel=1e-5)
+
+
+def test_at_the_end_of_a_run() -> None:
+    """A run that is planned to end in a contact ends there, and its record and samples have the force."""
+    full = bs.simulate(timed(1e-3), stop_after="strike")
+    strike = full.first_contact("workpart")
+    end = strike.time + 0.2 * strike.duration
+    run = bs.simulate(timed(1e-3), bs.Settings(hub_turn=end * full.hub_speed))
+    record = run.first_contact("workpart")
+    assert run.time[-1] == pytest.approx(end, rel=1e-14)
+    assert record.outcome == "end of the planned time"
+    assert record.history.time[-1] == pytest.approx(end, rel=1e-12)
+    assert run.normal_force[-1] == pytest.approx(record.history.normal_force[-1], rel=1e-12)
+    assert run.normal_force[-1] > 1.0
+
+
+def test_a_history_stays_within_the_friction_cone() -> None:
+    for knee, friction, penetration in ((20.0, 0.31, 0.0045), (40.0, 0.7, 0.007)):
+        part = bs.Workpart(friction=friction, restitution=0.0, penetration=penetration)
+        contact = bs.Contact("compliant", 2e-4)
+        run = bs.simulate(bs.Tool(bristle=bs.Bristle(knee_angle_deg=knee), workpart=part, contact=contact))
+        for history in (each.history for each in run.contacts if each.history is not None):
+            excess = np.abs(history.tangential_force) - friction * history.normal_force
+            assert excess.max() <= 1e-12 * history.normal_force.max()
+
+
+@pytest.mark.parametrize(("angle", "position"), [(-70.0, 0.9), (-80.0, 0.6), (-90.0, 0.9)])
+def test_the_knee_of_a_bent_wire_meets_the_workpart(angle: float, position: float) -> None:
+    run = bs.simulate(bs.Tool(bristle=bs.Bristle(knee_angle_deg=angle, knee_position=position)))
+    height = run.centre_line[:, :, 1] + run.tool.workpart_depth
+    assert height.min() >= -1e-7 * run.tool.bristle.length
+    assert height[:, 1].min() <= 1e-7 * run.tool.bristle.length
