@@ -57,7 +57,6 @@ class StopReason(StrEnum):
         "a softer belt, or a bar that the wire does not leave over its end, gives grip",
         True,
     )
-    FRICTION = "friction too high for the engine's contact", "less {friction} is easier", True
     UNRESOLVED = (
         "contact that could not be resolved in time",
         "another contact_duration, or a larger accuracy, may do",

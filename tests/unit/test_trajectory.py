@@ -219,7 +219,7 @@ def test_every_stop_reason_has_a_remedy_and_is_saved(trajectory: Trajectory, tmp
 
 
 def test_the_advice_names_the_friction_of_the_obstacle_touched_last(trajectory: Trajectory):
-    stopped = dataclasses.replace(trajectory, stop_reason=StopReason.FRICTION)
+    stopped = dataclasses.replace(trajectory, stop_reason=StopReason.JAM)
     assert stopped.stop_advice.startswith("less friction")
     on_bar = dataclasses.replace(stopped, contacts=trajectory.contacts[:1])
     assert on_bar.stop_advice.startswith("less bar_friction")

@@ -31,6 +31,11 @@ if TYPE_CHECKING:
     from bristle_sim.scene.contact.wire_steps import WireSteps
 
 
+HIGHEST_FRICTION = 2.0
+"""Friction up to which the engine's iterations solve a rigid link's contact. An iteration leaves 1 - g of the error, with
+g = 3 (sin^2 a + mu sin a cos a)/(1 + 3 sin^2 a) of a rod that stands at the angle a to the normal: at most 1.92 at mu = 2."""
+
+
 @dataclass(frozen=True, slots=True)
 class Effects:
     """What acts in a scene besides its links; None, 0 and () leave an effect out altogether.
@@ -132,8 +137,13 @@ class Scene:
         return self.contacts.in_flight < MOST_ITERATIONS
 
     @property
+    def solves_contacts(self) -> bool:
+        """Whether sustained contacts are solved for with the joints, rather than left to the engine's own contact."""
+        return type(self._engine) is not EngineSteps
+
+    @property
     def joint_solver(self) -> WireVelocities:
-        """The solver of joints and sustained contacts of several links."""
+        """The solver of joints and sustained contacts."""
         return cast("WireSteps", self._engine).joint_solver
 
     def hold(self, contacts: Sequence[Held]) -> None:
@@ -166,7 +176,7 @@ def _engine_steps(
     joints: Sequence[pymunk.Constraint],
 ) -> EngineSteps:
     """Return what takes the engine's steps: of several links with what solves for their joints, their damping and contacts."""
-    if len(links) == 1:
+    if len(links) == 1 and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
         return EngineSteps(space, hub, links, joints)
     from bristle_sim.scene.contact.wire_steps import WireSteps
 

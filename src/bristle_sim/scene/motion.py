@@ -237,8 +237,6 @@ class SmoothMotion:
             wires = {wire for each in rigid.obstacles for wire in progress.wires_of(each)}
             progress.event("jam", progress.state.time, sorted(wires))
             progress.stop(StopReason.JAM)
-        elif not rigid.solvable:
-            progress.stop(StopReason.FRICTION)
 
     def _overdue(self) -> Change | None:
         """Return the end of a contact that lasts ``PATIENCE`` times as long as expected.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact
-from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients, ContactLaw, EngineLaw, contact_at
+from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients, ContactLaw, EnergeticLaw, EngineLaw, contact_at
 from bristle_sim.scene.contact.spring import Expectation, Spring
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.integrate.repetitions import CLOSE, WIDE
@@ -219,4 +219,4 @@ def contact_law(contact: Contact, accuracy: float, time_unit: float) -> ContactL
     """Return the contact law that the parameters name, in a scene with that unit of time, s."""
     if contact.law == "compliant":
         return CompliantLaw(None if contact.duration is None else contact.duration / time_unit, accuracy)
-    return EngineLaw() if contact.law == "engine" else ENERGETIC
+    return EngineLaw() if contact.law == "engine" else EnergeticLaw(accuracy)

@@ -7,6 +7,8 @@ To add a law, write a class with the methods of :class:`ContactLaw` and name it 
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
@@ -85,8 +87,13 @@ def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestA
 
 @dataclass(frozen=True, slots=True)
 class EnergeticLaw:
-    """Stronge's energetic restitution with Coulomb friction, on the contact-space inverse mass of the scene."""
+    """Stronge's energetic restitution with Coulomb friction, on the contact-space inverse mass of the scene.
 
+    Attributes:
+        accuracy: relative, of the velocities before the impact.
+    """
+
+    accuracy: float = 0.0
     name: str = field(default="energetic", init=False)
     at_once: bool = field(default=True, init=False)
 
@@ -99,6 +106,7 @@ class EnergeticLaw:
     ) -> tuple[State, ContactRecord]:
         """Change all bodies' velocities at once; positions stay."""
         _, space = contact_at(scene, state, obstacle)
+        space = ending_together(space, self.accuracy)
         impact = coefficients.energetic_impact(space)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
         space.apply(impulse, (impact.velocity_normal, impact.velocity_tangential))
@@ -120,6 +128,21 @@ class EnergeticLaw:
             rates_after=after.rates,
             phases=impact.phases,
         )
+
+
+def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
+    """Return the contact space with the slip that ends with the approach, if it has that slip within the accuracy.
+
+    A point with one degree of freedom has v_t/v_n = K_nt/K_nn where it moves by that alone. Slip and approach then end at one
+    impulse. An error of the slip would let it end before, and the point would stick while it still approaches.
+    """
+    if space.stick_compliance:
+        return space
+    (normal, coupling), _ = space.inverse_mass.tolist()
+    approach, slip = space.velocity
+    exact = approach * coupling / normal
+    near = abs(slip - exact) <= accuracy * math.hypot(approach, slip)
+    return dataclasses.replace(space, velocity=(approach, exact)) if near else space
 
 
 ENERGETIC = EnergeticLaw()

@@ -2,8 +2,9 @@
 
 A lone link has one degree of freedom: one contact at a time fixes its motion, which follows from geometry and hub alone. The
 engine's own contact keeps it closed; the linear solve that several links need would make a pass 1.9 to 2.2 times as dear.
-Contacts of several links are solved for together with their joints (:mod:`bristle_sim.scene.contact.solver`). Which of
-the two a scene has is decided in :func:`rigid_contacts` and nowhere else.
+Contacts of several links, and of a lone one whose friction is too high for the engine's iterations, are solved for together
+with the joints (:mod:`bristle_sim.scene.contact.solver`). Which of the two a scene has is decided in
+:func:`rigid_contacts` and nowhere else.
 """
 
 from __future__ import annotations
@@ -27,9 +28,6 @@ LEAST_SLIP = 1e-9
 LEAST_ACCELERATION = 1e-7
 """Acceleration of slip, in the scene's unit, below which it is rounding of its difference over ``MOMENT``."""
 
-MOST_GRIP = 1.99
-"""With more, each iteration of the engine's solver overshoots twofold."""
-
 ROUNDED_PULL = 1e-14
 """Impulse of a step, in the scene's unit, below which a pull is rounding."""
 
@@ -46,7 +44,6 @@ class RigidContacts(ABC):
         pieces: which straight piece of its link touches, for each of them.
         slips: sense of the slip that friction acts against until an event changes it, for each of them: 0 sticks; None
             without friction, and of a lone link that does not slip.
-        solvable: whether the engine's iterations tend to a solution.
         paired: whether steps are symmetric in time, so that the mean of two forces counts.
     """
 
@@ -56,7 +53,7 @@ class RigidContacts(ABC):
         self.obstacles = tuple(obstacles)
         self.pieces: list[int | None] = [None] * len(obstacles)
         self.slips = list(slips)
-        self.solvable, self.paired = True, paired
+        self.paired = paired
         self._step = 0.0
         self._sums: list[float] = []
         self._due = False
@@ -157,7 +154,6 @@ class EngineContact(RigidContacts):
         self.pieces = [self._next_piece(obstacle, state)]
         left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
         rounds = max(self.scene.contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
-        self.solvable = grip <= MOST_GRIP
         piece = self.pieces[0] or 0
         self.scene.contacts.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece)
         if (slip := self.slips[0]) is not None:
@@ -259,7 +255,7 @@ def rigid_contacts(
     scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], *, paired: bool = True
 ) -> RigidContacts:
     """Return what keeps the contacts of a scene closed."""
-    kind = EngineContact if scene.mechanism.lone else SolvedContacts
+    kind = SolvedContacts if scene.solves_contacts else EngineContact
     return kind(scene, obstacles, slips, paired)
 
 
