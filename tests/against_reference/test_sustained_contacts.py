@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 import bristle_sim as bs
@@ -61,3 +63,35 @@ def test_the_largest_retraction_is_the_only_event_of_its_name():
     before = run.retraction[run.time <= run.event_time("strike")]
     assert len(time) == 1
     assert float(run.at(time[0]).retraction) == pytest.approx(before.max(), rel=1e-9)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.4])
+def test_friction_beyond_the_engines_reach_is_solved_for(restitution: float):
+    """At mu = 2.7 the engine's iterations would not converge; the contacts are solved for with the joint instead."""
+    tool = bs.Tool(bar=None, belt=bs.Belt(damping_ratio=0.1), workpart=bs.Workpart(2.7, None, restitution))
+    run, impulses = drags(tool, 1e-6)
+    reference = bs.simulate_reference(tool)
+    lasting = [each.impulse for each in reference.contacts if each.law == "sustained"]
+    assert run.stop_reason == reference.stop_reason
+    assert len(impulses) == len(lasting) > 0
+    # The scene's sum over a drag has the error of its last interval, as above.
+    assert [sum(each) for each in zip(*impulses, strict=True)] == pytest.approx(
+        [sum(each) for each in zip(*lasting, strict=True)], rel=3e-4
+    )
+
+
+@pytest.mark.parametrize("accuracy", ACCURACIES[2:])
+def test_slip_of_an_undeflected_wire_ends_with_its_approach(accuracy: float):
+    """mu_2 < tan gamma < mu_1: the strike rebounds. An error of the slip, let alone, would end it in stiction: a false jam."""
+    tool = bs.Tool(bar=None, workpart=bs.Workpart(friction=0.6, restitution_friction=0.1, restitution=0.3))
+    strike = bs.simulate(tool, bs.Settings(accuracy=accuracy), stop_after="strike").first_contact("workpart")
+    # (2.48) for a radial wire that turns with the hub, R = 1.
+    reach = tool.hub.radius + tool.bristle.length
+    cosine = 1.0 - tool.workpart.penetration / reach
+    sine = math.sqrt(1.0 - cosine**2)
+    compression, restitution = sine + 0.6 * cosine, sine - 0.1 * cosine
+    bristle, hub = tool.bristle, tool.hub
+    speed = (1.0 + hub.radius / bristle.length) * hub.speed * bristle.mass * bristle.length / 3.0
+    impulse = speed * (restitution + 0.3 * math.sqrt(compression * restitution)) / (compression * restitution)
+    assert strike.outcome == "rebound"
+    assert strike.impulse[0] == pytest.approx(impulse, rel=10.0 * accuracy)

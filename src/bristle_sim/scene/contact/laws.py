@@ -136,9 +136,9 @@ def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
     A point with one degree of freedom has v_t/v_n = K_nt/K_nn where it moves by that alone. Slip and approach then end at one
     impulse. An error of the slip would let it end before, and the point would stick while it still approaches.
     """
-    if space.stick_compliance:
-        return space
     (normal, coupling), _ = space.inverse_mass.tolist()
+    if space.stick_compliance or not normal:
+        return space
     approach, slip = space.velocity
     exact = approach * coupling / normal
     near = abs(slip - exact) <= accuracy * math.hypot(approach, slip)
