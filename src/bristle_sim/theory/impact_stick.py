@@ -148,6 +148,7 @@ class _Modes(NamedTuple):
     b_2: Number
     terms_1: Number
     terms_2: Number
+    line_noise: Number
     loading: Number
     peak: Number
     a: _Bound
@@ -247,7 +248,9 @@ def _modes(bodies: Bodies, motion: Motion) -> tuple[_Modes, _Swings]:
     a = _bound(fast, abs(a_1) * bend_1 + abs(a_2) * bend_2, abs(a_1) * swing_1 / fast, abs(a_2) * bend_2)
     b = _bound(fast, abs(b_1) * bend_1 + abs(b_2) * bend_2, abs(b_1) * swing_1 / fast, abs(b_2) * bend_2)
     fixed = (cosine, sine, first, second, fast, slow, select(drifts, 1.0, 0.0), a_1, a_2, b_1, b_2, *terms)
-    modes = _Modes(*fixed, loading, motion.peak / steep, a, b, line)
+    peak = motion.peak / steep
+    line_noise = NOISE * select(loading, size_1 * swing_1 + size_2 * swing_2, peak)
+    modes = _Modes(*fixed, line_noise, loading, peak, a, b, line)
     return modes, _Swings(w_1, w_2, g_1, g_2, none, none, none)
 
 
@@ -314,8 +317,7 @@ def _stepped(modes: _Modes, swings: _Swings, patient: bool) -> tuple[_Swings, Nu
     slow = None
     if patient:
         slow = select(loading, sine * drift, peak + force_2), select(loading, gain_2, -sine * drift)
-    noise = NOISE * select(loading, abs(cosine * w_1) + abs(sine * w_2), peak)
-    found.append(_step(here, modes.line, slow, (noise, 0.0 * noise), fast, fast * modes.line.bend))
+    found.append(_step(here, modes.line, slow, (modes.line_noise, 0.0 * peak), fast, fast * modes.line.bend))
 
     (step_a, at_a), (step_b, at_b), (step_c, at_c) = found
     step = smaller(smaller(step_a, step_b), step_c)
