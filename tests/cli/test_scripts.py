@@ -163,6 +163,14 @@ PROMISES = {
         ("merchant_crater_depth", "merchant_crater_depth_limit", "energy_crater_depth"),
         ("shear_yield_stress", "plies", "friction", "impact_angle_deg"),
     ),
+    "measured_impacts": Promise(
+        (
+            *("restitution_error", "spin_error", "rebound_angle_error_deg"),
+            *("rigid_restitution_error", "rigid_spin_error", "rigid_rebound_angle_error_deg"),
+        ),
+        ("tangential_compliance", "data"),
+        strikes=False,
+    ),
     "accuracy_cost": Promise(
         keys=("effort", "peers"),
         lists={"curves": {"case", "method", "setting", "error", "cpu_s", "steps"}},
@@ -538,7 +546,7 @@ def test_every_key_has_an_effect_or_is_refused(name: str, capsys: pytest.Capture
     cheap = CHEAP.get(name, ())
     _, base = asked(name, *cheap)
     for key, (found, default) in scenario(name).keys().items():
-        if key == "force_csv":  # test_dissertation_scripts.py
+        if key in ("force_csv", "data"):  # test_dissertation_scripts.py, test_measured_impacts.py
             continue
         seen = []
         for value in other_values(found, default):

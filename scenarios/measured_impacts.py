@@ -1,0 +1,32 @@
+"""Measured impacts: what the impact laws predict of spheres on glass, and of an ellipse on a floor, beside what was measured.
+
+The spheres' points are the published ones, and nothing is fitted: a tangential spring with the ratio of stiffnesses that
+elasticity gives stands beside the rigid law. With ``data`` each law is fitted on every second impact of the ellipse and predicts
+the others; the best impulse at the point of contact says how much any law could.
+"""
+
+import sys
+
+from bristle_sim.cli import Picture, Scenario, main
+from bristle_sim.comparison import Report
+from bristle_sim.parameters.measured import Measured
+
+
+def run(measured: Measured) -> Report:
+    """Predict the measured impacts."""
+    from bristle_sim.studies.measured_impacts import measured_impacts
+
+    return measured_impacts(measured)
+
+
+def plot(report: Report) -> Picture:
+    """Draw the measured points with the curves of the rigid and of the elastic contact."""
+    from bristle_sim.render.measured_figure import measured_figure
+
+    return measured_figure(report.subject)
+
+
+SCENARIO = Scenario(name="measured_impacts", question="Do the laws predict what was measured?", run=run, plot=plot)
+
+if __name__ == "__main__":
+    sys.exit(main(SCENARIO))
