@@ -6,7 +6,7 @@ import pytest
 
 from bristle_sim.parameters import Belt, Hub, Tool
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.integrate.acceleration import acceleration
+from bristle_sim.scene.integrate.time_scales import acceleration
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.tool import build_tool
 

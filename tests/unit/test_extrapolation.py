@@ -15,7 +15,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.integrate import repetitions
+from bristle_sim.scene.integrate import extrapolation as repetitions
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State

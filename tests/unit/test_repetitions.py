@@ -2,8 +2,8 @@
 
 import pytest
 
-from bristle_sim.scene.integrate import repetitions
-from bristle_sim.scene.integrate.repetitions import Repetitions
+from bristle_sim.scene.integrate import extrapolation as repetitions
+from bristle_sim.scene.integrate.extrapolation import Repetitions
 
 
 class TestRepetitions:

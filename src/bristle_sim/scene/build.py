@@ -22,9 +22,8 @@ from numpy.linalg import eigvalsh
 from bristle_sim.contact_space.jacobian import Connected
 from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, Held, Obstacle
 from bristle_sim.scene.contact.shapes import ContactShapes
-from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
+from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps, Placement
 from bristle_sim.scene.mechanism import Link, Mechanism
-from bristle_sim.scene.placement import Placement
 
 if TYPE_CHECKING:
     from bristle_sim.scene.contact.solver import WireVelocities

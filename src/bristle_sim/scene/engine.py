@@ -16,7 +16,7 @@ from typing import Any
 import pymunk
 
 from bristle_sim.contact_space.engine_calls import ffi, lib
-from bristle_sim.scene.mechanism import Vector
+from bristle_sim.scene.mechanism import Mechanism, State, Vector
 
 ITERATIONS_OF_A_STEP = 100
 """Solver iterations that take as long as the rest of an engine step: measured, 35 ns each and 3 to 5 us a step with what
@@ -213,3 +213,43 @@ def point_calls(body: pymunk.Body, point: Vector) -> tuple[Callable[[], Any], Ca
 def pusher(body: pymunk.Body) -> Pusher:
     """Return the function that pushes on a body."""
     return partial(lib.cpBodyApplyForceAtWorldPoint, body._body)
+
+
+class Placement:
+    """Puts the bodies of a scene where a state says.
+
+    Attributes:
+        turned: whole turns that the engine's angles leave out, rad.
+        placements: number of them so far.
+    """
+
+    def __init__(self, mechanism: Mechanism, put: Placer, *, has_hub: bool) -> None:
+        """Prepare to place the bodies: the hub if there is one, then the links."""
+        self.mechanism, self.has_hub = mechanism, has_hub
+        self.turned = 0.0
+        self.placements = 0
+        self._put = put
+        # Runs over one interval all start from one state.
+        self._last: tuple[State | None, float] = (None, 0.0)
+
+    def place(self, state: State, drift: float = 0.0) -> None:
+        """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
+        self.placements += 1
+        if self._last[0] is state and self._last[1] == drift:
+            self._put(None)
+            return
+        self._last = (state, drift)
+        self._put(self._values(state, drift))
+
+    def _values(self, state: State, drift: float) -> list[float]:
+        """Return what the engine is told of every body."""
+        values: list[float] = []
+        if self.has_hub:
+            hub_angle = self.mechanism.hub_angle(state.time + drift)
+            # Rounding of an angle grows with its size, and extrapolation magnifies it.
+            self.turned = math.tau * round(hub_angle / math.tau)
+            values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
+        for pose, angle, rate in zip(self.mechanism.poses(state), state.angles, state.rates, strict=True):
+            (x, y), (u, v) = pose.centre, pose.centre_velocity
+            values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
+        return values

@@ -15,8 +15,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact.compliant import SAMPLES_OF_A_COURSE, CompliantLaw
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
-from bristle_sim.scene.integrate.repetitions import WIDE
+from bristle_sim.scene.integrate.extrapolation import WIDE, Extrapolation
 from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import contact_in_si

@@ -24,8 +24,8 @@ from bristle_sim.scene.events.functions import (
     Touch,
 )
 from bristle_sim.scene.events.locate import turns
-from bristle_sim.scene.integrate.acceleration import acceleration
 from bristle_sim.scene.integrate.stepping import Advance
+from bristle_sim.scene.integrate.time_scales import acceleration
 from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 
