@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Container, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import zip_longest
 from types import MappingProxyType
 from typing import Any
@@ -138,6 +138,12 @@ class Report:
     extra: dict[str, Any] = field(default_factory=dict)
     subject: Any = None
     answer: str = ""
+
+    def __post_init__(self) -> None:
+        """Leave rows that agree unjudged where there is no contact: values that nothing has changed confirm nothing."""
+        if self.outcome == "no contact":
+            unjudged = tuple(replace(each, tolerance=None) if each.ok else each for each in self.quantities)
+            object.__setattr__(self, "quantities", unjudged)
 
 
 class Unfinished(KeyboardInterrupt):

@@ -9,7 +9,7 @@ import re
 import numpy as np
 import pytest
 
-from bristle_sim.comparison import Quantity, finite, rows, table
+from bristle_sim.comparison import Quantity, Report, finite, rows, table
 
 
 def row(simulated: float | None, **sides: float | None) -> Quantity:
@@ -28,6 +28,14 @@ def test_the_reference_judges_before_theory_and_theory_before_print():
 
 def test_a_difference_of_many_times_is_told_as_such():
     assert "+47 times theory" in table([Quantity("a", "N", 48.0, 1.0)])
+
+
+def test_without_a_contact_no_row_says_yes():
+    quantities = (row(1.0, theory=1.0, tolerance=0.1), row(2.0, theory=1.0, tolerance=0.1))
+    verdicts = {
+        outcome: [each.ok for each in Report(outcome, quantities).quantities] for outcome in ("rebound", "no contact")
+    }
+    assert verdicts == {"rebound": [True, False], "no contact": [None, False]}
 
 
 def test_differences_are_relative_to_the_size_of_the_other_side():

@@ -88,6 +88,13 @@ class TestInvariants:
         assert all(each.ok for each in report.quantities if each.tolerance is not None)
         assert sum(each.tolerance is not None for each in report.quantities) >= 12
 
+    def test_a_pass_without_a_strike_confirms_nothing(self) -> None:
+        """Its release and largest retraction agree with the reference's, which says nothing of a strike."""
+        lifted = Tool(workpart=Workpart(penetration=-0.001))
+        report = whole_pass(lifted, SETTINGS, with_reference=True)
+        assert {each.ok for each in report.quantities} == {None}
+        assert sum(each.reference is not None for each in report.quantities) == 3
+
 
 class TestGivenUp:
     def test_a_strike_before_the_run_is_given_up_is_reported(self) -> None:

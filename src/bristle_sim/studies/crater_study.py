@@ -27,7 +27,7 @@ from bristle_sim.parameters import Bristle, Crater, Hub, Surface
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
+from bristle_sim.studies.timed_contact import contact_fields, timed_contact, work_row
 from bristle_sim.theory.crater import (
     constant_for_crater_depth,
     energy_crater_depth,
@@ -108,15 +108,14 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         label="C for the measured depth",
     )
     works = () if study.contact is None else (work_row(study.contact),)
-    report = Report(
-        outcome="no contact",
+    return Report(
+        **contact_fields(study.contact),
         quantities=(*formulas, *works, *contact, constant),
         remarks=_remarks(study),
         extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
         answer=_answer(study, depths, simulated),
     )
-    return report if study.contact is None else reported(report, study.contact)
 
 
 def _printed(crater: Crater) -> Values:

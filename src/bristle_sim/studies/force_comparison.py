@@ -26,7 +26,7 @@ from bristle_sim.parameters import Bristle, ForceHistory, Hub, Measurement, Surf
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import TimedContact
-from bristle_sim.studies.timed_contact import reported, timed_contact, work_row
+from bristle_sim.studies.timed_contact import contact_fields, timed_contact, work_row
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 
@@ -106,9 +106,11 @@ def force_comparison(
     subject = ForceComparison(curve, contact, measured, no_contact)
     tolerance = 10.0 * max(1e-6, settings.accuracy)  # timed_contact's own, and what a coarse contact adds to it
     main = _main_rows(subject, history, tolerance)
-    found = Report(
-        # A measurement is fitted whether this bristle could make such a contact or not.
-        outcome="no contact" if measured is None else None,
+    fields = contact_fields(contact) if contact is None else contact_fields(contact, end=float(contact.time[-1]))
+    if contact is None and measured is not None:
+        fields = {"outcome": None}  # a measurement is fitted whether this bristle could make such a contact or not
+    return Report(
+        **fields,
         quantities=(
             *main,
             *(() if contact is None else (work_row(contact),)),
@@ -119,7 +121,6 @@ def force_comparison(
         subject=subject,
         answer=_answer(subject, main),
     )
-    return found if contact is None else reported(found, contact, end=float(contact.time[-1]))
 
 
 def _answer(subject: ForceComparison, main: Sequence[Quantity]) -> str:

@@ -10,11 +10,12 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report
+from bristle_sim.comparison import Quantity
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
 from bristle_sim.scene.strike import Chain, ChainStrike, strike
 from bristle_sim.settings import Settings
@@ -82,16 +83,17 @@ def timed_contact(
     return _adjusted(struck, np.array([duration, speed]), np.array(requested), max(CLOSE, settings.accuracy))
 
 
-def reported(report: Report, contact: TimedContact, **later: float) -> Report:
-    """Return the report with outcome, phases, cost and events of its contact, and later events by name, s."""
-    return dataclasses.replace(
-        report,
-        outcome=outcome_of(contact.record),
-        phases=contact.record.phases,
-        events=(("strike", 0.0), ("deepest", contact.compression_time), *later.items()),
-        wall_s=contact.wall_s,
-        steps=contact.steps,
-    )
+def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, Any]:
+    """Outcome, phases, cost and events of a report on a contact, and later events by name, s."""
+    if contact is None:
+        return {"outcome": "no contact"}
+    return {
+        "outcome": outcome_of(contact.record),
+        "phases": contact.record.phases,
+        "events": (("strike", 0.0), ("deepest", contact.compression_time), *later.items()),
+        "wall_s": contact.wall_s,
+        "steps": contact.steps,
+    }
 
 
 def work_row(contact: TimedContact) -> Quantity:
