@@ -10,7 +10,7 @@ import pytest
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
 from bristle_sim.settings import Settings
 from bristle_sim.studies.periodic_turn import TurnNotCompleted, periodic_turn
-from bristle_sim.studies.turn_forces import Impulse, SampledForce, dissipated, load_cell_response, turn_forces
+from bristle_sim.studies.turn_forces import dissipated, load_cell_response, turn_forces
 from bristle_sim.studies.whole_tool import Assembly, load_cell_series, whole_tool
 
 FINE = Settings(accuracy=1e-8)
@@ -104,9 +104,7 @@ class TestForces:
 
     def test_the_dragging_force_is_that_of_the_prescribed_motion(self):
         (drag,) = [
-            each
-            for each in turn_forces(Tool(), repeated(Tool()))
-            if isinstance(each, SampledForce) and each.obstacle == "workpart"
+            each for each in turn_forces(Tool(), repeated(Tool())) if each.course and each.obstacle == "workpart"
         ]
         time = np.linspace(drag.begin, drag.end, 40)
         hub_angle = SPEED * time - math.pi / 2.0
@@ -121,7 +119,7 @@ class TestForces:
         """About the root, on which the hub's own impulse has no moment: I (phi'_after - phi'_before)."""
         run = repeated(Tool())
         strike = run.first_contact("workpart")
-        (force,) = [each for each in turn_forces(Tool(), run) if isinstance(each, Impulse) and each.time == strike.time]
+        (force,) = [each for each in turn_forces(Tool(), run) if not each.course and each.begin == strike.time]
         hub_angle = SPEED * strike.time - math.pi / 2.0
         root = RADIUS * math.sin(hub_angle), -RADIUS * math.cos(hub_angle)
         normal, tangential, moment = force.integral

@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.panels import add_panel, note
 from bristle_sim.render.style import MILLISECONDS, blank_figure, styled
-from bristle_sim.studies.turn_forces import SampledForce
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 
 PASSES = 12
@@ -38,13 +37,13 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
     impulses.grid(visible=False)
     impulses.spines["right"].set_visible(True)
     for each in (each for each in whole.forces[-1] if each.obstacle == "workpart"):
-        if isinstance(each, SampledForce):
+        if each.course:
             time = np.linspace(each.begin, each.end, 200)
             force, angle = each.course(time)[:, 0], turned * time
             axes.fill_between(angle, force, color=SKY, linewidth=0.0)
             axes.plot([angle[0], *angle], [0.0, *force], color=BLUE)
         else:
-            angle = 2 * [turned * each.time]
+            angle = 2 * [turned * each.begin]
             impulses.plot(angle, [0.0, 1e3 * each.integral[0]], color=VERMILION, linewidth=1.4)
     for scale, label, color in ((axes, "sustained force (N)", BLUE), (impulses, "impulse (mN s)", VERMILION)):
         scale.set_ylabel(label, color=color)

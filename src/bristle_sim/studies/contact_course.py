@@ -20,11 +20,13 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
-    """Return cubics through samples, smooth but at instants that are sampled more than once, where they jump.
+    """Cubics through samples, smooth but at instants that are sampled more than once, where they jump.
 
-    Arrays of shape (n,). Between such instants they have the slopes given, or are a spline.
+    Times have the shape (n,), values and slopes (n, ...). Between such instants the cubics have the slopes given, or are a
+    spline.
     """
-    coefficients = np.zeros((4, len(time) - 1))
+    coefficients = np.zeros((4, len(time) - 1, *values.shape[1:]))
+    coefficients[3] = values[:-1]  # in an interval that is rounding
     for first, last in pieces(time):
         own = time[first:last], values[first:last]
         piece = CubicSpline(*own) if slopes is None else CubicHermiteSpline(*own, slopes[first:last])
@@ -33,14 +35,14 @@ def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """Return first sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
+    """First sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
     return [(first, last) for first, last in pairwise(edges) if last - first > 1]
 
 
 def compression_end(history: ContactHistory) -> float:
-    """Return the time from the first touch to the deepest penetration, s; it is a sample."""
+    """Time from the first touch to the deepest penetration, s; it is a sample."""
     return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 

@@ -151,37 +151,14 @@ def double_pendulum(pendulum: DoublePendulum, surface: Surface, contact: Contact
     within = _tolerance(contact, settings, surface, None, ROUNDING * magnified)
     slowest = AT_REST * max(abs(pendulum.rate_1), abs(pendulum.rate_2))
     compressive = (impulse[0] if impulse else None, theory.normal_compressive_impulse)
-    energy = None if found.kinetic_energy_before == 0.0 else theory.kinetic_energy_ratio
+    energies = found.kinetic_energy_ratio, theory.kinetic_energy_ratio if found.kinetic_energy_before else None
+    after = found.contact.rates_after
     rows = [
-        _row(
-            "final_rate_1",
-            "rate of the first rod after",
-            "rad/s",
-            -found.contact.rates_after[0],
-            theory.final_rate_1,
-            within,
-            slowest,
-        ),
-        _row(
-            "final_rate_2",
-            "rate of the second rod after",
-            "rad/s",
-            -found.contact.rates_after[1],
-            theory.final_rate_2,
-            within,
-            slowest,
-        ),
+        _row("final_rate_1", "rate of the first rod after", "rad/s", -after[0], theory.final_rate_1, within, slowest),
+        _row("final_rate_2", "rate of the second rod after", "rad/s", -after[1], theory.final_rate_2, within, slowest),
         _row("normal_compressive_impulse", *NORMAL_COMPRESSIVE, *compressive, within),
         _row("normal_final_impulse", *NORMAL_FINAL, found.contact.impulse[0], theory.normal_final_impulse, within),
-        _row(
-            "kinetic_energy_ratio",
-            "kinetic energy after over before",
-            "1",
-            found.kinetic_energy_ratio,
-            energy,
-            within,
-            AT_REST**2,
-        ),
+        _row("kinetic_energy_ratio", "kinetic energy after over before", "1", *energies, within, AT_REST**2),
     ]
     return _report(impacts, rows, lambda one: -one.contact.rates_after[1], "second rod")
 

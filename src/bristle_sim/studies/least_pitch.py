@@ -16,6 +16,7 @@ from scipy.optimize import brentq, minimize_scalar
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
+from bristle_sim.studies.contact_course import cubics
 from bristle_sim.trajectory import Trajectory
 
 PITCH_STEP = math.radians(0.25)
@@ -49,20 +50,12 @@ class LonePass:
 
     def __init__(self, trajectory: Trajectory) -> None:
         self.trajectory = trajectory
-        self._lines, self._velocities = trajectory.centre_line, trajectory.centre_line_velocity
+        self._lines = cubics(trajectory.time, trajectory.centre_line, trajectory.centre_line_velocity)
 
     def centre_line(self, time: Array) -> Array:
-        """Return root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
-        samples = self.trajectory.time
-        within = np.maximum(time, samples[0])
-        # Of two samples at the instant of an impact the later one begins an interval.
-        first = np.clip(np.searchsorted(samples, within, "right") - 1, 0, samples.size - 2)
-        width = samples[first + 1] - samples[first]
-        part = np.divide(within - samples[first], width, out=np.ones_like(width), where=width > 0.0)[:, None, None]
-        ends, rates = ([each[first], each[first + 1]] for each in (self._lines, self._velocities))
-        near, far, step = (1.0 - part) ** 2, part**2, width[:, None, None]
-        line = near * ((1.0 + 2.0 * part) * ends[0] + part * step * rates[0])
-        line += far * ((3.0 - 2.0 * part) * ends[1] - (1.0 - part) * step * rates[1])
+        """Root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
+        within = np.maximum(time, self.trajectory.time[0])
+        line = self._lines(within)
         turned = self.trajectory.hub_speed * (time - within)
         cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
         x, y = line[..., 0], line[..., 1]

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from bristle_sim.studies.contact_course import TimedContact, compression_end
 from bristle_sim.studies.impacts import Impacts, radial_chain
 from bristle_sim.studies.strike_point import outcome_of
 from bristle_sim.theory.monofilament import normal_compressive_impulse
+
+Result = TypeVar("Result")
 
 CLOSE = 1e-6
 """Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser."""
@@ -43,7 +45,7 @@ LARGEST_STEP = 0.5
 
 
 def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
-    """Return p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
+    """Impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
     pressed = float(normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
     return math.hypot(pressed, friction * pressed)
 
@@ -75,9 +77,10 @@ def timed_contact(
     else:
         raise ValueError("rate, impulse: must be exactly one of the two")
 
-    def struck(duration: float, speed: float) -> TimedContact:
+    def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
         chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
-        return _struck(bristle, surface, chain, settings, duration, speed)
+        found = _struck(bristle, surface, chain, settings, duration, speed)
+        return found, (found.compression_time, found.compressive_impulse)
 
     duration = compression_time * _whole_over_compression(surface, impact_angle)
     return _adjusted(struck, np.array([duration, speed]), np.array(requested), max(CLOSE, settings.accuracy))
@@ -119,33 +122,32 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
 
 
 def _visible(impacts: Impacts, settings: Settings) -> ChainStrike | None:
-    """Return the impact with the printed compression time; None where that is none for these rods."""
+    """The impact with the printed compression time; None where that is none for these rods."""
     found, duration = impacts.strikes.get("compliant"), 2.0 * PRINTED_COMPRESSION
     if found is None or math.hypot(*found.contact.velocity_before) * duration > min(impacts.chain.lengths):
         return None
-    for _ in range(ROUNDS):
-        try:
-            found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings)
-        except ValueError:
-            return None
+
+    def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
+        found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings)
         if found.contact.history is None:
-            return None
-        missing = PRINTED_COMPRESSION / compression_end(found.contact.history)
-        if abs(missing - 1.0) <= CLOSE:
-            return found
-        duration *= missing
-    return None
+            raise ValueError("contact: must be resolved in time")
+        return found, (compression_end(found.contact.history),)
+
+    try:
+        return _adjusted(struck, np.array([duration]), np.array([PRINTED_COMPRESSION]), CLOSE)
+    except ValueError:
+        return None
 
 
 def _adjusted(
-    struck: Callable[[float, float], TimedContact], given: Array, wanted: Array, close: float
-) -> TimedContact:
-    """Change duration, and speed if an impulse is requested too, by Broyden's method in their logarithms."""
+    struck: Callable[..., tuple[Result, tuple[float, ...]]], given: Array, wanted: Array, close: float
+) -> Result:
+    """The result whose values are those wanted, by Broyden's method in the logarithms of as many of the numbers given."""
     free, slopes = len(wanted), np.eye(len(wanted))
     step = before = np.zeros(free)
     for _ in range(ROUNDS):
-        found = struck(*given.tolist())
-        missing = np.log(wanted / np.array([found.compression_time, found.compressive_impulse])[:free])
+        found, values = struck(*given.tolist())
+        missing = np.log(wanted / np.array(values[:free]))
         if np.all(np.abs(missing) <= close):
             return found
         if step.any():
@@ -156,7 +158,7 @@ def _adjusted(
 
 
 def _whole_over_compression(surface: Surface, impact_angle: float) -> float:
-    """Return the duration of a short contact over that of its compression, 1 + e* sqrt(s_1/s_2).
+    """Duration of a short contact over that of its compression, 1 + e* sqrt(s_1/s_2).
 
     The spring is 1/e*^2 stiffer in restitution, and the tip yields to it in proportion to s_2 instead of s_1.
     """

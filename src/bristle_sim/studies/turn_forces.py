@@ -8,7 +8,6 @@ h(t) = sqrt(2) w exp(-w t/sqrt 2) sin(w t/sqrt 2), w = 2 pi bandwidth, at which 
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable
@@ -74,44 +73,18 @@ spline through them would follow their rounding."""
 
 
 @dataclass(frozen=True, slots=True)
-class Impulse:
-    """An impact: time in s; ``integral`` holds normal and tangential impulse, N s, and their moment, N m s."""
+class Force:
+    """A force of an obstacle: an impact at an instant, or a smooth interval of a sustained contact; times in s.
 
-    obstacle: str
-    time: float
-    integral: Array
-
-    @property
-    def edges(self) -> tuple[float, ...]:
-        """Return the instants at which the force on the bristle jumps, s."""
-        return (self.time,)
-
-
-@dataclass(frozen=True, slots=True)
-class SampledForce:
-    """A smooth interval of a sustained contact: ``course`` gives normal and tangential force and moment, N and N m.
-
-    ``missed`` is the moment of the impulse, N m s, by which the force's spline falls short of the scene's own sum.
+    ``integral`` holds the impulses of normal and tangential force, N s, and of their moment, N m s. In a sustained contact
+    ``course`` gives the three over time, N and N m; it is None for an impact.
     """
 
     obstacle: str
     begin: float
     end: float
-    course: Any
-    missed: float = 0.0
-
-    @property
-    def edges(self) -> tuple[float, ...]:
-        """Return the instants at which the force on the bristle jumps, s."""
-        return self.begin, self.end
-
-    @property
-    def integral(self) -> Array:
-        """Return the impulses of normal and tangential force, N s, and that of their moment, N m s."""
-        return np.asarray(self.course.integrate(self.begin, self.end) + np.array([0.0, 0.0, self.missed]))
-
-
-Force = Impulse | SampledForce
+    integral: Array
+    course: Any = None
 
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
@@ -131,7 +104,7 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     lost = -sum(sum(work) for each in run.contacts for work in (each.compressive_work, each.restitutive_work) if work)
     if not tool.belt_damping:
         return lost
-    breaks = [edge for each in turn_forces(tool, run) for edge in each.edges]
+    breaks = [edge for each in turn_forces(tool, run) for edge in (each.begin, each.end)]
     power = tool.belt_damping * run.relative_rate**2
     for begin, end in itertools.pairwise(np.unique([run.time[0], *breaks, run.time[-1]])):
         # Of two samples at the instant of an impact the later one begins an interval, the earlier one ends it.
@@ -141,13 +114,14 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     return lost
 
 
-def _impulse(tool: Tool, run: Trajectory, contact: ContactRecord) -> Impulse:
+def _impulse(tool: Tool, run: Trajectory, contact: ContactRecord) -> Force:
     hub_angle = np.array([run.hub_angle[0] + run.hub_speed * contact.time])
     (arms,) = levers(*touched(tool, contact.obstacle, corners(tool, hub_angle, np.array(contact.angles))))
-    return Impulse(contact.obstacle, contact.time, np.array([*contact.impulse, arms @ contact.impulse]))
+    integral = np.array([*contact.impulse, arms @ contact.impulse])
+    return Force(contact.obstacle, contact.time, contact.time, integral)
 
 
-def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[SampledForce]:
+def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Force]:
     """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
 
     The sample at such an instant holds the force before it, so that each spline begins one sample later and is
@@ -174,10 +148,11 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Samp
         own = _spaced(time, first, last)
         forces = np.stack([force[own], rubs[first] * force[own]], axis=-1)
         values = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)])
-        found.append(SampledForce(contact.obstacle, float(time[first]), float(time[last]), _course(time[own], values)))
+        course, begin, end = _course(time[own], values), float(time[first]), float(time[last])
+        found.append(Force(contact.obstacle, begin, end, np.asarray(course.integrate(begin, end)), course))
     # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
     short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
-    found[-1] = dataclasses.replace(found[-1], missed=float(arms[-1] @ short))
+    found[-1].integral[2] += arms[-1] @ short
     return found
 
 

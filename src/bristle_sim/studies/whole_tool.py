@@ -18,7 +18,7 @@ from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
 from bristle_sim.studies.strike_point import ran, require_rigid
-from bristle_sim.studies.turn_forces import Force, Impulse, SampledForce, dissipated, load_cell_response, turn_forces
+from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
 
 LEAST_TOLERANCE = 1e-6
 """Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9."""
@@ -118,11 +118,9 @@ def load_cell_series(whole: WholeTool | None) -> dict[str, Array]:
         raise ValueError("whole_tool: the bristle completes no turn, there is no force to show")
     times = whole.period * np.arange(INSTANTS) / INSTANTS
     pushes = [each for turn in whole.forces for each in turn if each.obstacle == "workpart"]
-    impacts = [(each.time, float(each.integral[0])) for each in pushes if isinstance(each, Impulse)]
+    impacts = [(each.begin, float(each.integral[0])) for each in pushes if not each.course]
     intervals = [
-        (each.begin, each.end, lambda at, course=each.course: course(at)[:, 0])
-        for each in pushes
-        if isinstance(each, SampledForce)
+        (each.begin, each.end, lambda at, course=each.course: course(at)[:, 0]) for each in pushes if each.course
     ]
     shown = load_cell_response(impacts, intervals, whole.period, whole.assembly.bandwidth, times)
     return {"time (s)": times, "normal_force (N)": shown / len(whole.forces)}
