@@ -202,22 +202,6 @@ def test_measured_points_take_the_curves_place(tmp_path):
     assert found.extra["measured_fit"]["values"]["decay 1"] == pytest.approx(900.0, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("time,force\n1,2\n", "1 points; there must be at least 4"),
-        ("0,1\n1,2\n1,3\n2,4\n3,5\n", "more than the time before"),
-        ("time (s),force (N)\n0,0\n1,1\n2,0\n3,-1\n4,0\n5,1\n6,0\n", "no contact found"),
-        ("0,0,0\n1,1,1\n", "force_column must say"),
-    ],
-)
-def test_points_that_are_no_force_history(tmp_path, text, line):
-    path = tmp_path / "bad.csv"
-    path.write_text(text)
-    with pytest.raises(ValueError, match=line):
-        report(measurement=Measurement(str(path)))
-
-
 def points_of(curve, path, *, before=0, after=0, origin=0.0, baseline=0.0, step=1e-6, noise=0.0):
     """Time in ms and force in mN, semicolons, decimal commas: the values need every step of the reading."""
     time = np.arange(-before, round(curve.duration / step) + after + 1) * step
@@ -316,10 +300,6 @@ def test_descriptions_that_do_not_fit_the_file(tmp_path, settings, line):
     path.write_text("t (s),F (N)\n0,0\n1,1\n2,1\n3,0\n", encoding="utf-8")
     with pytest.raises(ValueError, match=line):
         report(measurement=Measurement(str(path), **settings))
-
-
-def test_the_simulated_force_is_checked_by_its_work():
-    assert row(report(), "contact_work").ok is True
 
 
 @pytest.mark.parametrize("name", ["", "nowhere.csv", "no\0thing", "."])

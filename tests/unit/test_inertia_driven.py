@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import quad, solve_ivp
+from scipy.integrate import solve_ivp
 from scipy.special import ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
@@ -68,18 +68,6 @@ def test_the_field_alone_is_a_pendulum():
     assert largest_retraction(INERTIA, 0.0, FIELD, SPEED) == pytest.approx(2.0 * math.asin(modulus), rel=1e-14)
     half = 2.0 * math.sqrt(INERTIA / FIELD) * ellipk(modulus**2)
     assert time_to_radial(INERTIA, 0.0, FIELD, SPEED) == pytest.approx(half, rel=1e-13)
-
-
-def test_the_quadrature_by_another_rule():
-    top = largest_retraction(INERTIA, STIFFNESS, 3.0 * FIELD, 4.0 * SPEED)
-
-    def rate(angle):
-        energy = 0.5 * INERTIA * (4.0 * SPEED) ** 2 - 0.5 * STIFFNESS * angle**2 - 3.0 * FIELD * (1.0 - math.cos(angle))
-        return math.sqrt(2.0 * energy / INERTIA)
-
-    # alpha = A (1 - s^2) takes the root away; next to the turning point the energies cancel to 1e-16/1e-8.
-    half = quad(lambda s: 2.0 * top * s / rate(top * (1.0 - s * s)), 1e-7, 1.0, epsrel=1e-10)[0]
-    assert time_to_radial(INERTIA, STIFFNESS, 3.0 * FIELD, 4.0 * SPEED) == pytest.approx(2.0 * half, rel=1e-6)
 
 
 def test_a_bristle_that_would_lie_down_is_refused():

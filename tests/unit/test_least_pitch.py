@@ -34,23 +34,6 @@ def test_wires_that_turn_with_the_hub_touch_at_their_roots():
     assert found == pytest.approx(2.0 * math.asin(DIAMETER / (2.0 * RADIUS)), rel=1e-6)  # tolerance of the root search
 
 
-def test_what_is_known_of_the_operating_point():
-    """Under some 16.4 degrees before the strike, under some 46 at any time; damping makes the swing after it smaller."""
-    run = lone_pass()
-    to_strike = math.degrees(least_pitch(run, DIAMETER, until=strike(run), largest=math.radians(20.0)))
-    whole = math.degrees(least_pitch(run, DIAMETER, largest=math.radians(60.0)))
-    assert to_strike == pytest.approx(16.4, abs=0.05)
-    assert whole == pytest.approx(46.0, abs=0.5)
-    damped = math.degrees(least_pitch(lone_pass(0.05), DIAMETER, largest=math.radians(60.0)))
-    assert to_strike < damped < whole
-
-
-def test_thicker_wires_touch_from_farther():
-    run = lone_pass()
-    pitches = [least_pitch(run, size, until=strike(run), largest=math.radians(20.0)) for size in (5e-4, DIAMETER, 1e-3)]
-    assert pitches == sorted(pitches)
-
-
 def by_brute_force(run, pitch, until):
     """Least distance of points on both wires at instants, closed in on by finer and finer grids of all three.
 

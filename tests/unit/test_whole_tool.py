@@ -216,14 +216,6 @@ class TestLoadCell:
         left = 4.0 * 3.7e-3 / self.PERIOD * (bandwidth * self.PERIOD) ** 2 / 4000.0
         assert shown == pytest.approx(self.by_fourier(impacts, box, bandwidth, times), abs=left + 1e-10)
 
-    def test_one_impact_long_ago_leaves_the_filter_s_own_response(self):
-        """With a period much longer than the filter's memory: h(t) = sqrt 2 w exp(-a t) sin(a t), a = w/sqrt 2."""
-        times = np.linspace(0.0, 5e-3, 30)
-        fade = 2.0 * math.pi * 1000.0 / math.sqrt(2.0)
-        expected = 2e-3 * 2.0 * fade * np.exp(-fade * times) * np.sin(fade * times)
-        shown = load_cell_response([(0.0, 2e-3)], [], 1.0, 1000.0, times)
-        assert shown == pytest.approx(expected, abs=1e-12)
-
     def test_the_band_holds_the_mean_and_narrows_with_the_bandwidth(self):
         found, report = rows()
         series = load_cell_series(report.subject)

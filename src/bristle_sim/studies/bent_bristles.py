@@ -22,6 +22,7 @@ from bristle_sim.parameters import Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
+from bristle_sim.studies.contact_course import compression_end, trapezoidal_sums
 from bristle_sim.studies.strike_point import require_result, stopped
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Trajectory
 
@@ -73,13 +74,11 @@ class BentBristles:
 
 def slide_path(history: ContactHistory) -> Array:
     """Displacement of the tip along the workpart since the first touch, m, by the trapezoidal rule; shape (n,)."""
-    velocity = history.tangential_velocity
-    steps = 0.5 * (velocity[1:] + velocity[:-1]) * np.diff(history.time)
-    return np.concatenate(([0.0], np.cumsum(steps)))
+    return trapezoidal_sums(history.time, history.tangential_velocity)
 
 
 def slide_of(contact: ContactRecord) -> Slide:
-    """Return how the tip slides in a strike that was resolved in time.
+    """The slide of a tip in a strike that was resolved in time.
 
     Raises:
         ValueError: for a contact without a history.
@@ -96,7 +95,7 @@ def slide_of(contact: ContactRecord) -> Slide:
         forward=float(path.max()),
         total=float(path[-1]),
         duration=contact.duration,
-        compression_time=float(since[np.argmax(history.penetration)]),
+        compression_time=compression_end(history),
         ending=None if not ends else "stops" if ends[0].endswith(" stick") else "turns",
         ending_phase=ends[0].split()[0] if ends else None,
         ending_time=float(since[np.argmax(over)]) if ends and over.any() else math.inf,

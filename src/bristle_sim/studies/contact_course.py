@@ -41,6 +41,11 @@ def pieces(time: Array) -> list[tuple[int, int]]:
     return [(first, last) for first, last in pairwise(edges) if last - first > 1]
 
 
+def trapezoidal_sums(time: Array, values: Array) -> Array:
+    """Integrals of samples from the first to each by the trapezoidal rule, shape (n,)."""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))])
+
+
 def compression_end(history: ContactHistory) -> float:
     """Time from the first touch to the deepest penetration, s; it is a sample."""
     return float(history.time[int(np.argmax(history.penetration))] - history.time[0])

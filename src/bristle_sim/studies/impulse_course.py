@@ -14,6 +14,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.contact_course import trapezoidal_sums
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactHistory
 
@@ -96,10 +97,9 @@ def _tangential_steps(impact: Impact, inverse_mass: Array, frictions: tuple[floa
 
 
 def recorded_course(history: ContactHistory) -> ImpulseCourse:
-    """Return a contact resolved in time over its normal impulse, by the trapezoidal rule.
+    """A contact resolved in time over its normal impulse, by the trapezoidal rule.
 
     With a record of 24 intervals in half a wave of force the rule leaves (pi/24)^2/12 = 1.4e-3 of the impulse.
     """
-    mean = 0.5 * (history.normal_force[1:] + history.normal_force[:-1])
-    impulse = np.concatenate([[0.0], np.cumsum(mean * np.diff(history.time))])
+    impulse = trapezoidal_sums(history.time, history.normal_force)
     return ImpulseCourse(impulse, history.normal_velocity, history.tangential_velocity)
