@@ -61,14 +61,18 @@ LEAST_RESTITUTION = 1e-8  # below it the work that is returned is less than the 
 
 WIDEST_CONE = 1e12  # more friction acts as this: the cone is a half-plane but for parts in 1e12
 
-BLOCK = 1 << 15
+BLOCK = 1 << 16
 
-ROUNDS = 12
+ROUNDS = 6
 """Phases that all contacts of a block take together. The few that have more are carried on with those of all blocks."""
 
-SETTLING = 250
+SETTLING = 120
 """Phases of stick in a row after which each further one begins without the fast oscillation that is left: it counts as lost.
 One contact in a thousand of random K has more: those of modes whose rates differ a thousandfold, which bounce from line to line."""
+
+LEAST_EXACT = 0.01  # below this e* phases of slip count too, since the point bounces on the steep line some 1/e* times
+
+SINGLES = 12  # so few contacts are carried on one by one, by floats
 
 
 def _slip(bodies: Bodies, motion: Motion, settles: Number, patient: bool = True) -> tuple[Motion, Number, Done]:
@@ -170,6 +174,18 @@ class _Record:
         self.settled = np.zeros(size, dtype=bool)
         self.slip_stop, self.outcome = np.full(size, INFINITE), np.zeros(size, dtype=int)
 
+    def part(self, at: Any) -> _Record:
+        """Return a record of some of the contacts."""
+        found = _Record.__new__(_Record)
+        for name, each in vars(self).items():
+            setattr(found, name, np.array(each[..., at]))
+        return found
+
+    def put(self, at: Any, part: _Record) -> None:
+        """Take over the record of some of the contacts."""
+        for name, each in vars(self).items():
+            each[..., at] = getattr(part, name)
+
     def settles(self, at: Any) -> Number:
         """Return which contacts lose their fast oscillation now."""
         return (self.phases[at] >= SETTLING) & ~self.settled[at]
@@ -180,7 +196,8 @@ class _Record:
         for total, part in zip(self.rows, done, strict=True):
             total[row, at] += part
         self.slips[row, at] = select(done.normal > 0.0, before.slip, self.slips[row, at])
-        self.phases[at] = select(before.slip == 0.0, self.phases[at] + 1, 0)
+        counts = (before.slip == 0.0) | (bodies.restitution < LEAST_EXACT)
+        self.phases[at] = select(counts, self.phases[at] + 1, 0)
         self.settled[at] = event == SETTLED
         deepest = (event == LINE) & before.loading
         parts, never = event == APART, event == NEVER
@@ -206,65 +223,83 @@ class _Record:
 
 
 def _array_impacts(bodies: Bodies, motion: Motion) -> tuple[Motion, _Record]:
-    """Carry arrays of contacts to their ends: blocks that fit the cache for some rounds, then the rest of all."""
-    record = _Record(motion.slip)
-    motion = Motion(*(np.array(each) for each in motion))
-
-    def act(active: Array, patient: bool) -> Array:
-        """Take a phase of the active contacts; return those that go on."""
-        slips, loads = motion.slip[active] != 0.0, motion.loading[active]
-        groups: list[tuple[Array, Callable[..., Any], bool]] = [
-            (active[slips & loads], _slip, True),
-            (active[slips & ~loads], _slip, False),
-            (active[~slips & loads], stick, True),
-            (active[~slips & ~loads], stick, False),
-        ]
-        going = []
-        for at, way, loading in groups:
-            if not at.size:
-                continue
-            own, before = Bodies(*(each[at] for each in bodies)), Motion(*(each[at] for each in motion))
-            after, event, done = way(own, before._replace(loading=loading), record.settles(at), patient)
-            over = record.note(at, own, before, after, event, done)
-            for whole, part in zip(motion[:4], after[:4], strict=True):
-                whole[at] = part
-            turns = np.flatnonzero((event != NONE) & ~over)
-            if turns.size:
-                after = after._replace(loading=before.loading)
-                chosen, earlier = at[turns], Motion(*(each[turns] for each in before))
-                own, after = Bodies(*(each[turns] for each in own)), Motion(*(each[turns] for each in after))
-                new = _turned(own, after, event[turns])
-                record.turn(chosen, earlier, new, event[turns])
-                for whole, part in zip(motion, new, strict=True):
-                    whole[chosen] = part
-            going.append(at[~over])
-        return np.concatenate(going)
-
+    """Carry arrays of contacts to their ends: blocks that fit the cache for some rounds, then what is left of all of them."""
+    record, motion = _Record(motion.slip), Motion(*(np.array(each) for each in motion))
     rest = []
     for begin in range(0, motion.normal.size, BLOCK):
-        active = np.arange(begin, min(begin + BLOCK, motion.normal.size))
-        for _ in range(ROUNDS):
-            active = act(active, False) if active.size else active
-        rest.append(active)
-    active = np.concatenate(rest)
-    while active.size:
-        active = act(active, True)
+        part = slice(begin, begin + BLOCK)
+        rest.append(begin + _carried(bodies, motion, record, part, ROUNDS))
+    _carried(bodies, motion, record, np.concatenate(rest), None)
     return motion, record
 
 
-def _single_impact(bodies: Bodies, motion: Motion) -> tuple[Motion, _Record]:
+def _carried(bodies: Bodies, motion: Motion, record: _Record, part: Any, rounds: int | None) -> Array:
+    """Carry some contacts on for some rounds, or to their ends; return the indices within the part of those that go on."""
+    own = Bodies(*(each[part] for each in bodies))
+    moves = Motion(*(np.array(each[part]) for each in motion))
+    notes = record.part(part)
+    active = np.arange(moves.normal.size)
+    patient = rounds is None
+    while active.size > (SINGLES if patient else 0) and rounds != 0:
+        active = _act(own, moves, notes, active, patient)
+        rounds = None if rounds is None else rounds - 1
+    if patient:
+        for at in active.tolist():
+            ends = _single_impact(Bodies(*_floats(own, at)), Motion(*_floats(moves, at)), notes, at)
+            for whole, end in zip(moves[:4], ends[:4], strict=True):
+                whole[at] = end
+    for whole, each in zip(motion, moves, strict=True):
+        whole[part] = each
+    record.put(part, notes)
+    return active
+
+
+def _act(bodies: Bodies, motion: Motion, record: _Record, active: Array, patient: bool) -> Array:
+    """Take a phase of the active contacts; return those that go on."""
+    slips, loads = motion.slip[active] != 0.0, motion.loading[active]
+    groups: list[tuple[Array, Callable[..., Any], bool]] = [
+        (active[slips & loads], _slip, True),
+        (active[slips & ~loads], _slip, False),
+        (active[~slips & loads], stick, True),
+        (active[~slips & ~loads], stick, False),
+    ]
+    going = []
+    for at, way, loading in groups:
+        if not at.size:
+            continue
+        own, before = Bodies(*(each[at] for each in bodies)), Motion(*(each[at] for each in motion))
+        after, event, done = way(own, before._replace(loading=loading), record.settles(at), patient)
+        over = record.note(at, own, before, after, event, done)
+        for whole, part in zip(motion[:4], after[:4], strict=True):
+            whole[at] = part
+        turns = np.flatnonzero((event != NONE) & ~over)
+        if turns.size:
+            after = after._replace(loading=before.loading)
+            chosen, earlier = at[turns], Motion(*(each[turns] for each in before))
+            own, after = Bodies(*(each[turns] for each in own)), Motion(*(each[turns] for each in after))
+            new = _turned(own, after, event[turns])
+            record.turn(chosen, earlier, new, event[turns])
+            for whole, part in zip(motion, new, strict=True):
+                whole[chosen] = part
+        going.append(at[~over])
+    return np.concatenate(going)
+
+
+def _floats(values: tuple[Number, ...], at: int) -> list[Number]:
+    return [each[at].item() for each in values]
+
+
+def _single_impact(bodies: Bodies, motion: Motion, record: _Record, at: int) -> Motion:
     """Carry one contact, of floats, to its end."""
-    record = _Record(motion.slip)
     while True:
         way = _slip if motion.slip else stick
-        after, event, done = way(bodies, motion, bool(record.settles(0)))
-        if record.note(0, bodies, motion, after, event, done):
-            return after, record
+        after, event, done = way(bodies, motion, bool(record.settles(at)))
+        if record.note(at, bodies, motion, after, event, done):
+            return after
+        motion = after
         if event != NONE:
-            before, motion = after, _turned(bodies, after, event)
-            record.turn(0, before, motion, event)
-        else:
-            motion = after
+            motion = _turned(bodies, after, event)
+            record.turn(at, after, motion, event)
 
 
 def compliant_impact(values: list[Number], squared: Number) -> Impact:
@@ -289,7 +324,11 @@ def compliant_impact(values: list[Number], squared: Number) -> Impact:
     motion = _begun(bodies, Motion(normal, tangential, none, none, none, loads, 1.0 + none, mu_1, none))
     single = isinstance(normal, float)
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        motion, record = (_single_impact if single else _array_impacts)(bodies, motion)
+        if single:
+            record = _Record(motion.slip)
+            motion = _single_impact(bodies, motion, record, 0)
+        else:
+            motion, record = _array_impacts(bodies, motion)
     impulses, along, normal_works, tangential_works = (
         (each * factor).T
         for each, factor in zip(record.rows, (speed / mass,) * 2 + (speed * speed / mass,) * 2, strict=True)
