@@ -17,7 +17,14 @@ from scipy.optimize import minimize_scalar, toms748
 
 from bristle_sim.parameters import Bar, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import GivenUpError, NotCuedError, simulated_strike, start_angle, strike_measures
+from bristle_sim.studies.strike_point import (
+    GivenUpError,
+    NotCuedError,
+    reference_accuracy,
+    simulated_strike,
+    start_angle,
+    strike_measures,
+)
 from bristle_sim.theory import cueing
 
 Measures = dict[str, float | None]
@@ -163,7 +170,7 @@ def reference_solution(settings: Settings) -> Strike:
 
     def strike(tool: Tool) -> Measures:
         """Return the measures of the strike, ten times as accurate as the settings ask of the scene."""
-        accuracy = max(1e-10, 0.1 * settings.accuracy)
+        accuracy = reference_accuracy(settings)
         run = simulate_reference(tool, start_hub_angle=start_angle(tool), accuracy=accuracy, stop_after="strike")
         return strike_measures(tool, run)
 

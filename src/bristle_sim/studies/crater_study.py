@@ -207,7 +207,7 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
 
 
 def _remarks(study: CraterStudy) -> tuple[str, ...]:
-    """Say what is missing and why, and how the contact's depths are meant."""
+    """Sentences on the parts that are missing, with the reason, and on the meaning of the contact's depths."""
     lines = [
         f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
         "energy_crater_depth grows with the plies, since the force begins near zero; (4.66) reads it as a ratio of two sums",
@@ -224,7 +224,7 @@ def _remarks(study: CraterStudy) -> tuple[str, ...]:
 
 
 def cut_of(crater: Crater) -> dict[str, Any]:
-    """Return what the theory's functions of the crater take, by the names of their arguments; SI and rad."""
+    """Arguments of the theory's functions of the crater by their names; SI and rad."""
     return {
         "friction": crater.friction,
         "impact_angle": math.radians(crater.impact_angle_deg),

@@ -28,6 +28,7 @@ from bristle_sim.studies.strike_point import (
     STATE,
     outcome_of,
     ran,
+    reference_accuracy,
     require_result,
     require_rigid,
     state_at_strike,
@@ -100,7 +101,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
     if with_reference:
         from bristle_sim.reference import simulate_reference, simulate_row_reference
 
-        options: Any = {"hub_turn": settings.hub_turn, "accuracy": max(1e-10, 0.1 * settings.accuracy)}
+        options: Any = {"hub_turn": settings.hub_turn, "accuracy": reference_accuracy(settings)}
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
         alone = simulate_reference(tool, **options)
         least = {each.name: each.by_theory for each in least_pitches_of(tool, alone)}
@@ -246,7 +247,7 @@ def _edge(touch: Callable[[float], bool], near: float) -> float | None:
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return what is reported of a bristle's first strike, in the units of STRIKE; None without one."""
+    """Measures of a bristle's first strike, in the units of STRIKE; None without one."""
     contact = run.first_contact("workpart")
     impulse = None if contact is None else contact.impulse[0]
     state = state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}

@@ -25,7 +25,8 @@ REPEATED = 1e-9
 """Change of angle, and of rate over the belt's natural rate, rad, that counts as none from turn to turn."""
 
 MAGNIFIED = 100.0
-"""Such a change over the requested accuracy, where that is more: a turn adds up errors of some ten flights and contacts."""
+"""Errors of a turn over the requested accuracy: it adds up those of some ten flights and contacts, each of some ten times the
+accuracy."""
 
 
 class TurnNotCompleted(ValueError):
@@ -81,7 +82,7 @@ def _require_completed(run: Trajectory, settings: Settings, turns: int) -> None:
 
 
 def _natural_rate(tool: Tool) -> float:
-    """Return the larger of the hub's speed and the bristle's natural rate, sqrt((k_T + m r_h L/2 omega^2)/I), rad/s."""
+    """The larger of the hub's speed and the bristle's natural rate, sqrt((k_T + m r_h L/2 omega^2)/I), rad/s."""
     bristle, hub = tool.bristle, tool.hub
     stiffness = tool.belt.stiffness + bristle.mass * hub.radius * math.hypot(*bristle.centre) * hub.speed**2
     return max(math.sqrt(stiffness / bristle.inertia_about_root), hub.speed)

@@ -87,6 +87,11 @@ def ran(run: Trajectory) -> dict[str, Any]:
     return {"events": events, "wall_s": run.cost.wall_s, "steps": run.cost.steps}
 
 
+def reference_accuracy(settings: Settings) -> float:
+    """Accuracy of the independent solution: a tenth of the scene's, 1e-10 at best."""
+    return max(1e-10, 0.1 * settings.accuracy)
+
+
 def require_rigid(tool: Tool) -> None:
     """Refuse a wire that bends, whose lag and speed vibrate."""
     if tool.bristle.links > 1:

@@ -36,7 +36,7 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(8)
 def load_cell_response(
     impacts: Iterable[Impact], intervals: Iterable[Interval], period: float, bandwidth: float, times: Array
 ) -> Array:
-    """Return what the load cell shows at the given times, N, under forces that have always repeated with the period.
+    """Force that the load cell shows at the given times, N, under forces that have always repeated with the period.
 
     Each impact leaves J h(s + k T) for k = 0, 1, ..., a geometric series in exp(p T) with the filter's pole p. A force that
     acts for a while is cut in parts, shorter than half a period and 1/|p|, each of which is integrated with exp(p t).

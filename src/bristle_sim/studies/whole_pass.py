@@ -26,6 +26,7 @@ from bristle_sim.studies.strike_point import (
     contact_quantities,
     outcome_of,
     ran,
+    reference_accuracy,
     require_result,
     state_at_strike,
     stopped,
@@ -77,7 +78,7 @@ def whole_pass(tool: Tool, settings: Settings, *, with_reference: bool = False) 
     if with_reference:
         from bristle_sim.reference import simulate_reference
 
-        accuracy = max(1e-10, 0.1 * settings.accuracy)
+        accuracy = reference_accuracy(settings)
         reference = simulate_reference(tool, hub_turn=settings.hub_turn, accuracy=accuracy, stop_after="strike")
         referred = _measured(tool, reference)
 

@@ -16,16 +16,12 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.parameters import Assembly, Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.periodic_turn import PeriodicTurn, TurnNotCompleted, periodic_turn
+from bristle_sim.studies.periodic_turn import MAGNIFIED, PeriodicTurn, TurnNotCompleted, periodic_turn
 from bristle_sim.studies.strike_point import ran, require_rigid
 from bristle_sim.studies.turn_forces import Force, dissipated, load_cell_response, turn_forces
 
 LEAST_TOLERANCE = 1e-6
 """Relative: measured, splines through 150, 300 and 600 samples a period integrate the forces to 1e-6, 6e-8 and 4e-9."""
-
-MAGNIFIED = 100.0
-"""Errors of the sums over the requested accuracy: a turn adds up those of some ten flights and contacts, each of some ten
-times the accuracy."""
 
 SAMPLES_PER_PERIOD = 400
 """Samples in a period of the bristle on its belt, for the splines."""
