@@ -19,7 +19,7 @@ from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-SECONDS = 90
+SECONDS = 300
 """A scenario that takes longer belongs to docs/kept."""
 
 
