@@ -102,6 +102,9 @@ function say(text, wrong = false) { el("status").textContent = text; el("status"
 function show(run) {
   shown = run;
   say(run.warnings.join(" "));
+  for (const [name, { key }] of knobs) { // also a value that was typed in another unit
+    if (key.slider && document.activeElement !== key.slider) key.slider.value = run.values[name];
+  }
   el("answer").textContent = run.answer;
   el("command").textContent = run.command;
   viewer.show(run.motion);

@@ -98,6 +98,7 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         "motion": motion_data(run, tool),
         "series": series(run),
         "changed": [[key, _word(before[key]), _word(value)] for key, value in values.items() if value != before[key]],
+        "values": {each["key"]: each["start"] for each in knobs(pass_of, [*start, *typed])},
         "command": command([*start, *typed]),
     }
 
