@@ -86,6 +86,8 @@ def value(chance: random.Random, declared: Range | Choice, default: object) -> s
     """A value of a key's declared range: anywhere in it, near the default, or at one of its ends."""
     if isinstance(declared, Choice):
         return chance.choice(declared.options)
+    if declared.unit == "file":
+        return "missing.mat"
     if declared.unit == "column":
         return chance.choice(("1", "2", "force"))
     low, high = declared.lowest, declared.highest

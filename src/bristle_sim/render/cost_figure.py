@@ -77,7 +77,7 @@ def _growth_panel(axes: Axes, measured: AccuracyCost) -> None:
     axes.set_title("cost over links and bristles", loc="left", pad=16.0)
     axes.set_xticks([1, 2, 4, 8, 16], labels=["1", "2", "4", "8", "16"])
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlim(0.85, 1.3 * max(int(row.effect) for row in measured.effects))
+    axes.set_xlim(0.85, 1.3 * max(int(row.effect) for row in measured.effects if row.what in names))
     axes.set_xlabel("number", labelpad=1.0)
     axes.set_ylabel("CPU time (ms)", labelpad=2.0)
     axes.legend(loc="upper left", bbox_to_anchor=(0.0, -1.05 / PANEL[1]), borderaxespad=0.0, fontsize=6.5)
