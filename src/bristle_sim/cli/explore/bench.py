@@ -71,7 +71,7 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
     return words | {"unit": unit, "range": between, "start": start, "limits": limits, "whole": declared.whole}
 
 
-def bends(pass_of: Scenario, assignments: Sequence[str]) -> bool:
+def takes_seconds(pass_of: Scenario, assignments: Sequence[str]) -> bool:
     """Whether a run takes seconds: the wire bends, or its contacts are resolved in time.
 
     Raises:
