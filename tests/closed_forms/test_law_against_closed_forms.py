@@ -13,7 +13,7 @@ import pytest
 
 from bristle_sim.theory.impact import OUTCOMES, Impact, energetic_impact
 from bristle_sim.theory.monofilament import monofilament_impact
-from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact, stick_friction
+from bristle_sim.theory.pendulums import double_pendulum_impact, single_pendulum_impact
 
 
 def lever_contact(lever: np.ndarray, inertia: np.ndarray, speed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -97,46 +97,18 @@ def test_double_pendulums_at_random():
     scale = np.maximum(np.abs(expected), np.abs(start)).max(axis=1)
     assert np.all(np.abs(rates - expected).max(axis=1) <= allowed * scale)
 
+    masses = np.array([rod_contact(rods)[0] for rods in pendulums])
+    before = 0.5 * np.einsum("ki,kij,kj->k", start, masses, start)
+    lost = (1.0 - np.array([each.kinetic_energy_ratio for each in closed])) * before
+    # The ratio is a difference from one; works carry the condition of K.
+    assert np.all(np.abs(law.energy_change + lost) <= 1e-12 * before * np.maximum(1.0, 0.1 * condition))
+
     assert [OUTCOMES[int(code)] for code in law.outcome] == [each.outcome for each in closed]
     # Every sequence of phases there is, each several times.
-    phases = {each.phases for each in closed}
-    assert len(phases) >= 10
-
-
-def test_double_pendulum_phases_at_random():
-    pendulums = random_rods(2, 1500)
-    seen: dict[tuple[str, ...], int] = {}
-    for rods in pendulums:
-        matrix, velocity, _ = contact_space(rods)
+    assert len({each.phases for each in closed}) >= 10
+    for rods, each in zip(pendulums[:1500], closed, strict=False):
         frictions = rods["friction"], rods["restitution"], rods["restitution_friction"]
-        phases = energetic_impact(matrix, velocity, *frictions).phases
-        assert phases == double_pendulum_impact(**rods).phases
-        seen[phases] = seen.get(phases, 0) + 1
-    assert (
-        min(sum(phase in phases for phases in seen) for phase in ("restitution stick", "restitution reverse slip")) > 2
-    )
-
-
-def test_energy_of_double_pendulums():
-    """The energy that the law's works take out is that which the rods lose."""
-    pendulums = random_rods(3, 500)
-    law, _, condition = solve_by_law(pendulums)
-    for index, rods in enumerate(pendulums):
-        mass, _ = rod_contact(rods)
-        rates = np.array([rods["rate_1"], rods["rate_2"]])
-        before = 0.5 * rates @ mass @ rates
-        lost = (1 - double_pendulum_impact(**rods).kinetic_energy_ratio) * before
-        # The ratio is a difference from one; works carry the condition of K.
-        assert abs(-law.energy_change[index] - lost) <= 1e-12 * before * max(1.0, 0.1 * condition[index])
-
-
-def test_stick_thresholds():
-    pendulums = random_rods(4, 2000)
-    matrix = np.array([contact_space(rods)[0] for rods in pendulums])
-    closed = [stick_friction(rods["mass_ratio"], rods["angle_1"], rods["angle_2"]) for rods in pendulums]
-    # K_nt may cancel: compare with K_nn/K_tt, its largest possible size.
-    scale = np.sqrt(matrix[:, 0, 0] / matrix[:, 1, 1])
-    assert np.all(np.abs(np.abs(matrix[..., 0, 1]) / matrix[..., 1, 1] - closed) < 1e-12 * np.maximum(scale, 1.0))
+        assert energetic_impact(*contact_space(rods)[:2], *frictions).phases == each.phases
 
 
 def test_monofilaments_at_random():

@@ -26,54 +26,6 @@ TABLE = [
 ]
 
 
-def random_pendulum(rng: np.random.Generator) -> dict[str, float]:
-    """Any rods and rates, drawn until the tip approaches."""
-    while True:
-        drawn = {
-            "rod_mass": 10.0 ** rng.uniform(-4, 2),
-            "mass_ratio": 10.0 ** rng.uniform(-0.5, 4),
-            "rod_length": 10.0 ** rng.uniform(-2, 1),
-            "angle_1": rng.uniform(-1.5, 1.5),
-            "angle_2": rng.uniform(-1.5, 1.5),
-            "rate_1": rng.normal(),
-            "rate_2": rng.normal(),
-            "friction": rng.choice([0.0, rng.uniform(0, 0.5), rng.uniform(0, 3)]),
-            "restitution": rng.uniform(0.05, 1),
-        }
-        if tip_velocity(drawn, drawn["rate_1"], drawn["rate_2"])[1] < -1e-3 * drawn["rod_length"]:
-            return drawn
-
-
-def tip_velocity(rods: dict[str, float], rate_1: float, rate_2: float) -> tuple[float, float]:
-    """(2.68) from the geometry: the tip hangs at L (sin, -cos) of each angle below the hinge, mirrored in x."""
-    length, first, second = rods["rod_length"], rods["angle_1"], rods["angle_2"]
-    along = -length * (rate_1 * math.cos(first) + rate_2 * math.cos(second))
-    return along, length * (rate_1 * math.sin(first) + rate_2 * math.sin(second))
-
-
-def kinetic_energy(rods: dict[str, float], rate_1: float, rate_2: float) -> float:
-    """Of the two rods by their centres' velocities and their inertias m L^2/12 (2.91)."""
-    light, length = rods["rod_mass"], rods["rod_length"]
-    heavy = rods["mass_ratio"] * light
-    first, second = rods["angle_1"], rods["angle_2"]
-    hinge = length * rate_1 * np.array([-math.cos(first), math.sin(first)])
-    own = length * rate_2 * np.array([-math.cos(second), math.sin(second)])
-    centres = heavy * np.sum((hinge / 2) ** 2) + light * np.sum((hinge + own / 2) ** 2)
-    spins = (heavy * rate_1**2 + light * rate_2**2) * length**2 / 12
-    return 0.5 * float(centres + spins)
-
-
-def generalized_momenta(rods: dict[str, float], rate_1: float, rate_2: float) -> np.ndarray:
-    """dT/d(phi') by differences of the quadratic T, which are exact up to rounding."""
-    step = max(abs(rate_1), abs(rate_2), 1e-3)
-    return np.array(
-        [
-            (kinetic_energy(rods, rate_1 + step, rate_2) - kinetic_energy(rods, rate_1 - step, rate_2)) / (2 * step),
-            (kinetic_energy(rods, rate_1, rate_2 + step) - kinetic_energy(rods, rate_1, rate_2 - step)) / (2 * step),
-        ]
-    )
-
-
 @pytest.mark.parametrize(("ratio", "mu", "rate_1", "rate_2", "p_c", "p_f"), TABLE)
 def test_tabulated_impacts(ratio, mu, rate_1, rate_2, p_c, p_f):
     result = double_pendulum_impact(mass_ratio=ratio, friction=mu, **RODS)
@@ -116,12 +68,6 @@ def test_stick_friction_of_identical_rods():
     assert stick_friction(1, first, second) == pytest.approx(above / below, rel=1e-14)
 
 
-def test_stick_friction_parts_stick_from_reverse_slip():
-    bar = stick_friction(1.0, PAIR["angle_1"], PAIR["angle_2"])
-    for factor, ending in ((1 - 1e-9, "restitution reverse slip"), (1 + 1e-9, "restitution stick")):
-        assert double_pendulum_impact(mass_ratio=1, friction=bar * factor, **RODS).phases[-1] == ending
-
-
 def test_stick_friction_of_parallel_or_hub_like_rods_is_that_of_the_monofilament():
     """tan gamma (2.111): for parallel rods whatever n, for any first rod as n grows."""
     angle = math.radians(23.4)
@@ -132,104 +78,11 @@ def test_stick_friction_of_parallel_or_hub_like_rods_is_that_of_the_monofilament
     np.testing.assert_allclose(gap * heavy, gap[-1] * heavy[-1], rtol=5e-3)
 
 
-def test_heavy_first_rod_behaves_as_a_hub():
-    """As n grows the rates tend to those of the monofilament with r_h = L, the error being of order 1/n (fig. 2.30)."""
-    angle, mass, length, hub, rate = math.radians(23.4), 8.387e-5, 0.027, 261.8, 845.6
-    limit = monofilament_impact(mass, length, length, hub, rate / hub, angle, 0.31, 0.42)
-    # Printed 2.4932581e-3.
-    assert limit.normal_final_impulse == pytest.approx(2.4932581e-3, rel=2e-8)
-    ratios, gaps = 10.0 ** np.arange(2, 7), []
-    for ratio in ratios:
-        rods = double_pendulum_impact(mass, ratio, length, angle, angle, -hub, -rate, 0.31, 0.42)
-        gaps.append((rods.normal_final_impulse / limit.normal_final_impulse - 1, rods.final_rate_1 / -hub - 1))
-        assert rods.final_rate_2 == pytest.approx(-limit.final_bristle_rate, rel=10 / ratio)
-    # First order in 1/n, with a relative second-order term of 1/n.
-    scaled = np.array(gaps) * ratios[:, np.newaxis]
-    np.testing.assert_allclose(scaled[1:], np.broadcast_to(scaled[-1], scaled[1:].shape), rtol=5e-3)
-
-
 def test_figure_2_30_at_the_operating_friction():
     angle = math.radians(23.4)
     result = double_pendulum_impact(8.387e-5, 700, 0.027, angle, angle, -261.8, -845.6, 0.31, 0.42)
     # Eight printed digits.
     assert result.normal_final_impulse == pytest.approx(2.4923689e-3, rel=2e-8)
-
-
-def test_momentum_work_and_energy_at_random():
-    """Any solution must satisfy these, however found: see the comments."""
-    rng = np.random.default_rng(3)
-    for _ in range(300):
-        rods = random_pendulum(rng)
-        result = double_pendulum_impact(**rods)
-        before, after = (rods["rate_1"], rods["rate_2"]), (result.final_rate_1, result.final_rate_2)
-        # The impulse that the change of the generalized momenta needs, J^T p = dP (2.69), has the normal part p_f.
-        lever = rods["rod_length"] * np.array(
-            [
-                [math.sin(rods["angle_1"]), -math.cos(rods["angle_1"])],
-                [math.sin(rods["angle_2"]), -math.cos(rods["angle_2"])],
-            ]
-        )
-        change = generalized_momenta(rods, *after) - generalized_momenta(rods, *before)
-        impulse = np.linalg.solve(lever, change)
-        # The two rods' momenta tell the components apart by sin(theta_1 - theta_2) and carry n times more than p.
-        scale = np.max(np.abs(generalized_momenta(rods, *before))) / rods["rod_length"] + result.normal_final_impulse
-        lost = 1e-13 * scale / abs(math.sin(rods["angle_1"] - rods["angle_2"]))
-        assert abs(impulse[0] - result.normal_final_impulse) < lost
-        assert abs(impulse[1]) <= rods["friction"] * result.normal_final_impulse + lost
-
-        energies = kinetic_energy(rods, *before), kinetic_energy(rods, *after)
-        assert result.kinetic_energy_ratio == pytest.approx(energies[1] / energies[0], rel=1e-12)
-        assert result.kinetic_energy_ratio <= 1 + 1e-12
-        assert tip_velocity(rods, *after)[1] > -1e-9 * rods["rod_length"]
-
-
-def test_frictionless_impact_is_newtons():
-    """Without friction the three coefficients are one: v_y after = -e* v_y before, p_f = (1 + e*) p_c, energy by v_y^2."""
-    rng = np.random.default_rng(4)
-    for _ in range(100):
-        rods = random_pendulum(rng) | {"friction": 0.0}
-        result = double_pendulum_impact(**rods)
-        start = tip_velocity(rods, rods["rate_1"], rods["rate_2"])[1]
-        end = tip_velocity(rods, result.final_rate_1, result.final_rate_2)[1]
-        # The tip's speed is a sum of rates some hundred times larger where the first rod is heavy.
-        assert end == pytest.approx(-rods["restitution"] * start, rel=1e-9)
-        assert result.normal_final_impulse == pytest.approx(
-            (1 + rods["restitution"]) * result.normal_compressive_impulse, rel=1e-12
-        )
-        lost = kinetic_energy(rods, rods["rate_1"], rods["rate_2"]) * (1 - result.kinetic_energy_ratio)
-        taken = 0.5 * (1 - rods["restitution"] ** 2) * -start * result.normal_compressive_impulse
-        # The loss is a difference of energies up to a thousand times larger.
-        assert lost == pytest.approx(taken, rel=1e-6, abs=1e-13 * kinetic_energy(rods, rods["rate_1"], rods["rate_2"]))
-
-
-def test_rates_scale_and_mirror():
-    plain = double_pendulum_impact(mass_ratio=3, friction=0.4, **RODS)
-    faster = double_pendulum_impact(mass_ratio=3, friction=0.4, **(RODS | {"rate_1": -0.4, "rate_2": -0.8}))
-    mirrored = RODS | {key: -PAIR[key] for key in PAIR}
-    other = double_pendulum_impact(mass_ratio=3, friction=0.4, **mirrored)
-    # Powers of two and signs are exact.
-    assert faster.final_rate_2 == 4 * plain.final_rate_2
-    assert faster.normal_final_impulse == 4 * plain.normal_final_impulse
-    assert (other.final_rate_1, other.final_rate_2) == (-plain.final_rate_1, -plain.final_rate_2)
-    assert other.phases == plain.phases
-
-
-def test_tip_that_does_not_approach_is_left_alone():
-    result = double_pendulum_impact(mass_ratio=1, friction=0.3, **(RODS | {"rate_1": 0.1, "rate_2": 0.2}))
-    assert result.outcome == "no contact"
-    assert (result.final_rate_1, result.final_rate_2, result.normal_final_impulse) == (0.1, 0.2, 0.0)
-    resting = double_pendulum_impact(mass_ratio=1, friction=0.3, **(RODS | {"rate_1": 0.0, "rate_2": 0.0}))
-    assert (resting.outcome, resting.kinetic_energy_ratio) == ("no contact", 1.0)
-
-
-def test_parallel_rods_are_stuck_beyond_tan_theta():
-    angle = math.radians(25)
-    parallel = RODS | {"angle_1": angle, "angle_2": angle, "mass_ratio": 4}
-    stuck = double_pendulum_impact(friction=math.tan(angle) * 1.001, **parallel)
-    assert stuck.outcome == "stiction"
-    assert stuck.normal_final_impulse == stuck.normal_compressive_impulse == stuck.slip_stop_impulse
-    free = double_pendulum_impact(friction=math.tan(angle) * 0.999, **parallel)
-    assert free.outcome == "rebound"
 
 
 def test_edges_of_the_ranges_give_finite_numbers():
@@ -250,15 +103,6 @@ def test_edges_of_the_ranges_give_finite_numbers():
                         numbers = (*impulses, result.final_rate_1, result.final_rate_2, result.kinetic_energy_ratio)
                         assert all(math.isfinite(number) for number in numbers)
     assert {"no contact", "rebound", "no rebound", "stiction"} <= outcomes
-
-
-def test_no_rebound_without_restitution():
-    result = double_pendulum_impact(mass_ratio=1, friction=0.3, **(RODS | {"restitution": 0.0}))
-    assert result.outcome == "no rebound"
-    assert result.normal_final_impulse == result.normal_compressive_impulse
-    along, away = tip_velocity(RODS, result.final_rate_1, result.final_rate_2)
-    assert away == pytest.approx(0.0, abs=1e-16)
-    assert along > 0.0
 
 
 def test_single_pendulum_is_the_monofilament_on_a_point():
@@ -286,44 +130,20 @@ def test_single_pendulum_formula():
     assert result.normal_final_impulse == pytest.approx(2 * result.normal_compressive_impulse, rel=1e-15)
 
 
-def test_single_pendulum_that_does_not_approach():
-    for rate in (0.0, 0.5):
-        result = single_pendulum_impact(1.0, 1.0, 0.4, rate, 0.3, 0.5)
-        assert (result.outcome, result.final_rate) == ("no contact", rate)
-        assert (result.normal_compressive_impulse, result.normal_final_impulse) == (0.0, 0.0)
+BAD = {
+    "rod_mass": 0.0, "mass_ratio": -1.0, "rod_length": math.nan, "angle_1": 2.0, "angle_2": -2.0, "rate_1": math.inf,
+    "rate_2": math.nan, "friction": -0.1, "restitution": 1.5, "restitution_friction": -1.0,
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("rod_mass", 0.0),
-        ("mass_ratio", -1.0),
-        ("rod_length", math.nan),
-        ("angle_1", 2.0),
-        ("angle_2", -2.0),
-        ("rate_1", math.inf),
-        ("rate_2", math.nan),
-        ("friction", -0.1),
-        ("restitution", 1.5),
-        ("restitution_friction", -1.0),
-    ],
-)
-def test_bad_input_is_named_in_one_line(name, value):
-    arguments = {"mass_ratio": 1.0, "friction": 0.3, "restitution_friction": 0.2} | RODS | {name: value}
+@pytest.mark.parametrize("name", BAD)
+def test_bad_input_is_named_in_one_line(name):
+    arguments = {"mass_ratio": 1.0, "friction": 0.3, "restitution_friction": 0.2} | RODS | {name: BAD[name]}
     with pytest.raises(ValueError, match=f"^{name} = ") as refusal:
         double_pendulum_impact(**arguments)
     assert "\n" not in str(refusal.value)
-
-
-@pytest.mark.parametrize("angle", [0.0, -0.1, 1.6])
-def test_single_pendulum_needs_an_inclination(angle):
     with pytest.raises(ValueError, match=r"^impact_angle = .*rad"):
-        single_pendulum_impact(1.0, 1.0, angle, -1.0, 0.3, 0.5)
-
-
-def holds_exactly(gamma: float) -> bool:
-    """Whether tan gamma cos gamma is sin gamma in floats too."""
-    return math.sin(gamma) - math.sin(gamma) / math.cos(gamma) * math.cos(gamma) == 0.0
+        single_pendulum_impact(1.0, 1.0, 0.0, -1.0, 0.3, 0.5)
 
 
 class TestEdges:
@@ -336,24 +156,17 @@ class TestEdges:
 
     @pytest.mark.parametrize(
         ("friction", "restitution", "outcome"),
-        [(0.1, 0.0, "no rebound"), (9.0, 0.0, "no rebound"), (9.0, 0.5, "stiction")],
+        [(0.1, 0.0, "no rebound"), (9.0, 0.0, "no rebound"), (9.0, 0.5, "stiction"), (math.tan(0.6), 0.5, "stiction")],
     )
     def test_why_a_rod_stays(self, friction: float, restitution: float, outcome: str) -> None:
-        """Without restitution nothing drives the rod back; with it, friction above tan gamma holds it."""
+        """Without restitution nothing drives the rod back; with it, friction of tan gamma or more holds it."""
         result = single_pendulum_impact(3.0, 0.5, 0.6, -2.0, friction, restitution)
         assert (result.outcome, result.final_rate, result.rebound_ratio) == (outcome, 0.0, 0.0)
 
-    def test_friction_of_tan_gamma_itself_holds_the_rod(self) -> None:
-        """No rebound for mu >= tan gamma: cos gamma = 0.8 and sin gamma = 0.6 = 0.75 cos gamma, where floats agree."""
-        exact = [gamma for gamma in np.linspace(0.2, 1.2, 41).tolist() if holds_exactly(gamma)]
-        assert exact, "some angle whose sine is the float product of tangent and cosine"
-        for gamma in exact:
-            result = single_pendulum_impact(1.0, 1.0, gamma, -1.0, math.sin(gamma) / math.cos(gamma), 0.5)
-            assert result.outcome == "stiction"
-
-    def test_a_rod_that_swings_away_keeps_its_rate(self) -> None:
-        result = single_pendulum_impact(3.0, 0.5, 0.6, 2.0, 0.3, 0.5)
-        assert (result.outcome, result.final_rate, result.rebound_ratio) == ("no contact", 2.0, 1.0)
+    @pytest.mark.parametrize("rate", [0.0, 2.0])
+    def test_a_rod_that_does_not_approach_keeps_its_rate(self, rate: float) -> None:
+        result = single_pendulum_impact(3.0, 0.5, 0.6, rate, 0.3, 0.5)
+        assert (result.outcome, result.final_rate, result.normal_final_impulse) == ("no contact", rate, 0.0)
 
     @pytest.mark.parametrize("apart", [0.0, 1e-10, -1e-10, 5e-9])
     def test_rods_parallel_up_to_rounding_are_held_by_friction(self, apart: float) -> None:
