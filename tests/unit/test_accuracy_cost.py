@@ -7,22 +7,19 @@ import time
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from bristle_sim.benchmarks import machine
 from bristle_sim.benchmarks.accuracy_cost import (
     cases,
     effects,
-    exudyn_methods,
-    heyoka_methods,
     measure,
-    mujoco_methods,
     own_methods,
+    peers,
     scipy_methods,
     study,
 )
-from bristle_sim.benchmarks.accuracy_cost.compliant_contact import TipContact
 from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Effort, Point, Run
+from bristle_sim.benchmarks.accuracy_cost.scipy_methods import TipContact, phase_end
 from bristle_sim.benchmarks.accuracy_cost.study import accuracy_cost
 from bristle_sim.parameters import Surface
 from bristle_sim.scene.strike import Chain
@@ -50,7 +47,7 @@ class TestCases:
     @pytest.mark.parametrize("case", [cases.strike(), cases.double_pendulum()], ids=lambda case: case.name)
     @pytest.mark.parametrize("method", ["dopri5", "dop853"])
     def test_closed_form_of_a_strike_is_what_compiled_integrators_find(self, case, method):
-        # Requested 1e-12; phases are told apart by velocities of SMALL = 1e-9 of the approach.
+        # Requested 1e-12; phases are told apart by velocities of SETTLED = 1e-9 of the approach.
         assert errors(case, scipy_methods.strike_attempts(case)[-22:], f"scipy ode {method}")[-1] < 1e-9
 
     def test_a_strike_and_a_pass_by_events_of_scipy(self):
@@ -80,10 +77,7 @@ class TestCompliantContact:
     @staticmethod
     def solved(chain, surface):
         def follow(contact, phase, state):
-            events = [scipy_methods._terminal(*each) for each in contact.ends(phase)]
-            slope = contact.derivative(phase)
-            found = solve_ivp(slope, (0.0, 1e3), state, method="DOP853", events=events, rtol=1e-12, atol=1e-12)
-            return found.y[:, -1].tolist()
+            return phase_end(contact, phase, state, "DOP853", 1e-12)[0]
 
         return TipContact(chain, surface).solve(follow)
 
@@ -185,7 +179,7 @@ class TestPeers:
     @pytest.mark.parametrize(("integrator", "order"), [("euler", 1), ("implicitfast", 1), ("rk4", 4)])
     def test_mujoco_flight(self, integrator, order):
         pytest.importorskip("mujoco")
-        attempts = mujoco_methods.flight_attempts(FLIGHT)
+        attempts = peers.mujoco_flight(FLIGHT)
         coarse, fine = (
             FLIGHT.error(attempt_named(attempts, f"mujoco {integrator}", f"steps={count}").run().values)
             for count in (64, 128)
@@ -199,13 +193,13 @@ class TestPeers:
     def test_mujoco_pass_reaches_the_strike(self):
         pytest.importorskip("mujoco")
         case = cases.whole_pass()
-        run = attempt_named(mujoco_methods.pass_attempts(case), "mujoco rk4", "steps=2000").run()
+        run = attempt_named(peers.mujoco_pass(case), "mujoco rk4", "steps=2000").run()
         # A spring two steps stiff is 2e-3 of the pass soft, and what it keeps of that is a tenth.
         assert case.error(run.values) < 5e-4
 
     def test_exudyn_flight(self):
         pytest.importorskip("exudyn")
-        attempts = exudyn_methods.flight_attempts(FLIGHT)
+        attempts = peers.exudyn_flight(FLIGHT)
         coarse, fine = (
             FLIGHT.error(attempt_named(attempts, "exudyn rk44", f"steps={n}").run().values) for n in (16, 32)
         )
@@ -213,14 +207,14 @@ class TestPeers:
 
     def test_heyoka_flight(self):
         pytest.importorskip("heyoka")
-        attempts = heyoka_methods.flight_attempts(FLIGHT)
+        attempts = peers.heyoka_flight(FLIGHT)
         # Each tolerance bounds a step's remainder; the flight takes some ten steps, and ends at rounding.
         assert all(FLIGHT.error(each.run().values) < 10.0 * 10.0**-k + 1e-14 for k, each in enumerate(attempts, 1))
         assert attempts[-1].run() == attempts[-1].run()
 
     def test_exudyn_adapts_its_steps(self):
         pytest.importorskip("exudyn")
-        attempts = exudyn_methods.flight_attempts(FLIGHT)
+        attempts = peers.exudyn_flight(FLIGHT)
         coarse, fine = (attempt_named(attempts, "exudyn dopri5", f"rtol={each}").run() for each in ("1e-05", "1e-10"))
         assert coarse.steps < fine.steps
         # An order-5 pair usually stays within its tolerance.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -28,14 +28,17 @@ REFERENCE_ACCURACY = 1e-12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """What is computed.
+    """What is computed, with its exact answer.
 
     Attributes:
         name, title: for tables and for pictures.
-        exact: the answer.
+        exact: of a flight relative angle (rad) and rate (rad/s) at its end, of a pass time (s), relative angle and relative
+            rate at the strike on the workpart, of a strike the rates of the rods after it (rad/s).
         scale: natural size of each of its numbers.
         source: where the exact answer comes from.
         notes: what a reader of its results should know, and which tools cannot take part.
+        tool: of a flight or a pass.
+        retraction, duration: of a flight from rest, rad and s.
     """
 
     name: str
@@ -44,6 +47,9 @@ class Case:
     scale: tuple[float, ...]
     source: str
     notes: tuple[str, ...] = ()
+    tool: Tool = field(default_factory=Tool)
+    retraction: float = 0.0
+    duration: float = 0.0
 
     def error(self, values: Sequence[float]) -> float:
         """Return the largest difference from the exact answer, each number relative to its scale; NaN counts as infinite."""
@@ -52,37 +58,26 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FlightCase(Case):
-    """Relative angle (rad) and rate (rad/s) of a bristle released from rest at ``-retraction``, after ``duration`` s."""
-
-    tool: Tool
-    retraction: float
-    duration: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class StrikeCase(Case):
-    """Rates of the rods after an impact by the energetic law, rad/s."""
+    """An impact by the energetic law."""
 
     chain: Chain
     surface: Surface
+    notes: tuple[str, ...] = (
+        "energetic: the law, no steps in time; engine: Newton's restitution",
+        "scipy: the compliant contact's equations, derived by hand",
+        "mujoco, exudyn cannot express energetic restitution",
+    )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PassCase(Case):
-    """Time (s), relative angle (rad) and relative rate (rad/s) at which the tip strikes the workpart."""
-
-    tool: Tool
-
-
-def release_flight() -> FlightCase:
+def release_flight() -> Case:
     """Return the undamped release, hub turning, up to the quarter period: radial then, at the speed of the energy integral."""
     tool, retraction = Tool(bar=None, workpart=None), RETRACTION_AT_RELEASE
     bristle, hub = tool.bristle, tool.hub
     centrifugal = cueing.centrifugal_stiffness(bristle.mass, hub.radius, bristle.length, hub.speed)
     swing = (retraction, tool.belt.stiffness, centrifugal, bristle.inertia_about_root)
     speed = float(cueing.stiffened_highest_speed(*swing))
-    return FlightCase(
+    return Case(
         name="release_flight",
         title="release and flight to the radial position",
         exact=(0.0, speed),
@@ -98,35 +93,18 @@ def release_flight() -> FlightCase:
     )
 
 
-STRIKE_NOTES = (
-    "energetic: the law, no steps in time; engine: Newton's restitution",
-    "scipy: the compliant contact's equations, derived by hand",
-    "mujoco, exudyn cannot express energetic restitution",
-)
-
-
 def strike() -> StrikeCase:
     """Return the radial bristle's oblique strike (Zhang 2020, eqs. 2.19-2.65)."""
-    tool, state, surface = Tool(), Strike(), Surface()
-    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * tool.hub.speed
-    bristle, hub = tool.bristle, tool.hub
-    exact = monofilament_impact(
-        bristle.mass,
-        bristle.length,
-        hub.radius,
-        hub.speed,
-        state.speed_ratio,
-        gamma,
-        surface.friction,
-        surface.restitution,
-    )
+    bristle, hub, state, surface = Tool().bristle, Tool().hub, Strike(), Surface()
+    gamma, rate = math.radians(state.impact_angle_deg), state.speed_ratio * hub.speed
+    motion = (hub.radius, hub.speed, state.speed_ratio, gamma)
+    exact = monofilament_impact(bristle.mass, bristle.length, *motion, surface.friction, surface.restitution)
     return StrikeCase(
         name="strike",
         title="one oblique strike",
         exact=(float(exact.final_bristle_rate),),
         scale=(rate,),
         source="Zhang 2020, eq. 2.65",
-        notes=STRIKE_NOTES,
         chain=radial_chain(hub, bristle, gamma, rate),
         surface=surface,
     )
@@ -136,29 +114,25 @@ def double_pendulum() -> StrikeCase:
     """Return Stronge's double pendulum: identical rods at 20 and 30 degrees (Zhang 2020, sec. 2.4.2)."""
     rods, surface = DoublePendulum(), Surface(friction=0.5, restitution=0.5)
     chain = double_chain(rods)
-    angles, rates = (-chain.angles[0], -chain.angles[1]), (-chain.rates[0], -chain.rates[1])
-    exact = double_pendulum_impact(
-        rods.mass, rods.mass_ratio, rods.length, *angles, *rates, surface.friction, surface.restitution
-    )
-    largest = max(map(abs, rates))
+    angle_1, angle_2, rate_1, rate_2 = (-each for each in (*chain.angles, *chain.rates))
+    law = (surface.friction, surface.restitution)
+    exact = double_pendulum_impact(rods.mass, rods.mass_ratio, rods.length, angle_1, angle_2, rate_1, rate_2, *law)
     return StrikeCase(
         name="double_pendulum",
         title="strike of a double pendulum",
         exact=(-exact.final_rate_1, -exact.final_rate_2),
-        scale=(largest, largest),
+        scale=(max(map(abs, chain.rates)),) * 2,
         source="Zhang 2020, eqs. 2.66-2.90, followed in generalized speeds",
-        notes=STRIKE_NOTES,
         chain=chain,
         surface=surface,
     )
 
 
 @functools.cache
-def whole_pass() -> PassCase:
+def whole_pass() -> Case:
     """Return the pass of the dissertation's tool from radial, 90 degrees before the workpart, up to the strike."""
-    tool = Tool()
-    exact = state_at_strike(simulate_reference(tool, accuracy=REFERENCE_ACCURACY, stop_after="strike"))
-    return PassCase(
+    exact = state_at_strike(simulate_reference(Tool(), accuracy=REFERENCE_ACCURACY, stop_after="strike"))
+    return Case(
         name="whole_pass",
         title="whole pass up to the strike",
         exact=exact,
@@ -169,7 +143,6 @@ def whole_pass() -> PassCase:
             "mujoco: the bar as a damped spring as stiff as the step allows",
             "exudyn: not attempted",
         ),
-        tool=tool,
     )
 
 

@@ -55,7 +55,6 @@ STEPS = 200
 START = -0.1
 """Relative angle at the start of a pass, rad, so that something moves in every scene."""
 
-
 LINKS, BRISTLES = (1, 2, 4, 8, 16), (1, 2, 4)
 """Links of a wire and bristles of a row whose costs are compared with those of one; two of either at less than full effort."""
 
@@ -77,20 +76,22 @@ def effects(case: StrikeCase, effort: Effort) -> list[Effect]:
     """
     full = effort.effort == "full"
     passes = PASSES if full else dict(list(PASSES.items())[:3])
-    flights: Actions = {
-        name: (partial(simulate, tool, settings, start_relative_angle=START), f"{_contents(tool)}; {{0.stop_reason}}")
-        for name, (tool, settings) in passes.items()
+    given = (case.chain, case.surface), Settings(accuracy=1e-3)
+    priced: dict[str, Actions] = {
+        "pass": {
+            name: (partial(simulate, *each, start_relative_angle=START), f"{_contents(each[0])}; {{0.stop_reason}}")
+            for name, each in passes.items()
+        },
+        "strike": {
+            law: (partial(strike, *given[0], Contact(law), given[1]), "one rod")
+            for law in ("energetic", "engine", "compliant")
+        },
+        "links": {str(links): (_wire(links), "a strike") for links in LINKS[: None if full else 2]},
+        "bristles": {
+            str(count): (partial(simulate_row, WHOLE, bristles=count, **APART), "a row")
+            for count in BRISTLES[: None if full else 2]
+        },
     }
-    laws: Actions = {
-        law: (partial(strike, case.chain, case.surface, Contact(law), Settings(accuracy=1e-3)), "one rod")
-        for law in ("energetic", "engine", "compliant")
-    }
-    wires: Actions = {str(links): (_wire(links), "a strike") for links in LINKS[: None if full else 2]}
-    rows: Actions = {
-        str(count): (partial(simulate_row, WHOLE, bristles=count, **APART), "a row")
-        for count in BRISTLES[: None if full else 2]
-    }
-    priced = {"pass": flights, "strike": laws, "links": wires, "bristles": rows}
     return [*steps(effort), *(row for what, actions in priced.items() for row in _priced(what, actions, effort))]
 
 
@@ -107,12 +108,12 @@ def _priced(what: str, actions: Actions, effort: Effort, number: int = 1) -> lis
     """Return the costs of actions that each do a number of things."""
     results = [action() for action, _ in actions.values()]
     times = [least / number for least, _ in cpu_times([action for action, _ in actions.values()], effort)]
-    single = [each[0] if isinstance(each, Sequence) else each for each in results]
-    counts = [getattr(getattr(each, "cost", each), "steps", None) for each in single]
-    return [
-        Effect(what, name, time, time / times[0], holds.format(result), count)
-        for (name, (_, holds)), time, result, count in zip(actions.items(), times, results, counts, strict=True)
-    ]
+    found = []
+    for (name, (_, holds)), time, result in zip(actions.items(), times, results, strict=True):
+        single = result[0] if isinstance(result, Sequence) else result
+        count = getattr(getattr(single, "cost", single), "steps", None)
+        found.append(Effect(what, name, time, time / times[0], holds.format(result), count))
+    return found
 
 
 def _contents(tool: Tool) -> str:

@@ -15,6 +15,7 @@ import time as clock
 import timeit
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from bristle_sim.benchmarks.accuracy_cost.cases import Case
@@ -29,18 +30,12 @@ class Effort(Declared):
     """How much to measure."""
 
     effort: str = choice(
-        "full",
-        "effort",
-        ("full", "quick"),
+        *("full", "effort", ("full", "quick"), "how many settings are timed and how often"),
         source="chosen: quick measures too little to compare",
-        meaning="how many settings are timed and how often",
     )
     peers: str = choice(
-        "all",
-        "peers",
-        ("all", "none"),
+        *("all", "peers", ("all", "none"), "whether other packages are timed too"),
         source="chosen: every installed peer takes part",
-        meaning="whether other packages are timed too",
     )
 
     @property
@@ -59,14 +54,16 @@ class Run:
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """One method with one setting; ``run`` does all that is timed, and what it needs beforehand is made before.
-
-    Settings of one method go from coarse to fine. ``method`` begins with the package's name.
-    """
+    """One method with one setting; ``run`` does all that is timed. ``method`` begins with the package's name."""
 
     method: str
     setting: str
     run: Callable[[], Run]
+
+
+def attempts(method: str, setting: str, run: Callable[[Any], Run], values: Iterable[Any]) -> list[Attempt]:
+    """Return an attempt for each value of a method's setting, which go from coarse to fine."""
+    return [Attempt(method, setting.format(value), partial(run, value)) for value in values]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,33 +110,31 @@ def package_of(method: str) -> str:
     return method.split(maxsplit=1)[0]
 
 
-def thinned(attempts: Sequence[Attempt], settings: int) -> list[Attempt]:
+def thinned(all_of_them: Sequence[Attempt], settings: int) -> list[Attempt]:
     """Return at most a number of settings of each method, evenly spread, the coarsest among them."""
-    methods = dict.fromkeys(each.method for each in attempts)
-    own = [[each for each in attempts if each.method == method] for method in methods]
+    methods = dict.fromkeys(each.method for each in all_of_them)
+    own = [[each for each in all_of_them if each.method == method] for method in methods]
     return [each for group in own for each in group[:: -(-len(group) // settings)]]
 
 
-def measure(case: Case, attempts: Iterable[Attempt], effort: Effort) -> list[Point]:
-    """Find errors first, then times, of every attempt."""
-    tried = [(attempt, _tried(case, attempt)) for attempt in attempts]
-    times = iter(cpu_times([attempt.run for attempt, point in tried if not point.failure], effort))
-    found = []
-    for _, point in tried:
-        least, median = (math.nan, math.nan) if point.failure else next(times)
-        found.append(dataclasses.replace(point, cpu_s=least, cpu_s_median=median))
-    return found
-
-
-def _tried(case: Case, attempt: Attempt) -> Point:
-    """Run an attempt once; whatever a tool raises, and each has kinds of its own, is its result and not the study's failure."""
-    error, steps, failure = math.inf, 0, ""
-    try:
-        run = attempt.run()
-        error, steps = case.error(run.values), run.steps
-    except Exception as raised:
-        failure = " ".join(str(raised).split()) or type(raised).__name__
-    return Point(case.name, attempt.method, attempt.setting, error, math.nan, math.nan, steps, failure)
+def measure(case: Case, tried: Iterable[Attempt], effort: Effort) -> list[Point]:
+    """Find errors first, then times, of every attempt; whatever a tool raises is its result and not the study's failure."""
+    points, working = list[Point](), list[Callable[[], Run]]()
+    for attempt in tried:
+        error, steps, failure = math.inf, 0, ""
+        try:
+            run = attempt.run()
+            error, steps = case.error(run.values), run.steps
+            working.append(attempt.run)
+        except Exception as raised:
+            failure = " ".join(str(raised).split()) or type(raised).__name__
+        points.append(Point(case.name, attempt.method, attempt.setting, error, math.nan, math.nan, steps, failure))
+    times = iter(cpu_times(working, effort))
+    for i, point in enumerate(points):
+        if not point.failure:
+            least, median = next(times)
+            points[i] = dataclasses.replace(point, cpu_s=least, cpu_s_median=median)
+    return points
 
 
 BLOCK = 4e-3
@@ -148,25 +143,22 @@ BLOCK = 4e-3
 
 def cpu_times(actions: Sequence[Callable[[], Any]], effort: Effort) -> list[tuple[float, float]]:
     """Return (least, median) CPU time in s of each action, timed in turn over the rounds, with caches warm."""
-    counts = [_repetitions(action, BLOCK if effort.effort == "full" else 0.0) for action in actions]
+    timers = [timeit.Timer(action, timer=clock.process_time) for action in actions]
+    counts = [_repetitions(each, BLOCK if effort.effort == "full" else 0.0) for each in timers]
     rounds: list[list[float]] = [[] for _ in actions]
     for _ in range(effort.rounds):
-        for action, count, own in zip(actions, counts, rounds, strict=True):
+        for timer, count, own in zip(timers, counts, rounds, strict=True):
             if count > 1:
-                action()
-            own.append(_timed(action, count) / count)
+                timer.timeit(1)
+            own.append(timer.timeit(count) / count)
     return [(min(own), statistics.median(own)) for own in rounds]
 
 
-def _repetitions(action: Callable[[], Any], block_s: float) -> int:
-    """Return the repetitions of an action that fill a block; its first call is slow and tells nothing."""
-    first = _timed(action, 1)
-    usual = first if first > block_s else _timed(action, 2) / 2.0
+def _repetitions(timer: timeit.Timer, block_s: float) -> int:
+    """Return the repetitions of an action that fill a block; its first call is slow and says little."""
+    first = timer.timeit(1)
+    usual = first if first > block_s else timer.timeit(2) / 2.0
     return max(1, math.ceil(block_s / max(usual, 1e-7)))
-
-
-def _timed(action: Callable[[], Any], count: int) -> float:
-    return timeit.timeit(action, timer=clock.process_time, number=count)
 
 
 def cheapest(points: Iterable[Point], target: float) -> Point | None:
@@ -175,14 +167,10 @@ def cheapest(points: Iterable[Point], target: float) -> Point | None:
     That a setting is right by luck, where its error changes sign, does not count. Points of one method go from coarse to
     fine.
     """
-    methods: dict[str, list[Point]] = {}
-    for point in points:
-        if not point.failure:
-            methods.setdefault(point.method, []).append(point)
-    candidates = [
-        point
-        for own in methods.values()
-        for point, finer in zip(own, [*own[1:], own[-1]], strict=True)
-        if point.error <= target and finer.error <= target
-    ]
+    working = [point for point in points if not point.failure]
+    candidates = []
+    for method in dict.fromkeys(point.method for point in working):
+        own = [point for point in working if point.method == method]
+        pairs = zip(own, [*own[1:], own[-1]], strict=True)
+        candidates += [point for point, finer in pairs if max(point.error, finer.error) <= target]
     return min(candidates, key=lambda each: each.cpu_s, default=None)

@@ -1,4 +1,15 @@
-"""scipy's integrators at the cases, with right-hand sides as fast as Python can make them."""
+"""scipy's integrators at the cases, with right-hand sides as fast as Python can make them.
+
+A strike is the bilinear compliant contact in contact space. With the chain's mass matrix M and the Jacobian J of its tip's
+(normal, tangential) velocity, K = J M^-1 J^T, and in the limit of a short contact, in which nothing but the contact acts and
+the chain keeps its shape,
+
+    delta' = -v_n,    p_n' = N,    p_t' = F,    v = v(0) + K p,
+
+with N = k delta while the tip goes in and N = (k/e*^2) (delta - (1 - e*^2) delta_max) on its way out, F = -mu sign(v_t) N
+in slip, and F = -(K_nt/K_tt) N in stick. Time, impulse and depth are scaled so that k = K_nn = -v_n(0) = 1. This is the
+limit to which the compliant contact of a scene tends; here it is cheaper, since no bodies move.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +17,19 @@ import functools
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.integrate import ode, solve_ivp
 from scipy.optimize import brentq
 
-from bristle_sim.benchmarks.accuracy_cost.cases import FlightCase, PassCase, StrikeCase, state_at_strike
-from bristle_sim.benchmarks.accuracy_cost.compliant_contact import LONGEST, ContactPhase, Ends, TipContact
-from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run
+from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase, state_at_strike
+from bristle_sim.benchmarks.accuracy_cost.measure import Attempt, Run, attempts
+from bristle_sim.parameters import Surface
 from bristle_sim.reference import simulate_reference
+from bristle_sim.scene.strike import Chain
+from bristle_sim.studies.impulse_course import tip_response, tip_velocity
 from bristle_sim.theory.cueing import centrifugal_stiffness
 
 TOLERANCES = tuple(10.0 ** -(power / 2.0) for power in range(4, 25))
@@ -25,32 +39,41 @@ METHODS = {each: f"scipy {each.lower()}" for each in ("RK45", "DOP853", "LSODA",
 METHODS |= {each: f"scipy ode {each}" for each in ("dopri5", "dop853")}
 """Integrators of ``solve_ivp``, and those that ``ode`` steps in compiled code, with their names in tables."""
 
+LONGEST_PHASE = 1e3
+"""Scaled time in which a phase must end: near the jam, a phase lasts long."""
 
-def flight_attempts(case: FlightCase) -> list[Attempt]:
+SETTLED = 1e-9
+"""Scaled velocities and depths below this are zero: solvers locate an event to rounding, not to nothing."""
+
+Slope = Callable[[float, Any], tuple[float, ...]]
+
+
+def flight_attempts(case: Case) -> list[Attempt]:
     """Return attempts by ``solve_ivp`` with its methods, and by ``ode``, whose loop over steps is compiled."""
-    return _attempts(functools.partial(_flown, case, _flight(case)), TOLERANCES)
+    return _with_each_method(functools.partial(_flown, case, _flight(case)), TOLERANCES)
 
 
 def strike_attempts(case: StrikeCase) -> list[Attempt]:
     """Return attempts at the bilinear compliant contact in contact space, phase by phase, each ended by an event."""
-    return _attempts(functools.partial(_struck, case), TOLERANCES[::2])
+    return _with_each_method(functools.partial(_struck, case), TOLERANCES[::2])
 
 
-def _attempts(solve: Callable[[str, float], Run], tolerances: Sequence[float]) -> list[Attempt]:
-    return [
-        Attempt(name, f"rtol={each:.3g}", functools.partial(solve, method, each))
-        for method, name in METHODS.items()
-        for each in tolerances
-    ]
+def pass_attempts(case: Case) -> list[Attempt]:
+    """Return attempts by the independent reference, which searches all events on the integrator's dense output."""
+
+    def passed(power: int) -> Run:
+        run = simulate_reference(case.tool, accuracy=10.0**-power, stop_after="strike")
+        return Run(state_at_strike(run), run.cost.steps)
+
+    return attempts("scipy dop853", "accuracy=1e-{:02d}", passed, range(2, 11))
 
 
-Slope = Callable[[float, Any], tuple[float, float]]
+def _with_each_method(solve: Callable[[str, float], Run], tolerances: Sequence[float]) -> list[Attempt]:
+    found = (attempts(METHODS[each], "rtol={:.3g}", functools.partial(solve, each), tolerances) for each in METHODS)
+    return list(itertools.chain.from_iterable(found))
 
-START = (-1.0, 0.0)
-"""Relative angle in units of the retraction, relative rate in units of the highest."""
 
-
-def _flight(case: FlightCase) -> Slope:
+def _flight(case: Case) -> Slope:
     """Return the right-hand side of I alpha'' = -k alpha - m r_h (L/2) omega^2 sin alpha in units of retraction and highest rate."""
     tool, (retraction, highest) = case.tool, case.scale
     stiffening = centrifugal_stiffness(tool.bristle.mass, tool.hub.radius, tool.bristle.length, tool.hub.speed)
@@ -65,19 +88,20 @@ def _flight(case: FlightCase) -> Slope:
     return slope
 
 
-def _flown(case: FlightCase, slope: Slope, method: str, tolerance: float) -> Run:
-    calls = itertools.count()
+def _flown(case: Case, slope: Slope, method: str, tolerance: float) -> Run:
+    """Fly from the retraction, -1 in its own unit, at rest."""
+    calls, start = itertools.count(), (-1.0, 0.0)
     if method.islower():
-        state = _compiled(slope, calls, method, tolerance).set_initial_value(START).integrate(case.duration)
+        state = _compiled(slope, calls, method, tolerance).set_initial_value(start).integrate(case.duration)
         evaluations = next(calls)
     else:
-        found = solve_ivp(slope, (0.0, case.duration), START, method=method, rtol=tolerance, atol=tolerance)
+        found = solve_ivp(slope, (0.0, case.duration), start, method=method, rtol=tolerance, atol=tolerance)
         state, evaluations = found.y[:, -1], found.nfev
     angle, rate = state.tolist()
     return Run((angle * case.scale[0], rate * case.scale[1]), evaluations)
 
 
-def _compiled(slope: Callable[..., Any], calls: Iterator[int], method: str, tolerance: float) -> ode:
+def _compiled(slope: Slope, calls: Iterator[int], method: str, tolerance: float) -> ode:
     """Return the solver whose loop over steps is compiled; it takes one from ``calls`` with each evaluation."""
 
     def counted(time: float, state: Any) -> Any:
@@ -87,30 +111,105 @@ def _compiled(slope: Callable[..., Any], calls: Iterator[int], method: str, tole
     return ode(counted).set_integrator(method, rtol=tolerance, atol=tolerance, nsteps=100_000)
 
 
+@dataclass(frozen=True, slots=True)
+class ContactPhase:
+    """A smooth interval of a contact: friction (stick has none), direction of slip, and the spring's force law."""
+
+    friction: float
+    slip: float
+    stiffness: float
+    residual: float
+    loading: bool
+
+
+class TipContact:
+    """A chain's scaled contact; ``follow`` carries (delta, p_n, p_t) from the start to the end of each of its phases."""
+
+    def __init__(self, chain: Chain, surface: Surface) -> None:
+        """Scale the contact by its inverse mass along the normal and its speed of approach."""
+        self.chain, self.surface = chain, surface
+        jacobian, response = tip_response(chain)
+        inverse_mass, speeds = jacobian @ response, tip_velocity(chain)
+        unit_impulse = -speeds[0] / float(inverse_mass[0, 0])
+        self.rates_per_impulse = response / np.array(chain.lengths)[:, None] * unit_impulse
+        (_, self.k_nt), (_, self.k_tt) = (inverse_mass / inverse_mass[0, 0]).tolist()
+        self.v_t = -speeds[1] / speeds[0]
+
+    def solve(self, follow: Callable[[TipContact, ContactPhase, list[float]], list[float]]) -> tuple[float, ...]:
+        """Return rates of the rods after the contact, rad/s."""
+        state, e = [0.0, 0.0, 0.0], self.surface.restitution
+        phase = ContactPhase(self.surface.friction, math.copysign(1.0, self.v_t), 1.0, 0.0, loading=True)
+        while True:
+            state = follow(self, phase, state)
+            if phase.slip and phase.slip * self.tangential(state) <= SETTLED:
+                # After slip has stopped: stick where friction suffices, else slip as the normal force drives it.
+                sticks = phase.friction * self.k_tt >= abs(self.k_nt)
+                phase = replace(phase, slip=0.0 if sticks else math.copysign(1.0, self.k_nt))
+            if phase.loading and self.normal(state) >= -SETTLED:
+                later = self.surface.friction_in_restitution
+                phase = ContactPhase(later, phase.slip, 1.0 / e**2, state[0] * (1.0 - e**2), loading=False)
+            elif not phase.loading and state[0] - phase.residual <= SETTLED:
+                return tuple((np.asarray(self.chain.rates) + self.rates_per_impulse @ state[1:]).tolist())
+
+    def normal(self, state: Sequence[float]) -> float:
+        """Return v_n."""
+        return float(-1.0 + state[1] + self.k_nt * state[2])
+
+    def tangential(self, state: Sequence[float]) -> float:
+        """Return v_t."""
+        return float(self.v_t + self.k_nt * state[1] + self.k_tt * state[2])
+
+    def derivative(self, phase: ContactPhase) -> Slope:
+        """Return the right-hand side within a phase, in plain floats: the fastest that Python offers a solver."""
+        ratio = -phase.friction * phase.slip if phase.slip else -self.k_nt / self.k_tt
+        stiffness, residual, coupling = phase.stiffness, phase.residual, self.k_nt
+
+        def slope(_: float, state: Any) -> tuple[float, float, float]:
+            depth, normal, tangential = state.tolist()
+            force = stiffness * (depth - residual)
+            return 1.0 - normal - coupling * tangential, force, ratio * force
+
+        return slope
+
+    def over(self, phase: ContactPhase, state: Sequence[float]) -> float:
+        """Return a function of the state that is below 0 within a phase and rises through it at the phase's end."""
+        own = self.normal(state) if phase.loading else phase.residual - float(state[0])
+        return max(own, -phase.slip * self.tangential(state)) if phase.slip else own
+
+
 def _struck(case: StrikeCase, method: str, tolerance: float) -> Run:
-    evaluations, calls = 0, itertools.count()
+    calls, evaluations = itertools.count(), 0
 
     def follow(contact: TipContact, phase: ContactPhase, state: list[float]) -> list[float]:
-        """Integrate one phase of the contact, and return the state at its end."""
         nonlocal evaluations
-        slope, ends = contact.derivative(phase), contact.ends(phase)
         if method.islower():
-            return _followed(lambda: _compiled(slope, calls, method, tolerance), ends, state)
-        span, given = (0.0, LONGEST), {"method": method, "rtol": tolerance, "atol": tolerance}
-        found = solve_ivp(slope, span, state, events=[_terminal(*each) for each in ends], **given)
-        evaluations += found.nfev
-        return list(found.y[:, -1].tolist())
+            solver = functools.partial(_compiled, contact.derivative(phase), calls, method, tolerance)
+            return _followed(solver, functools.partial(contact.over, phase), state)
+        end, number = phase_end(contact, phase, state, method, tolerance)
+        evaluations += number
+        return end
 
     rates = TipContact(case.chain, case.surface).solve(follow)
     return Run(rates, evaluations + next(calls))
 
 
-def _followed(build: Callable[[], ode], ends: list[tuple[Ends, float]], state: list[float]) -> list[float]:
+def phase_end(
+    contact: TipContact, phase: ContactPhase, state: list[float], method: str, tolerance: float
+) -> tuple[list[float], int]:
+    """Return the state at which ``solve_ivp`` ends a phase, and the evaluations that it took."""
+
+    def over(_: float, state: Any) -> float:
+        return contact.over(phase, state)
+
+    over.terminal, over.direction = True, 1.0  # type: ignore[attr-defined]
+    given = {"method": method, "rtol": tolerance, "atol": tolerance}
+    found = solve_ivp(contact.derivative(phase), (0.0, LONGEST_PHASE), state, events=over, **given)
+    return found.y[:, -1].tolist(), found.nfev
+
+
+def _followed(build: Callable[[], ode], over: Callable[[Any], float], state: list[float]) -> list[float]:
     """Follow a phase with a compiled loop over steps, and within the step in which it ends with Brent's method."""
     steps: list[tuple[float, list[float]]] = []
-
-    def over(y: Any) -> float:
-        return max(direction * function(0.0, y) for function, direction in ends)
 
     def look(time: float, y: Any) -> int:
         steps.append((time, y.tolist()))
@@ -118,7 +217,7 @@ def _followed(build: Callable[[], ode], ends: list[tuple[Ends, float]], state: l
 
     solver = build()
     solver.set_solout(look)
-    solver.set_initial_value(state).integrate(LONGEST)
+    solver.set_initial_value(state).integrate(LONGEST_PHASE)
     (start, begin), (end, _) = steps[-2:]
     solver = build()
 
@@ -127,26 +226,3 @@ def _followed(build: Callable[[], ode], ends: list[tuple[Ends, float]], state: l
         return solver.integrate(span) if span else np.array(begin)
 
     return list(after(brentq(lambda span: over(after(span)), 0.0, end - start)).tolist())
-
-
-def _terminal(function: Callable[..., float], direction: float) -> Any:
-    """Return the function as solve_ivp wants an event that ends the integration."""
-
-    def event(time: float, state: Any) -> float:
-        return function(time, state)
-
-    event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
-    return event
-
-
-def pass_attempts(case: PassCase) -> list[Attempt]:
-    """Return attempts by the independent reference, which searches all events on the integrator's dense output."""
-    return [
-        Attempt("scipy dop853", f"accuracy=1e-{power:02d}", functools.partial(_passed, case, 10.0**-power))
-        for power in range(2, 11)
-    ]
-
-
-def _passed(case: PassCase, accuracy: float) -> Run:
-    run = simulate_reference(case.tool, accuracy=accuracy, stop_after="strike")
-    return Run(state_at_strike(run), run.cost.steps)

@@ -7,25 +7,10 @@ import time as clock
 from collections.abc import Callable
 from typing import Any
 
-from bristle_sim.benchmarks.accuracy_cost import (
-    cases,
-    exudyn_methods,
-    heyoka_methods,
-    mujoco_methods,
-    own_methods,
-    scipy_methods,
-)
+from bristle_sim.benchmarks.accuracy_cost import cases, own_methods, peers, scipy_methods
 from bristle_sim.benchmarks.accuracy_cost.cases import Case, StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.effects import effects
-from bristle_sim.benchmarks.accuracy_cost.measure import (
-    OURS,
-    Attempt,
-    Effort,
-    measure,
-    package_of,
-    plain,
-    thinned,
-)
+from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Attempt, Effort, measure, package_of, plain, thinned
 from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, comparisons, tables
 from bristle_sim.benchmarks.machine import PACKAGES, installed, surroundings
 from bristle_sim.comparison import Quantity, Report, Unfinished
@@ -36,16 +21,13 @@ Offers = dict[str, Callable[[Any], list[Attempt]]]
 FLIGHT: Offers = {
     OURS: own_methods.flight_attempts,
     "scipy": scipy_methods.flight_attempts,
-    "mujoco": mujoco_methods.flight_attempts,
-    "exudyn": exudyn_methods.flight_attempts,
-    "heyoka": heyoka_methods.flight_attempts,
+    "mujoco": peers.mujoco_flight,
+    "exudyn": peers.exudyn_flight,
+    "heyoka": peers.heyoka_flight,
 }
 STRIKE: Offers = {OURS: own_methods.strike_attempts, "scipy": scipy_methods.strike_attempts}
-PASS: Offers = {
-    OURS: own_methods.pass_attempts,
-    "scipy": scipy_methods.pass_attempts,
-    "mujoco": mujoco_methods.pass_attempts,
-}
+PASS: Offers = {OURS: own_methods.pass_attempts, "scipy": scipy_methods.pass_attempts, "mujoco": peers.mujoco_pass}
+
 CASES: tuple[tuple[Callable[[], Case], Offers], ...] = (
     (cases.release_flight, FLIGHT),
     (cases.strike, STRIKE),
@@ -70,32 +52,34 @@ def accuracy_cost(effort: Effort) -> Report:
     Raises:
         Unfinished: with the curves of the cases measured so far, if the user interrupts.
     """
-    begin, measured = clock.perf_counter(), AccuracyCost()
-    circumstances = {
+    begin, measured, interrupted = clock.perf_counter(), AccuracyCost(), False
+    try:
+        _measure(measured, effort)
+    except KeyboardInterrupt:
+        interrupted = True
+    machine = {
         **surroundings(),
         "clock": f"process CPU time, the least of {effort.rounds} interleaved rounds",
         "command": f"python scenarios/accuracy_cost.py --set effort={effort.effort} --set peers={effort.peers}",
     }
-    try:
-        _measure(measured, effort)
-    except KeyboardInterrupt:
-        done = {"curves": _curves(measured), "machine": circumstances}
-        raise Unfinished(Report(None, (), remarks=tuple(tables(measured, circumstances)), extra=done)) from None
+    found, extra = tuple(tables(measured, machine)), {"curves": [plain(each) for each in measured.points]}
+    if interrupted:
+        raise Unfinished(Report(None, (), remarks=found, extra=extra | {"machine": machine}))
     return Report(
         outcome=None,
         quantities=tuple(_rows(measured)),
         wall_s=clock.perf_counter() - begin,
         steps=sum(point.steps for point in measured.points if package_of(point.method) == OURS),
-        remarks=tuple(tables(measured, circumstances)),
-        extra={
-            "curves": _curves(measured),
+        remarks=found,
+        extra=extra
+        | {
             "comparisons": [
-                {**each._asdict(), "ours": each.ours and each.ours.method, "peer": each.peer and each.peer.method}
-                | {"ratio": each.ratio}
+                {"case": each.case, "target": each.target, "ratio": each.ratio}
+                | {"ours": each.ours and each.ours.method, "peer": each.peer and each.peer.method}
                 for each in comparisons(measured)
             ],
             "effects": [plain(row) for row in measured.effects],
-            "machine": circumstances,
+            "machine": machine,
         },
         subject=measured,
         answer=_answer(measured),
@@ -113,23 +97,17 @@ def _answer(measured: AccuracyCost) -> str:
     return f"In CPU time: {'; '.join(costs)}." if costs else "No method of ours reaches the target errors."
 
 
-def _curves(measured: AccuracyCost) -> list[dict[str, Any]]:
-    return [plain(point) for point in measured.points]
-
-
 def _measure(measured: AccuracyCost, effort: Effort) -> None:
     here = installed()
     measured.missing = {name: "not installed" for name in PACKAGES if name not in here}
     taking_part = here if effort.peers == "all" else {OURS}
     for number, (build, offers) in enumerate(CASES, start=1):
-        case = build()
+        case, attempts = build(), list[Attempt]()
         logging.getLogger(__name__).info("%s (case %d of %d)", case.name, number, len(CASES))
-        attempts = []
         for name, offer in offers.items():
             if name in taking_part:
                 attempts += _offered(name, offer, case, measured.missing)
-        attempts = attempts if effort.effort == "full" else thinned(attempts, 2)
-        measured.points += tuple(measure(case, attempts, effort))
+        measured.points += tuple(measure(case, attempts if effort.effort == "full" else thinned(attempts, 2), effort))
         measured.cases += (case,)
     struck = next(case for case in measured.cases if isinstance(case, StrikeCase))
     measured.effects = tuple(effects(struck, effort))
@@ -150,17 +128,12 @@ def _rows(measured: AccuracyCost) -> list[Quantity]:
     """Return our CPU time (simulated) with the cheapest peer's (reference), and errors over the requested accuracy."""
     rows = []
     for each in comparisons(measured):
-        name = f"{each.case}_cpu_at_{each.target:.0e}"
         ours, peer = (None if point is None else point.cpu_s for point in (each.ours, each.peer))
-        rows.append(Quantity(name, "s", ours, reference=peer))
+        rows.append(Quantity(f"{each.case}_cpu_at_{each.target:.0e}", "s", ours, reference=peer))
     law = next(each for each in measured.of("strike") if each.method == "bristle_sim energetic")
     rows.append(Quantity("strike_cpu_energetic", "s", law.cpu_s))
-    return [*rows, *(_reached(measured, case) for case in REQUESTED)]
-
-
-def _reached(measured: AccuracyCost, case: str) -> Quantity:
-    """Return the largest ratio of error to requested accuracy, which must be at most 1."""
-    method, least = REQUESTED[case]
-    found = [(float(each.setting.split("=")[1]), each.error) for each in measured.of(case) if each.method == method]
-    worst = max(error / accuracy for accuracy, error in found if accuracy >= 0.999 * least)
-    return Quantity(f"{case}_error_over_accuracy", "1", worst, theory=0.0, tolerance=1.0)
+    for case, (method, least) in REQUESTED.items():
+        found = [(float(each.setting.split("=")[1]), each.error) for each in measured.of(case) if each.method == method]
+        worst = max(error / accuracy for accuracy, error in found if accuracy >= 0.999 * least)
+        rows.append(Quantity(f"{case}_error_over_accuracy", "1", worst, theory=0.0, tolerance=1.0))
+    return rows
