@@ -99,7 +99,7 @@ def contact(meta: dict[str, Any], **values: Any) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (lambda meta: meta | {"format": 1}, "written in format 1, this version reads format 2"),
+        (lambda meta: meta | {"format": 1}, "written in format 1, this version reads format 3"),
         (lambda _: [], ""),
         (lambda _: None, ""),
         (lambda meta: {key: value for key, value in meta.items() if key != "cost"}, ""),

@@ -16,7 +16,7 @@ from bristle_sim.scene.mechanism import Mechanism, State
 from bristle_sim.scene.plan import Recording
 from bristle_sim.scene.units import Units
 from bristle_sim.stop_reason import ABSENCES, LARGEST_RETRACTION, StopReason
-from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, InnerSamples, Trajectory
+from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory, WireMotion
 
 
 def trajectory_in_si(
@@ -130,7 +130,7 @@ def _energies(mechanism: Mechanism, effects: Effects, motion: tuple[Array, Array
     return kinetic, potential
 
 
-def _inner_samples(recording: Recording, scene: Scene, units: Units) -> InnerSamples | None:
+def _inner_samples(recording: Recording, scene: Scene, units: Units) -> WireMotion | None:
     if not recording.inner:
         return None
     count, links = len(recording.inner), len(recording.states[0].angles)
@@ -138,7 +138,7 @@ def _inner_samples(recording: Recording, scene: Scene, units: Units) -> InnerSam
     angles = np.array([state.angles for state in recording.inner]).reshape(count, links)
     rates = np.array([state.rates for state in recording.inner]).reshape(count, links)
     line, velocity = scene.mechanism.centre_line(time, angles, rates)
-    return InnerSamples(time * units.time, angles, rates / units.time, line * units.length, velocity * units.velocity)
+    return WireMotion(time * units.time, angles, rates / units.time, line * units.length, velocity * units.velocity)
 
 
 def contact_in_si(contact: ContactRecord, units: Units) -> ContactRecord:

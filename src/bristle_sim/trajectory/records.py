@@ -1,4 +1,4 @@
-"""Records of a run besides its samples: events, contacts, the state of contact at its end, and what it cost."""
+"""The parts of a run's result: motion, events, contacts and cost."""
 
 from __future__ import annotations
 
@@ -34,16 +34,30 @@ class Cost:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion(EqualByValue):
-    """The motion at instants of any shape (...), in SI units and radians.
+class WireMotion(EqualByValue):
+    """The motion of a wire at instants of any shape (...), in SI units and radians.
 
     Attributes:
         time: s.
-        hub_angle: of the bristle's root, from the direction of the workpart, rad; constant on a hub at rest.
         angles, rates: absolute angle and rate of each link, shape (..., links), rad and rad/s.
         centre_line: corners of the wire's centre line from the root over knees and joints to the tip, (x, y) from the
             hub's centre, shape (..., corners, 2), m; pictures draw these points.
         centre_line_velocity: of the same corners, shape (..., corners, 2), m/s.
+    """
+
+    time: Array
+    angles: Array
+    rates: Array
+    centre_line: Array
+    centre_line_velocity: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion(WireMotion):
+    """The motion of a wire with the hub's, energies and forces.
+
+    Attributes:
+        hub_angle: of the bristle's root, from the direction of the workpart, rad; constant on a hub at rest.
         kinetic_energy, potential_energy: of the links; of belt, hinges and gravity, J.
         normal_force: sum over the contacts that last, N; zero in flight and at the instant of an impact.
         hub_speed: angular velocity of the hub, rad/s.
@@ -54,12 +68,7 @@ class Motion(EqualByValue):
         "normal_force",
     )  # fmt: skip
 
-    time: Array
     hub_angle: Array
-    angles: Array
-    rates: Array
-    centre_line: Array
-    centre_line_velocity: Array
     kinetic_energy: Array
     potential_energy: Array
     normal_force: Array
@@ -99,21 +108,6 @@ class Motion(EqualByValue):
     def total_energy(self) -> Array:
         """Kinetic plus potential energy, J; the hub's drive may change it."""
         return np.asarray(self.kinetic_energy + self.potential_energy)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class InnerSamples(EqualByValue):
-    """The motion between the samples of a run: from the geometry of a sustained contact, and in a contact resolved in time.
-
-    Attributes:
-        time, angles, rates, centre_line, centre_line_velocity: as in Motion.
-    """
-
-    time: Array
-    angles: Array
-    rates: Array
-    centre_line: Array
-    centre_line_velocity: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -189,16 +183,3 @@ class ContactRecord:
         if self.history is None:
             raise ValueError(f"contact = {self.law}: must be compliant; an impact at an instant has no time series")
         return self.history.columns()
-
-
-@dataclass(frozen=True, slots=True)
-class ContactAtEnd:
-    """The state of contact in which a run ended, from which it is resumed.
-
-    Attributes:
-        state: ``in flight``, ``separating`` or ``sustained contact``.
-        obstacle: that the bristle separates from or is in contact with.
-    """
-
-    state: str = "in flight"
-    obstacle: str | None = None

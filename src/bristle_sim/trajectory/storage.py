@@ -15,17 +15,17 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.files import complete_or_absent
 from bristle_sim.stop_reason import StopReason
-from bristle_sim.trajectory.records import ContactAtEnd, ContactHistory, ContactRecord, Cost, Event, InnerSamples
+from bristle_sim.trajectory.records import ContactHistory, ContactRecord, Cost, Event, WireMotion
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
     from bristle_sim.trajectory.trajectory import Trajectory
 
-FORMAT = 2  # number of the file format. Format 1 wrote the reason to stop as free text and had no centre lines.
+FORMAT = 3  # number of the file format
 
-INNER = {"time": "n", "angles": "nl", "rates": "nl", "centre_line": "nc2", "centre_line_velocity": "nc2"}
-SAMPLES = {**INNER, **dict.fromkeys(("hub_angle", "kinetic_energy", "potential_energy", "normal_force"), "n")}
+WIRE = {"time": "n", "angles": "nl", "rates": "nl", "centre_line": "nc2", "centre_line_velocity": "nc2"}
+SAMPLES = {**WIRE, **dict.fromkeys(("hub_angle", "kinetic_energy", "potential_energy", "normal_force"), "n")}
 HISTORY = dict.fromkeys((each.name for each in dataclasses.fields(ContactHistory)), "n")
 """Dimensions of each array of inner samples, of a run and of a history: n instants, l links, c corners, 2 axes."""
 
@@ -41,14 +41,13 @@ def write(run: Trajectory, path: str | Path) -> None:
 
     arrays: dict[str, Any] = {name: getattr(run, name) for name in SAMPLES}
     if run.inner_samples is not None:
-        arrays |= {f"inner_{name}": getattr(run.inner_samples, name) for name in INNER}
+        arrays |= {f"inner_{name}": getattr(run.inner_samples, name) for name in WIRE}
     contacts = []
     for number, contact in enumerate(run.contacts):
-        row = dataclasses.asdict(dataclasses.replace(contact, history=None))
+        contacts.append(dataclasses.asdict(dataclasses.replace(contact, history=None)))
         if contact.history is not None:
-            row["history"] = True
+            contacts[-1]["history"] = True
             arrays |= {f"contact{number}_{name}": getattr(contact.history, name) for name in HISTORY}
-        contacts.append(row)
     meta = {
         "format": FORMAT,
         **{name: getattr(run, name) for name in ("hub_speed", "parameters", "stop_detail")},
@@ -56,7 +55,6 @@ def write(run: Trajectory, path: str | Path) -> None:
         "contacts": contacts,
         "stop_reason": run.stop_reason.name,
         "cost": dataclasses.asdict(run.cost),
-        "contact_at_end": dataclasses.asdict(run.contact_at_end),
     }
     with complete_or_absent(Path(path)) as partial, partial.open("wb") as stream:
         np.savez_compressed(stream, metadata=np.array(json.dumps(meta)), **arrays)
@@ -67,7 +65,7 @@ def read(path: Path) -> dict[str, Any]:
 
     Raises:
         OSError: if there is no such file or it cannot be read.
-        ValueError: for a file that holds something else, with what is wrong in it.
+        ValueError: for a file that holds something else, with the fault in it.
     """
     import json
 
@@ -87,57 +85,51 @@ def read(path: Path) -> dict[str, Any]:
 
 def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any]:
     """Return the arguments from metadata and arrays, whose lengths, types and order fit together."""
-    sizes: dict[str, int] = {}
-    arrays = {name: _array(stored, name, letters, sizes) for name, letters in SAMPLES.items()}
-    inner = None
-    if "inner_time" in stored:
-        own = {"l": sizes["l"], "c": sizes["c"]}
-        inner = InnerSamples(*(_array(stored, f"inner_{name}", letters, own) for name, letters in INNER.items()))
-        _require("inner_time", bool(np.all(np.diff(inner.time) >= 0.0)), "not descend")
+    sizes = {"2": 2}
+    arrays, inner = _arrays(stored, "", SAMPLES, sizes), None
     _require("time", arrays["time"].size > 0, "have at least one sample")
-    _require("time", bool(np.all(np.diff(arrays["time"]) >= 0.0)), "not descend")
+    if "inner_time" in stored:
+        inner = WireMotion(**_arrays(stored, "inner_", WIRE, {name: sizes[name] for name in "lc2"}))
     for name, kind in (("hub_speed", float), ("parameters", dict), ("stop_detail", str)):
         _require(name, _fits(meta[name], kind), f"be of type {kind.__name__}")
     events = tuple(_record(Event, row) for row in meta["events"])
     _require("events", all(one.time <= other.time for one, other in pairwise(events)), "be in order of time")
-    contacts = tuple(_contact(row, number, stored) for number, row in enumerate(meta["contacts"]))
-    for each in contacts:
+    contacts = []
+    for number, row in enumerate(meta["contacts"]):
+        values = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+        if values["history"] is not None:
+            values["history"] = ContactHistory(**_arrays(stored, f"contact{number}_", HISTORY, {}))
+        contacts.append(_record(ContactRecord, values))
         for name in ("angles", "rates_before", "rates_after"):
-            _require(f"contacts: {name}", len(getattr(each, name)) == sizes["l"], "be one for each link")
+            _require(f"contacts: {name}", len(values[name]) == sizes["l"], "be one for each link")
     return {
         **meta,
         **arrays,
         "events": events,
-        "contacts": contacts,
+        "contacts": tuple(contacts),
         "stop_reason": StopReason[meta["stop_reason"]],
         "cost": _record(Cost, meta["cost"]),
-        "contact_at_end": _record(ContactAtEnd, meta["contact_at_end"]),
         "inner_samples": inner,
     }
 
 
-def _contact(row: dict[str, Any], number: int, stored: Mapping[str, Array]) -> ContactRecord:
-    """Return a contact from its row, with its history from the arrays."""
-    values: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
-    if values["history"] is not None:
-        sizes: dict[str, int] = {}
-        arrays = (_array(stored, f"contact{number}_{name}", letters, sizes) for name, letters in HISTORY.items())
-        values["history"] = ContactHistory(*arrays)
-    return _record(ContactRecord, values)
-
-
-def _array(stored: Mapping[str, Array], name: str, letters: str, sizes: dict[str, int]) -> Array:
-    """Return a stored array whose dimensions have the sizes known so far; those that it is the first to have are noted."""
-    array = stored[name]
-    _require(name, array.dtype == float, f"be floats, not {array.dtype}")
-    known = {"2": 2} | sizes
-    fits = array.ndim == len(letters) and all(
-        known.setdefault(letter, size) == size for letter, size in zip(letters, array.shape, strict=True)
-    )
-    _require(name, fits, f"have the shape ({', '.join(str(known.get(each, each)) for each in letters)})")
-    _require(name, bool(np.isfinite(array).all()), "be finite")
-    sizes |= known
-    return array
+def _arrays(
+    stored: Mapping[str, Array], prefix: str, dimensions: dict[str, str], sizes: dict[str, int]
+) -> dict[str, Array]:
+    """Return stored arrays whose dimensions have the sizes known so far; those that one is the first to have are added."""
+    found = {}
+    for name, letters in dimensions.items():
+        array = found[name] = stored[f"{prefix}{name}"]
+        _require(f"{prefix}{name}", array.dtype == float, f"be floats, not {array.dtype}")
+        wanted = [sizes.get(letter, size) for letter, size in zip(letters, array.shape, strict=False)]
+        fits = array.ndim == len(letters) and [*array.shape] == wanted
+        _require(
+            f"{prefix}{name}", fits, f"have the shape ({', '.join(str(sizes.get(each, each)) for each in letters)})"
+        )
+        _require(f"{prefix}{name}", bool(np.isfinite(array).all()), "be finite")
+        sizes |= dict(zip(letters, array.shape, strict=True))
+    _require(f"{prefix}time", bool(np.all(np.diff(found["time"]) >= 0.0)), "not descend")
+    return found
 
 
 def _record(kind: type[T], row: dict[str, Any]) -> T:

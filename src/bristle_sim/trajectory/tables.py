@@ -1,12 +1,12 @@
-"""Trajectories as tables of pandas and xarray."""
+"""A run in five lines of text, and as tables of pandas and xarray."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
-from bristle_sim.arrays import Array
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -14,21 +14,43 @@ if TYPE_CHECKING:
 
     from bristle_sim.trajectory.trajectory import Trajectory
 
-MISSING = "must be installed: pip install bristle-sim[sweep]"
+EVENTS_SHOWN = 6  # events that a summary names
 
-UNITS = {
-    **dict.fromkeys(("hub_angle", "angle", "relative_angle"), "rad"),
-    **dict.fromkeys(("rate", "relative_rate"), "rad/s"),
-    **dict.fromkeys(("kinetic_energy", "potential_energy"), "J"),
-    "centre_line": "m",
-    "centre_line_velocity": "m/s",
-    "normal_force": "N",
+LINK, CORNER = ("time", "link"), ("time", "corner", "axis")
+VARIABLES = {
+    "hub_angle": (("time",), "rad"),
+    "angle": (LINK, "rad"),
+    "relative_angle": (("time",), "rad"),
+    "rate": (LINK, "rad/s"),
+    "relative_rate": (("time",), "rad/s"),
+    "kinetic_energy": (("time",), "J"),
+    "potential_energy": (("time",), "J"),
+    "centre_line": (CORNER, "m"),
+    "centre_line_velocity": (CORNER, "m/s"),
+    "normal_force": (("time",), "N"),
 }
-DIMENSIONS = {
-    **dict.fromkeys(("angle", "rate"), ("time", "link")),
-    **dict.fromkeys(("centre_line", "centre_line_velocity"), ("time", "corner", "axis")),
-}
-"""Dimensions of what has more than that of time."""
+"""Dimensions and unit of each variable of a dataset."""
+
+
+def summary(run: Trajectory) -> str:
+    """Describe samples, strike, events, why the run stopped, and cost: one line each."""
+    first, last = (1e3 * float(instant) for instant in (run.time[0], run.time[-1]))
+    notable, contact = run.notable_events, run.first_contact("workpart")
+    events = ", ".join(f"{event.name} {1e3 * event.time:.4g} ms" for event in notable[:EVENTS_SHOWN])
+    more = f" and {len(notable) - EVENTS_SHOWN} more" if len(notable) > EVENTS_SHOWN else ""
+    cost, estimate, strike = run.cost, run.cost.error_estimate, "none"
+    if contact is not None:
+        before, after = (math.hypot(*velocity) for velocity in (contact.velocity_before, contact.velocity_after))
+        speeds = f"tip speed {before:.4g} m/s before and {after:.4g} m/s after"
+        strike = f"{contact.outcome} at {1e3 * contact.time:.4g} ms, {speeds}"
+    error = "" if estimate is None else f", error estimate {estimate:.1e}"
+    return (
+        f"Trajectory: {run.time.size} samples from {first:.4g} to {last:.4g} ms\n"
+        f"strike: {strike}\n"
+        f"events: {events or 'none'}{more}\n"
+        f"stopped: {run.stop_reason}\n"
+        f"cost: {cost.steps} steps, {1e3 * cost.wall_s:.3g} ms{error}"
+    )
 
 
 def to_dataframe(run: Trajectory) -> pd.DataFrame:
@@ -36,13 +58,10 @@ def to_dataframe(run: Trajectory) -> pd.DataFrame:
 
     Raises ImportError if pandas is not installed.
     """
-    try:
-        import pandas as pd
-    except ImportError as error:
-        raise ImportError(f"pandas: {MISSING}") from error
-    frame = pd.DataFrame(run.columns())
+    library = _installed("pandas")
+    frame: pd.DataFrame = library.DataFrame(run.columns())
     units = dict(title.removesuffix(")").split(" (") for title in frame)
-    frame.columns, frame.attrs["units"] = pd.Index(units), units
+    frame.columns, frame.attrs["units"] = library.Index(units), units
     return frame
 
 
@@ -55,20 +74,18 @@ def to_xarray(run: Trajectory) -> xarray.Dataset:
 
     Raises ImportError if xarray is not installed.
     """
-    try:
-        import xarray
-    except ImportError as error:
-        raise ImportError(f"xarray: {MISSING}") from error
-    recorded = {"angle": "angles", "rate": "rates"}
-    variables = {
-        name: (DIMENSIONS.get(name, ("time",)), getattr(run, recorded.get(name, name)), {"units": unit})
-        for name, unit in UNITS.items()
+    recorded, ascending = {"angle": "angles", "rate": "rates"}, run.time.copy()
+    for later in range(1, len(ascending)):
+        ascending[later] = max(ascending[later], np.nextafter(ascending[later - 1], np.inf))
+    variables: dict[str, Any] = {
+        name: (dimensions, getattr(run, recorded.get(name, name)), {"units": unit})
+        for name, (dimensions, unit) in VARIABLES.items()
     }
-    events = ("event", np.array([event.time for event in run.events]), {"units": "s"})
-    return xarray.Dataset(
-        {**variables, "event_time": events},
+    variables["event_time"] = ("event", np.array([event.time for event in run.events]), {"units": "s"})
+    found: xarray.Dataset = _installed("xarray").Dataset(
+        variables,
         coords={
-            "time": ("time", ascending(run.time), {"units": "s"}),
+            "time": ("time", ascending, {"units": "s"}),
             "instant": ("time", run.time, {"units": "s"}),
             "link": np.arange(1, run.angles.shape[1] + 1),
             "axis": ["x", "y"],
@@ -76,12 +93,11 @@ def to_xarray(run: Trajectory) -> xarray.Dataset:
         },
         attrs={"stop_reason": str(run.stop_reason), "hub_speed": run.hub_speed},
     )
-
-
-def ascending(time: Array) -> Array:
-    """Return times that strictly ascend: one that does not exceed its predecessor becomes the next double after it."""
-    found = time.copy()
-    for later in range(1, len(found)):
-        if found[later] <= found[later - 1]:
-            found[later] = np.nextafter(found[later - 1], np.inf)
     return found
+
+
+def _installed(library: str) -> Any:
+    try:
+        return import_module(library)
+    except ImportError as error:
+        raise ImportError(f"{library}: must be installed: pip install bristle-sim[sweep]") from error

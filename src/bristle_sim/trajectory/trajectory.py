@@ -15,10 +15,9 @@ from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.stop_reason import ABSENCES, EVENTS, OBSTACLES, StopReason, checked_name
 from bristle_sim.trajectory.interpolation import Interpolation
 from bristle_sim.trajectory.pictures import Html, drawn_by
-from bristle_sim.trajectory.records import ContactAtEnd, ContactRecord, Cost, Event, InnerSamples, Motion
+from bristle_sim.trajectory.records import ContactRecord, Cost, Event, Motion, WireMotion
 from bristle_sim.trajectory.storage import read, write
-from bristle_sim.trajectory.summary import summary
-from bristle_sim.trajectory.tables import to_dataframe, to_xarray
+from bristle_sim.trajectory.tables import summary, to_dataframe, to_xarray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,9 +37,8 @@ class Trajectory(Motion):
         stop_reason: why the run stopped; its ``advice`` says what would let it go further.
         cost: see Cost.
         parameters: what was simulated, as plain numbers and words.
-        contact_at_end: see ContactAtEnd; the reference leaves it out.
         stop_detail: what a contact law that gave up said, with its remedy; empty for any other stop.
-        inner_samples: of contacts that last, for ``at``; None where there are none, and of the reference.
+        inner_samples: motion between the samples of sustained contacts, for ``at``; None where there is none.
     """
 
     events: tuple[Event, ...]
@@ -48,9 +46,8 @@ class Trajectory(Motion):
     stop_reason: StopReason
     cost: Cost
     parameters: dict[str, Any] = field(default_factory=dict)
-    contact_at_end: ContactAtEnd = field(default_factory=ContactAtEnd)
     stop_detail: str = ""
-    inner_samples: InnerSamples | None = None
+    inner_samples: WireMotion | None = None
 
     def event_time(self, name: str, *, last: bool = False, before: float = math.inf) -> float | None:
         """Return the time of the first (or last) event of that name at or before an instant, s; None if there is none.
@@ -69,15 +66,12 @@ class Trajectory(Motion):
         A bent wire that the hub carries along swings by a tenth of a degree before it meets the bar.
         """
         extremes = {"largest retraction": self.relative_angle, "highest relative speed": self.relative_rate}
-
-        def counts(event: Event) -> bool:
-            """Tell whether an event is no extreme, or a notable one."""
-            if event.name not in extremes:
-                return True
-            size = np.abs(extremes[event.name])
-            return bool(np.interp(event.time, self.time, size) >= NOTABLE * size.max())
-
-        return tuple(event for event in self.events if counts(event))
+        found = []
+        for event in self.events:
+            size = np.abs(extremes.get(event.name, np.ones_like(self.time)))
+            if np.interp(event.time, self.time, size) >= NOTABLE * size.max():
+                found.append(event)
+        return tuple(found)
 
     @property
     def stop_advice(self) -> str:
@@ -143,20 +137,23 @@ class Trajectory(Motion):
 
     def plot(self, *, until: float | None = None) -> Figure:
         """Draw tool, tip path, retraction, speed and energy; ``until`` is the last instant shown, s."""
-        return drawn_by().plot(self, until)
+        figure: Figure = drawn_by().plot(self, until)
+        return figure
 
     def animate(
         self, path: str | Path, *, fps: float = 30.0, size: tuple[int, int] = (640, 480), **options: Any
     ) -> Path:
-        """Film the run to an mp4 or gif file of a size in px; options are those of ``bristle_sim.render.film_of_tool.``."""
-        return drawn_by().film(self, path, fps, size, options)
+        """Film the run to an mp4 or gif file of a size in px; options are those of ``bristle_sim.render.tool_films.pass_film``."""
+        written: Path = drawn_by().film(self, path, fps, size, options)
+        return written
 
     def show(self) -> Html:
         """Return the motion with a slider, which a notebook shows."""
-        return drawn_by().view(self)
+        page: Html = drawn_by().view(self)
+        return page
 
     def _repr_html_(self) -> str:
-        return drawn_by().summary_page(self)
+        return str(drawn_by().summary_page(self))
 
     # A function of the run, in the file of its concern, is its method.
     to_dataframe = to_dataframe
