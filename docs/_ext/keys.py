@@ -1,6 +1,5 @@
 """The directive ``{keys}``: the keys of scenarios as a table, from the declarations that the command line reads."""
 
-import re
 import subprocess
 import sys
 from typing import Any
@@ -8,18 +7,31 @@ from typing import Any
 from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
+from tables import table_node
+
+HEAD = ("key", "default", "unit", "range")
 
 
 class KeysDirective(SphinxDirective):
-    """Prints what ``--list-keys`` prints."""
+    """Shows the list of ``--list-keys`` as a table."""
 
     required_arguments = 1
 
     def run(self) -> list[nodes.Node]:
-        """Return the list of a scenario's keys."""
+        """Return the table of a scenario's keys."""
         command = [sys.executable, "-m", "bristle_sim", self.arguments[0], "--list-keys"]
-        text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-        return [nodes.literal_block(text, re.sub(r"[ \t]+\n", "\n", text).rstrip(), language="text")]
+        head, _, _, *lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+        starts = [head.index(word) for word in HEAD]
+        rows: list[list[str]] = []
+        for line in lines:
+            if not line.startswith(" "):
+                parts = zip(starts, [*starts[1:], None], strict=True)
+                rows.append([line[begin:end].strip() for begin, end in parts] + [""])
+            elif line[: starts[-1]].strip():
+                rows[-1][4] = f"{rows[-1][4]} {line.strip()}".strip()
+            else:
+                rows[-1][3] += f" {line.strip()}"
+        return [table_node((*HEAD, "meaning (source of the default)"), rows, numbers=(1,))]
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

@@ -18,9 +18,18 @@ from docutils import nodes
 from docutils.parsers.rst import directives
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
+from tables import table_node
+
+from bristle_sim.comparison import Quantity, cells
 
 SECONDS = 300
 """A scenario that takes longer belongs to docs/kept."""
+
+GIVEN = ("name", "unit", "simulated", "theory", "reference", "printed", "tolerance", "label")
+"""The fields of a quantity in JSON that the others follow from."""
+
+LEFT_OUT = ("tolerance", "formula")
+"""Columns of judged rows that JSON keeps for programs."""
 
 
 def run_scenario(name: str, assignments: list[str], folder: Path, *, picture: bool) -> dict[str, Any]:
@@ -72,7 +81,8 @@ class ScenarioDirective(SphinxDirective):
                 known[key] = run_scenario(name, assignments, target, picture="picture" in parts)
             found = known[key]
         shown = {"command": self._command, "answer": self._answer, "picture": self._picture, "table": self._table}
-        return [shown[part](name, assignments, found, target) for part in parts]
+        made = [shown[part](name, assignments, found, target) for part in parts]
+        return [node for each in made for node in (each if isinstance(each, list) else [each])]
 
     def _command(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
         del found, target
@@ -97,9 +107,25 @@ class ScenarioDirective(SphinxDirective):
         self.env.note_dependency(uri)
         return nodes.image(uri=f"/{uri}", alt=self.options.get("alt", f"Picture of {name}: {found.get('answer', '')}"))
 
-    def _table(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> nodes.Node:
+    def _table(self, name: str, assignments: list[str], found: dict[str, Any], target: Path) -> list[nodes.Node]:
+        """Return the quantities and the judged rows as tables, and the text that is printed below them."""
         del name, assignments, target
-        return nodes.literal_block(found["printed"], found["printed"].rstrip(), language="text")
+        head, *lines = cells([Quantity(**{key: row[key] for key in GIVEN}) for row in found["quantities"]])
+        made: list[nodes.Node] = [table_node(head, lines, numbers=range(2, len(head)))]
+        rows = found.get("rows") or [{}]
+        if "status" in rows[0] or "ok" in rows[0]:
+            kept = [key for key in rows[0] if key not in LEFT_OUT and any(row[key] not in ("", None) for row in rows)]
+            made.append(table_node(kept, [[_shown(row[key]) for key in kept] for row in rows]))
+        else:
+            below = found["printed"].rstrip().split("\n\n", 2)[2:]
+            made += [nodes.literal_block(text, text, language="text") for text in below]
+        return made
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:.7g}" if isinstance(value, float) else "" if value is None else str(value)
 
 
 def setup(app: Sphinx) -> dict[str, Any]:
