@@ -88,8 +88,6 @@ def test_cutting_width():
     # 651.48 um with the printed constants; 652 as printed needs them unrounded.
     assert micrometres(PRINTED_WIDTH(END)) == pytest.approx(651.48, abs=0.005)
     assert round(micrometres(CuttingWidth.of_face(TipFace(), PRINTED_KINEMATICS)(END))) == 652
-    with pytest.raises(ValueError, match="swing"):
-        CuttingWidth(swing=4e-4)
 
 
 def test_tip_ellipse():

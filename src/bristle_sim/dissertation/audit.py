@@ -2,7 +2,7 @@
 
 Three rows are from chapters 1 and 5, which print the same quantities.
 
-The rows are those of ``printed.toml``; the modules ``audit_chapter_2`` to ``audit_chapter_4`` and ``audit_pendulums`` compute their figures. A number
+The rows are those of ``printed.toml``; the modules ``audit_chapter_2`` and ``audit_chapters_3_4`` compute their figures. A number
 counts as reproduced when the computed value lies within half a unit of the last printed digit. Where a printed number was
 itself worked out from rounded ones, an allowance adds the effect of their rounding, and ``why`` says so. A statement in words has a
 computed figure that decides whether it holds.
@@ -70,17 +70,11 @@ class AuditView(Declared):
 
 def audit_rows() -> tuple[AuditRow, ...]:
     """Return all rows of the audit; numbers are finite, places unique."""
-    from bristle_sim.dissertation import audit_chapter_2, audit_chapter_3, audit_chapter_4, audit_pendulums
+    from bristle_sim.dissertation import audit_chapter_2 as impact
+    from bristle_sim.dissertation import audit_chapters_3_4 as force
 
-    figures = {
-        **audit_chapter_2.cue_figures(),
-        **audit_chapter_2.impact_figures(),
-        **audit_pendulums.pendulum_figures(),
-        **audit_chapter_3.force_history_figures(),
-        **audit_chapter_4.motion_figures(),
-        **audit_chapter_4.plies_figures(),
-        **audit_chapter_4.energy_figures(),
-    }
+    figures = impact.cue_figures() | impact.impact_figures() | impact.pendulum_figures()
+    figures |= force.force_history_figures() | force.motion_figures() | force.plies_figures() | force.energy_figures()
     return tuple(audit_row(row, figures[where]) for where, row in printed_rows().items())
 
 
@@ -100,7 +94,9 @@ def audit_row(row: Printed, figure: Figure) -> AuditRow:
     status = NOT_COMPUTABLE if computed is None else REPRODUCED if same else DIFFERS
     printed = float(row.printed) if row.printed else row.statement
     within = None if computed is None else tolerance
-    return AuditRow(row.where, printed, row.unit, computed, status, row.why.format(*figure.further), within)
+    return AuditRow(
+        row.where, printed, row.unit, computed, status, row.why.format(*figure.further, figure=computed), within
+    )
 
 
 def half_unit(printed: str) -> float:

@@ -25,7 +25,7 @@ from bristle_sim.theory.crater import (
 )
 from bristle_sim.theory.crater_kinematics import COMPRESSION_TIME, PRINTED_KINEMATICS, PRINTED_WIDTH
 from bristle_sim.theory.force_history import BRISTLE
-from bristle_sim.theory.merchant import PRINTED_ANGLES
+from bristle_sim.theory.merchant import PRINTED_ANGLES, CuttingAngles
 
 DEPTH = Axis("crater depth", "µm", 1e6)
 PATH = Axis("tip's path", "µm", 1e6)
@@ -42,47 +42,30 @@ ANGLES = (10.0, 15.0, 20.0, 23.4)
 MEASURED_LEVEL = Level(MEASURED, "measured")
 OWN = Crater()
 
-FAMILIES: dict[str, tuple[str, Axis, str, Array, str, tuple[float, ...]]] = {
-    "4.14": ("friction", FRICTION, "friction", np.linspace(0.45, 4.0, 101), "impact_angle_deg", ANGLES),
-    "4.15": (
-        "the impact angle",
-        ANGLE,
-        "impact_angle_deg",
-        np.linspace(0.5, 23.4, 101),
-        "friction",
-        (0.5, 1.0, 2.0, 4.0),
-    ),
-    "4.17": (
-        "the shear yield stress",
-        STRESS,
-        "shear_yield_stress",
-        np.linspace(0.8e8, 2.4e8, 101),
-        "impact_angle_deg",
-        ANGLES,
-    ),
+Family = tuple[str, Axis, str, tuple[float, float], str, tuple[float, ...]]
+
+FAMILIES: dict[str, Family] = {
+    "4.14": ("friction", FRICTION, "friction", (0.45, 4.0), "impact_angle_deg", ANGLES),
+    "4.15": ("the impact angle", ANGLE, "impact_angle_deg", (0.5, 23.4), "friction", (0.5, 1.0, 2.0, 4.0)),
+    "4.17": ("the shear yield stress", STRESS, "shear_yield_stress", (0.8e8, 2.4e8), "impact_angle_deg", ANGLES),
 }
-"""Depth over a field of Crater, its axis, name and values, by another one and its values."""
+"""Depth over a field of Crater, its axis, name and range, by another one and its values."""
 
 
 def map_figure() -> Redrawn:
     """Figure 4.2: force and motion during compression, beside a contact of the operating point's speed."""
     k, contact = PRINTED_KINEMATICS, bristle_contact(impulse=False)
     h = contact.history
-    courses: tuple[tuple[Axis, str, Callable[[Array], ArrayLike], Array], ...] = (
-        (FORCE, "$F$ (3.19)", BRISTLE, contact.force),
-        (PATH, "$S$ (4.4a)", k.tip_displacement, contact.path),
-        (
-            Axis("tip's speed", "m/s"),
-            "$v_C$ (4.4b)",
-            k.tip_velocity,
-            np.hypot(h.normal_velocity, h.tangential_velocity),
-        ),
-        (Axis("bristle's rate", "rad/s"), "$\\dot\\varphi$ (4.6)", k.bristle_rate, contact.rate),
-        (Axis("centre's speed", "m/s"), "$v_G$ (4.7)", k.centre_velocity, contact.centre_speed),
-        (Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, h.penetration),
+    speed = np.hypot(h.normal_velocity, h.tangential_velocity)
+    panels = (
+        _over_time(FORCE, "$F$ (3.19)", BRISTLE, contact.force),
+        _over_time(PATH, "$S$ (4.4a)", k.tip_displacement, contact.path),
+        _over_time(Axis("tip's speed", "m/s"), "$v_C$ (4.4b)", k.tip_velocity, speed),
+        _over_time(Axis("bristle's rate", "rad/s"), "$\\dot\\varphi$ (4.6)", k.bristle_rate, contact.rate),
+        _over_time(Axis("centre's speed", "m/s"), "$v_G$ (4.7)", k.centre_velocity, contact.centre_speed),
+        _over_time(Axis("depth of the tip", "µm", 1e6), "$\\delta$ (4.8)", k.crater_depth, h.penetration),
     )
     note = "a contact that takes 50 µs to stop a tip of 30 m/s needs some 0.9 mm for it, three times the path of (4.4a)"
-    panels = tuple(_over_time(*course) for course in courses)
     return Redrawn("4.2", "force and motion during compression", panels, note)
 
 
@@ -110,27 +93,29 @@ def width_figure() -> Redrawn:
 
 def plies_figure() -> Redrawn:
     """Figure 4.13: depth over the number of plies, with exact and rounded angles."""
-    rounded = partial(merchant_crater_depth, angles=PRINTED_ANGLES)
+    exact, rounded = (partial(_depths, angles) for angles in (None, PRINTED_ANGLES))
     course = [float(merchant_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
-    printed = {"printed": (FEW_PLIES, course)}
     curves = (
-        curve_of("exact angles", lambda n: merchant_crater_depth(plies=n), WHOLE_PLIES, printed),
-        curve_of("rounded angles (4.52)", lambda n: rounded(plies=n), WHOLE_PLIES),
+        curve_of("exact angles", exact, WHOLE_PLIES, {"printed": (FEW_PLIES, course)}),
+        curve_of("rounded angles (4.52)", rounded, WHOLE_PLIES),
     )
-    limit, depth = float(merchant_crater_depth_limit()), float(rounded(plies=300))
+    limit, depth = float(merchant_crater_depth_limit()), float(rounded(np.array(300)))
     levels = (MEASURED_LEVEL, Level(limit, f"limit {1e6 * limit:.2f} µm"))
-    panel = Panel(
-        PLIES, DEPTH, curves, marks=(Mark(300.0, depth, f"{1e6 * depth:.2f} µm, printed 140"),), levels=levels
-    )
+    mark = Mark(300.0, depth, f"{1e6 * depth:.2f} µm, printed 140")
+    panel = Panel(PLIES, DEPTH, curves, marks=(mark,), levels=levels)
     note = "300 plies are called converged; the error falls like 1/√n, a tenth of it takes 30000"
     return Redrawn("4.13", "crater depth over the number of plies", (panel,), note)
 
 
+def _depths(angles: CuttingAngles | None, plies: Array) -> Array:
+    return np.asarray(merchant_crater_depth(plies=plies, angles=angles))
+
+
 def depth_figure(number: str) -> Redrawn:
     """Figures 4.14, 4.15 and 4.17: depth over friction, impact angle and shear yield stress; points by the printed sum."""
-    words, axis, along, x, family, values = FAMILIES[number]
+    words, axis, along, ends, family, values = FAMILIES[number]
     bases = (dataclasses.replace(OWN, **{family: value}) for value in values)  # type: ignore[arg-type]
-    curves = tuple(_depth_curve(base, family, along, x) for base in bases)
+    curves = tuple(_depth_curve(base, family, along, np.linspace(*ends, 101)) for base in bases)
     mark = Mark(getattr(OWN, along), float(merchant_crater_depth()))
     symbol = "$\\mu$" if family == "friction" else "$\\gamma$"
     panel = Panel(axis, DEPTH, curves, symbol, (mark,), (MEASURED_LEVEL,))
@@ -155,8 +140,10 @@ def energy_figure() -> Redrawn:
     """Figure 4.19: depth by work and energy over the number of plies, in both readings."""
     course = [float(energy_depth_course(dataclasses.replace(OWN, plies=int(n)))[-1]) for n in FEW_PLIES]
     curves = (
-        curve_of("sum of quotients (4.62)", _each(energy_crater_depth), WHOLE_PLIES, {"motion": (FEW_PLIES, course)}),
-        curve_of("ratio of two sums (4.66)", _each(energy_crater_depth_ratio), WHOLE_PLIES),
+        curve_of(
+            "sum of quotients (4.62)", np.vectorize(energy_crater_depth), WHOLE_PLIES, {"motion": (FEW_PLIES, course)}
+        ),
+        curve_of("ratio of two sums (4.66)", np.vectorize(energy_crater_depth_ratio), WHOLE_PLIES),
     )
     mark = Mark(5.0, float(energy_crater_depth_ratio(5)), "5 plies", "left")
     levels = (MEASURED_LEVEL, Level(7.58e-5, "printed, 75.8 µm"))
@@ -215,7 +202,3 @@ def _friction_of_printed_sum(depth: float, angle_deg: float) -> float:
         return float(merchant_depth_course(crater)[-1]) / depth - 1.0
 
     return math.exp(brentq(excess, math.log(math.tan(math.radians(angle_deg))), math.log(1e6), xtol=1e-15))
-
-
-def _each(depth: Callable[[int], float]) -> Callable[[Array], list[float]]:
-    return lambda plies: [float(depth(int(n))) for n in plies]

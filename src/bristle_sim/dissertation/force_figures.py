@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from bristle_sim.dissertation.printed import printed_number, printed_segments
 from bristle_sim.dissertation.redrawn import Axis, Mark, Panel, Redrawn, curve_of
 from bristle_sim.parameters import Bristle, Hub, Strike, Surface
 from bristle_sim.settings import Settings
@@ -14,7 +15,7 @@ from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.timed_contact import timed_contact
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE
 from bristle_sim.theory.force_fit import fit_force_history
-from bristle_sim.theory.force_history import BALL, BRISTLE, PRINTED_BRISTLE_IMPULSE, TABLE_3_1, segment_impulses
+from bristle_sim.theory.force_history import BALL, BRISTLE, segment_impulses
 
 NOISE, POINTS, SEED = 5.0, 61, 1
 """Noise (N) and number of the points that stand in for the measured ones, and the seed of the noise."""
@@ -22,7 +23,9 @@ NOISE, POINTS, SEED = 5.0, 61, 1
 MILLISECONDS = Axis("time since first touch", "ms", 1e3)
 MICROSECONDS = Axis("time since first touch", "µs", 1e6)
 FORCE = Axis("force", "N")
+TABLE_3_1 = printed_segments()
 SEGMENTS = len(TABLE_3_1)
+PRINTED_IMPULSE = printed_number("eq. 3.9: compressive impulse of the bristle")
 
 
 def points_figure() -> Redrawn:
@@ -59,7 +62,7 @@ def bristle_figure() -> Redrawn:
     mean = 1e-4 * np.array([float(each) for each in TABLE_3_1]) / step
     grid = np.linspace(0.0, BRISTLE.duration, 201)
     contact = bristle_contact(impulse=True)
-    scaled = BALL.rescaled(PRINTED_BRISTLE_IMPULSE, BRISTLE.peak_time())
+    scaled = BALL.rescaled(PRINTED_IMPULSE, BRISTLE.peak_time())
     # The contact outlasts the curve, and has two samples at some instants.
     time, first = np.unique(contact.time, return_index=True)
     kept = time <= BRISTLE.duration
@@ -79,7 +82,7 @@ def table() -> Redrawn:
     contact = bristle_contact(impulse=True)
     edges = np.linspace(0.0, contact.compression_time, SEGMENTS + 1).tolist()
     columns = (
-        1e4 * segment_impulses(BALL, PRINTED_BRISTLE_IMPULSE),
+        1e4 * segment_impulses(BALL, PRINTED_IMPULSE),
         1e4 * segment_impulses(BRISTLE, float(BRISTLE.impulse(BRISTLE.peak_time()))),
         [1e4 * contact.resultant.integrate(*pair) for pair in pairwise(edges)],
     )

@@ -28,11 +28,9 @@ from bristle_sim.trajectory import ContactRecord
 Impact = Callable[[float], tuple[Chain, Surface]]
 """The rods and the surface that belong to an x."""
 
-GRID = 401
-"""Points on a curve."""
+GRID = 401  # points on a curve
 
-ENERGETIC, COMPLIANT = 6, 5
-"""Simulated impacts on a curve by law: at ends and steps, and between them."""
+ENERGETIC, COMPLIANT = 6, 5  # simulated impacts on a curve by law: at ends and steps, and between them
 
 NEAREST = 0.9
 """Fraction of the stiction friction up to which impacts are simulated where p_fy has no bound; curves end at 0.9999 of it."""
@@ -54,15 +52,6 @@ class Case:
     hub_radius: float = Hub().radius
     hub_speed: float = Hub().speed
     speed_ratio: float = Strike().speed_ratio
-
-    @classmethod
-    def of(cls, rod: Chain, surface: Surface) -> Case:
-        """Return the case of a chain of one rod that approaches; one on a hinge has a hub of no radius, 1e6 rad/s at most."""
-        speed = rod.hub_speed if rod.hub_radius else min(rod.rates[0], 1e6)
-        coefficients = (surface.friction, surface.restitution_friction, surface.restitution)
-        return cls(
-            *(rod.masses[0], *coefficients, -rod.angles[0], rod.lengths[0], rod.hub_radius, speed, rod.rates[0] / speed)
-        )
 
     def impact(self) -> tuple[Chain, Surface]:
         """Return the rod that strikes and the surface that is struck."""
@@ -121,14 +110,17 @@ SYMBOLS = {
     "restitution": "$e^*$",
 }
 
-FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (10.0, 15.0, 23.4, 30.0)))
+
+def _angles(*degrees: float) -> tuple[float, ...]:
+    return tuple(math.radians(each) for each in degrees)
+
+
+FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", _angles(10.0, 15.0, 23.4, 30.0))
 LENGTH = Sweep("length", 0.01, 0.05, "hub_radius", (0.02, 0.0275, 0.035))
 RATIO = Sweep("speed_ratio", 1.0, 5.0, "hub_speed", (200.0, 261.8, 320.0))
 LATER_FRICTION = Sweep("restitution_friction", 0.0, 1.0, "friction", (0.1, 0.31, 0.6), until_stiction=True)
 EARLIER_FRICTION = Sweep("friction", 0.0, 1.0, "restitution_friction", (0.0, 0.2, 0.31, 0.4))
-COMMON_FRICTION = Sweep(
-    "friction", 0.0, 1.0, "impact_angle", tuple(math.radians(each) for each in (15.0, 23.4, 30.0, 40.0)), True
-)
+COMMON_FRICTION = Sweep("friction", 0.0, 1.0, "impact_angle", _angles(15.0, 23.4, 30.0, 40.0), True)
 RESTITUTION = Sweep("friction", 0.0, 1.0, "restitution", (0.2, 0.42, 0.6, 0.8), True)
 REBOUND = Sweep("impact_angle", math.radians(2.0), 0.5 * math.pi, "friction", (0.0, 0.1, 0.31, 0.5, 1.0))
 
@@ -167,40 +159,33 @@ def impact_figure(number: str) -> Redrawn:
     """Return one of figures 2.7-2.24."""
     quantity, sweep, title = FIGURES[number]
     title = f"{quantity.replace('_', ' ')} {title}"
-    return Redrawn(number, title, (sweep_panel(quantity, sweep),), NOTES.get(number, ""))
+    return Redrawn(number, title, (_panel(quantity, sweep),), NOTES.get(number, ""))
 
 
 def single_pendulum_figure() -> Redrawn:
     """Return figure 2.26: the bristle's rebound ratio with a hub of no radius."""
-    base = dataclasses.replace(OPERATING_POINT, hub_radius=0.0)
-    panel = sweep_panel("rebound_ratio", dataclasses.replace(REBOUND, base=base))
-    return Redrawn(
-        "2.26", "rebound ratio of Stronge's single pendulum", (panel,), "the bristle on a hub of no radius, $r_h$ = 0"
+    panel = _panel(
+        "rebound_ratio", dataclasses.replace(REBOUND, base=dataclasses.replace(OPERATING_POINT, hub_radius=0.0))
     )
+    note = "the bristle on a hub of no radius, $r_h$ = 0"
+    return Redrawn("2.26", "rebound ratio of Stronge's single pendulum", (panel,), note)
 
 
-def sweep_panel(quantity: str, sweep: Sweep) -> Panel:
+def _panel(quantity: str, sweep: Sweep) -> Panel:
     """Return a quantity over a sweep: closed form, simulated impacts, the operating point and where stiction begins."""
     curves = tuple(_curve(quantity, sweep, case) for case in sweep.cases())
-    levels: tuple[Level, ...] = ()
     own = getattr(OPERATING_POINT, sweep.along)
     at = OPERATING_POINT.friction if own is None else own
     mark = Mark(at, float(closed_form(quantity, OPERATING_POINT, sweep.along)(np.array([at]))[0]))
-    if sweep.until_stiction:
-        tangents = dict.fromkeys(math.tan(case.impact_angle) for case in sweep.cases())
-        label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
-        levels = tuple(Level(each, label, upright=True) for each in tangents if each <= sweep.high)
-    return Panel(
-        AXES[sweep.along],
-        AXES[quantity],
-        curves,
-        family=SYMBOLS[sweep.family],
-        marks=(mark,) if sweep.base == OPERATING_POINT else (),
-        levels=levels,
-        top=2.2 * max(float(curve.theory[0]) for curve in curves)
-        if sweep.until_stiction and quantity == FINAL
-        else None,
-    )
+    panel = Panel(AXES[sweep.along], AXES[quantity], curves, SYMBOLS[sweep.family])
+    if sweep.base == OPERATING_POINT:
+        panel = dataclasses.replace(panel, marks=(mark,))
+    if not sweep.until_stiction:
+        return panel
+    tangents = dict.fromkeys(math.tan(case.impact_angle) for case in sweep.cases())
+    label = f"stiction, {SYMBOLS[sweep.along]} = tan $\\gamma$"
+    levels = tuple(Level(each, label, upright=True) for each in tangents if each <= sweep.high)
+    return dataclasses.replace(panel, levels=levels, top=2.2 * max(float(curve.theory[0]) for curve in curves))
 
 
 def _curve(quantity: str, sweep: Sweep, case: Case) -> Curve:

@@ -9,12 +9,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any, SupportsFloat
 
+import numpy as np
+
 
 @dataclass(frozen=True, slots=True)
 class Printed:
     """A number as printed, or a statement in words; where it stands, its unit, and why a computed figure may differ.
 
-    ``why`` has places for further figures, such as ``{0:.2f}``.
+    ``why`` has places for the figure, such as ``{figure:.2f}``, and for further figures, such as ``{0:.2f}``.
     """
 
     where: str
@@ -47,6 +49,11 @@ def printed_cue() -> dict[str, float]:
     }
 
 
+def printed_segments() -> tuple[str, ...]:
+    """Return the ten-segment impulses of the bristle with their digits in print, 1e-4 N s (table 3.1)."""
+    return tuple(printed_rows()[f"table 3.1: impulse of segment {number}"].printed for number in range(1, 11))
+
+
 class Figure:
     """The figure that the equations give for a printed number or statement.
 
@@ -66,3 +73,23 @@ class Figure:
 
 Figures = dict[str, Figure]
 """Figures by the places of their rows."""
+
+
+def within(value: Any, bound: float, *further: Any) -> Figure:
+    """Return the figure of a statement that holds where its magnitude is below a bound."""
+    return Figure(value, *further, holds=abs(value) < bound)
+
+
+def above(value: Any, bound: float, *further: Any) -> Figure:
+    """Return the figure of a statement that holds where it is above a bound."""
+    return Figure(value, *further, holds=value > bound)
+
+
+def grows(*families: Any) -> Figure:
+    """Return the least increase along the last axis, over the range of the values; the statement is that all grow."""
+    return above(min(np.min(np.diff(values)) / np.ptp(values) for values in families), 0.0)
+
+
+def linear(values: Any) -> Figure:
+    """Return the largest second difference over the range, which is rounding for a straight line."""
+    return within(np.max(np.abs(np.diff(values, 2))) / np.ptp(values), 1e-12)

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bristle_sim.arrays import Number
-from bristle_sim.theory.checks import positive, require
+from bristle_sim.theory.checks import require
 from bristle_sim.theory.crater_kinematics import (
     COMPRESSION_TIME,
     IMPACT_ANGLE,
@@ -122,9 +122,6 @@ def constant_for_crater_depth(
     Raises ValueError for a depth that no C within 0 < C <= pi/2 gives.
     """
     gamma = np.asarray(impact_angle)
-    positive("depth", depth, "m")
-    require("friction", friction, np.greater(friction, 0.0), "must be above 0 (dimensionless)")
-    require("impact_angle", gamma, gamma < 0.5 * np.pi, "must be below pi/2 (in rad)")
     scale = np.cos(gamma) / shear_yield_stress * _ply_sum(plies, compression_time)
     sine = np.sin(np.arctan2(1.0, friction) - gamma) + 2.0 * np.asarray(depth) / scale
     given = (sine > 0.0) & (sine <= 1.0 + ROUNDING)
@@ -171,5 +168,5 @@ def work_along_path() -> float:
 
 def _energy_plies(plies: int, compression_time: float) -> tuple[Any, Any]:
     """Return the energy given up in each ply, J, and the force at its end, N."""
-    time = np.linspace(0.0, compression_time, plies + 1)
+    time = np.linspace(0.0, compression_time, int(plies) + 1)
     return -np.diff(kinetic_energy(time)), BRISTLE(time[1:])

@@ -17,7 +17,7 @@ is F_c, and the work of both forces on the tip is W. The two depths agree only i
 energy does not depend on how long the contact lasts, a force is inversely proportional to it.
 
 Assumed: straight path, rigid perfectly plastic work material, weightless chip, no spring-back, compression only, and a
-face longer than the cut is deep. Arguments out of range raise ValueError.
+face longer than the cut is deep. The angle is within 0 < gamma < pi/2, in rad.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bristle_sim.arrays import Array, Number
+from bristle_sim.arrays import Number
 from bristle_sim.theory.checks import require
 from bristle_sim.theory.crater_kinematics import IMPACT_ANGLE, PRINTED_FACE
 from bristle_sim.theory.merchant import API_5L, Surface, specific_cutting_energy
@@ -39,7 +39,6 @@ NODES, WEIGHTS = 0.5 * (_RULE[0] + 1.0), 0.5 * _RULE[1]
 """Gauss-Legendre rule on (0, 1); the width is smooth in the substituted path up to the full depth and constant beyond."""
 
 NEWTON_STEPS = 60  # at most; from the start values given, about ten suffice
-LEAST_ANGLE = 1e-60  # least angle, rad: a path that descends by less has no depth that is a float
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +74,6 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
     Up to the full depth the substitution S' = S u^2 makes the integrand smooth; from there on the width is constant.
     """
     gamma = np.asarray(impact_angle)
-    _check_angle(gamma)
     full = PRINTED_FACE.full_depth / np.sin(gamma)
     narrow = np.minimum(path, full)[..., np.newaxis]
     widths = PRINTED_FACE.width(narrow * NODES**2 * np.sin(gamma)[..., np.newaxis])
@@ -87,9 +85,8 @@ def swept_volume(path: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Num
 def depth_from_energy(energy: ArrayLike, specific_energy: ArrayLike, impact_angle: ArrayLike = IMPACT_ANGLE) -> Number:
     """Return the crater depth whose volume takes the energy, u V(S) = W, depth = S sin(gamma), m.
 
-    W in J is the work that the tip does on the workpart along its path, u in J/m^3, 0 < gamma < pi/2 in rad.
+    W in J is the work that the tip does on the workpart along its path, u in J/m^3.
     """
-    _check_angle(impact_angle)
     volume, slope = np.divide(energy, specific_energy), np.tan(impact_angle)
 
     def excess(path: Number) -> tuple[Number, Number]:
@@ -107,7 +104,6 @@ def depth_from_force(
 
     Arguments are those of depth_from_energy; the force is that along the path, N.
     """
-    _check_angle(impact_angle)
     area = np.asarray(cutting_force, dtype=float) * np.cos(impact_angle) / specific_energy
     # Beyond the full depth the width is constant, and b(depth) depth = area is linear.
     wide = area / PRINTED_FACE.short_axis
@@ -129,7 +125,7 @@ def cutting_stroke(
     """Stop a tip by cutting alone, (effective_mass) dv/dt = -u b d_u.
 
     v in m/s is the tip's speed along its path when it touches; the effective mass at the tip along the path, kg, is m/3 for
-    a bristle on a hub that keeps its speed; u in J/m^3, 0 < gamma < pi/2 in rad.
+    a bristle on a hub that keeps its speed; u in J/m^3.
     """
     depth = float(depth_from_energy(0.5 * effective_mass * speed**2, specific_energy, impact_angle))
     path = depth / math.sin(impact_angle)
@@ -139,12 +135,6 @@ def cutting_stroke(
     duration = float(np.sum(WEIGHTS * 2.0 * NODES * path / (speed * np.sqrt(left))))
     force = specific_energy * float(PRINTED_FACE.width(depth)) * depth / math.cos(impact_angle)
     return CuttingStroke(depth, path, duration, force)
-
-
-def _check_angle(impact_angle: ArrayLike) -> None:
-    gamma = np.asarray(impact_angle)
-    inside = (gamma > LEAST_ANGLE) & (gamma < 0.5 * math.pi)
-    require("impact_angle", gamma, inside, "must be 0 < impact_angle < pi/2 (in rad)")
 
 
 def _root(excess: Callable[[Number], tuple[Number, Number]], start: Number) -> Number:
@@ -178,12 +168,11 @@ def crater_depth_from_contact(
     of shape (n,), n >= 2; gamma in rad, tau_s in Pa. mu while cutting is by default the contact's own at its peak.
     ``surface`` says where the shear plane ends, ``parallel`` or ``inclined``.
 
-    Raises ValueError for arrays of unequal length, times that decrease, or a contact without a pressing force.
+    Raises ValueError for a contact without a pressing force.
     """
-    _check_angle(impact_angle)
-    forces = {"normal_force": normal_force, "tangential_force": tangential_force}
-    velocities = {"normal_velocity": normal_velocity, "tangential_velocity": tangential_velocity}
-    t, normal, tangential, inside, v_n, v_t = _compression(time=time, **forces, penetration=penetration, **velocities)
+    columns = (time, normal_force, tangential_force, penetration, normal_velocity, tangential_velocity)
+    deepest = max(int(np.argmax(penetration)), 1)
+    t, normal, tangential, inside, v_n, v_t = (np.asarray(column)[: deepest + 1] for column in columns)
     along = math.sin(impact_angle) * normal + math.cos(impact_angle) * np.abs(tangential)
     peak = int(np.argmax(along))
     require("normal_force", normal[peak], normal[peak] > 0.0, "must press at its peak (in N)")
@@ -199,16 +188,3 @@ def crater_depth_from_contact(
         depth_from_energy=float(depth_from_energy(max(-work, 0.0), u, impact_angle)),
         shear_plane_emerges=surface == "inclined" or cutting >= math.tan(impact_angle),
     )
-
-
-def _compression(**values: ArrayLike) -> list[Array]:
-    """Return the columns up to the deepest penetration, after checking that they have one length and that times do not decrease."""
-    columns = {name: np.asarray(value) for name, value in values.items()}
-    shape = columns["time"].shape
-    if len(shape) != 1 or shape[0] < 2 or any(column.shape != shape for column in columns.values()):
-        shapes = ", ".join(f"{name} {column.shape}" for name, column in columns.items())
-        raise ValueError(f"{shapes}: must be rows of equal lengths, of two samples or more")
-    steps = np.diff(columns["time"])
-    require("time", columns["time"][1:], steps >= 0.0, "must be times that do not decrease (in s)")
-    deepest = max(int(np.argmax(columns["penetration"])), 1)
-    return [column[: deepest + 1] for column in columns.values()]

@@ -27,11 +27,6 @@ from bristle_sim.theory.checks import finite, positive
 
 LEAD_SHARE = 0.1  # t_o/t_f (Zhang 2020, below eq. 3.3).
 
-PRINTED_BRISTLE_IMPULSE = 1.619e-3  # compressive impulse of the bristle, p_c, N s (Zhang 2020, eq. 3.9)
-
-TABLE_3_1 = ("0.13", "0.43", "0.79", "1.18", "1.56", "1.93", "2.24", "2.49", "2.67", "2.76")
-"""Ten-segment impulses of the bristle, 1e-4 N s, with the digits they have in print (Zhang 2020, table 3.1)."""
-
 SCAN = 512  # grid on which a peak is located before it is refined; the curve turns once or twice in a contact
 
 
