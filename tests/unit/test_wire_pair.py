@@ -9,7 +9,7 @@ import pytest
 from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw, contact_at
-from bristle_sim.scene.contact.wire_pair import WirePair, wire_pairs
+from bristle_sim.scene.contact.obstacles import WirePair, wire_pairs
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.theory.impact import energetic_impact
 

@@ -14,7 +14,6 @@ Rooms:
 
 - ``integrate/``: ``stepping`` (one interval), ``extrapolation`` of engine steps to the accuracy, ``time_scales``.
 - ``events/``: ``functions`` and their ``table``, ``signs`` that change, the one locator (``locate``), gaps that close (``touches``).
-- ``contact/``: geometry (``obstacles``, ``wire_pair``, ``wire_joints``, ``gaps``); impacts (``laws``); contacts that last
-  (``sustained``, ``load``): rigid ones (``rigid``, by the engine's ``shapes`` or, of several links, by the ``solver`` in
-  ``wire_steps``) and those with a ``spring`` (``compliant``, ``course``).
+- ``contact/``: geometry (``obstacles``, ``gaps``); impacts (``laws``); contacts that last (``sustained``): rigid ones (``rigid``,
+  by the engine's ``shapes`` or, of several links, by the ``solver``) and those with a ``spring`` (``compliant``).
 """

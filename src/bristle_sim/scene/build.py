@@ -26,8 +26,7 @@ from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps, P
 from bristle_sim.scene.mechanism import Link, Mechanism
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.contact.solver import WireVelocities
-    from bristle_sim.scene.contact.wire_steps import WireSteps
+    from bristle_sim.scene.contact.solver import WireSteps, WireVelocities
 
 
 HIGHEST_FRICTION = 2.0
@@ -177,19 +176,12 @@ def _engine_steps(
     """Return what takes the engine's steps: of several links with what solves for their joints, their damping and contacts."""
     if len(links) == 1 and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
         return EngineSteps(space, hub, links, joints)
-    from bristle_sim.scene.contact.wire_steps import WireSteps
+    from bristle_sim.scene.contact.solver import WireSteps
 
-    def solver() -> WireVelocities:
-        """Return what solves for the joints, with SciPy, which is imported where it is needed only."""
-        from bristle_sim.scene.contact.solver import WireVelocities
-
-        belt = effects.damping if effects.stiffness is not None else 0.0
-        hinges = effects.hinges or ((0.0, 0.0),) * len(links)
-        damping = [belt, *(each for _, each in hinges[: mechanism.wire_links - 1])]
-        springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
-        return WireVelocities(mechanism, damping, springs, hub, links)
-
-    return WireSteps(space, hub, links, joints, solver, bending=bool(effects.hinges))
+    belt = effects.damping if effects.stiffness is not None else 0.0
+    hinges = effects.hinges or ((0.0, 0.0),) * len(links)
+    damping = [belt, *(each for _, each in hinges[: mechanism.wire_links - 1])]
+    return WireSteps(space, mechanism, damping, hub, links, joints, bending=bool(effects.hinges))
 
 
 def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:

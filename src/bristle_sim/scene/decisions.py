@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from bristle_sim.scene.contact.gaps import opening_rate
+from bristle_sim.scene.contact.gaps import at_joint, opening_rate
 from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import LEAST_SLIP
 from bristle_sim.scene.contact.sustained import Outcome, Sustained
-from bristle_sim.scene.contact.wire_joints import at_joint
 from bristle_sim.scene.events.functions import Change, HandOver, Kink, Slip, SpringChange, Touch
 from bristle_sim.scene.motion import SmoothMotion
 from bristle_sim.scene.progress import Progress

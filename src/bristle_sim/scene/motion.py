@@ -12,10 +12,9 @@ from functools import partial
 
 from bristle_sim.scene.contact.gaps import GAP_ROUNDING
 from bristle_sim.scene.contact.laws import contact_at
-from bristle_sim.scene.contact.load import ContactLoad
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts, rigid_contacts, sense_of_slip
-from bristle_sim.scene.contact.spring import Spring
+from bristle_sim.scene.contact.spring import ContactLoad, Spring
 from bristle_sim.scene.contact.sustained import Sustained
 from bristle_sim.scene.events.functions import Change, EventFunction, Release, Slip, SpringChange, SpringEvent, Touch
 from bristle_sim.scene.events.locate import Interval, interpolate

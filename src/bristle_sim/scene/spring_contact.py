@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from bristle_sim.scene.contact.course import SpringPhase
-from bristle_sim.scene.contact.load import ContactLoad
 from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS
-from bristle_sim.scene.contact.spring import Spring
+from bristle_sim.scene.contact.spring import ContactLoad, Spring, SpringPhase
 from bristle_sim.scene.contact.sustained import Outcome, Sustained
 from bristle_sim.scene.events.functions import SpringChange, SpringEvent
 from bristle_sim.scene.motion import SmoothMotion, follow_bodies

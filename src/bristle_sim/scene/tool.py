@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from bristle_sim.parameters import Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.compliant import contact_law
-from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle
-from bristle_sim.scene.contact.wire_pair import wire_pairs
+from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle, wire_pairs
 from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
 from bristle_sim.scene.integrate.time_scales import checked_step, longest_interval, stepper_for, time_scale
 from bristle_sim.scene.mechanism import Mechanism, State

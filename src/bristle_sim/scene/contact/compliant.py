@@ -6,9 +6,8 @@ As the contact gets shorter its outcome tends to that of the rigid-body law with
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
-from bristle_sim.arrays import Array
 from bristle_sim.parameters import Contact
 from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients, ContactLaw, EnergeticLaw, EngineLaw, contact_at
 from bristle_sim.scene.contact.spring import Expectation, Spring
@@ -52,7 +51,7 @@ SAMPLES_OF_AN_OUTCOME = 5
 """Least number of intervals of a contact whose outcome is of interest: less than a phase in each."""
 
 
-class CompliantLaw:
+class CompliantLaw(ContactLaw):
     """Contact resolved in time by the engine.
 
     Args:
@@ -65,12 +64,12 @@ class CompliantLaw:
     """
 
     name = "compliant"
-    at_once = False
+    at_once: ClassVar[bool] = False
 
     def __init__(
         self, duration: float | None, accuracy: float, plain_steps: int | None = None, stiffness: float | None = None
     ) -> None:
-        """Set what every contact by this law has in common."""
+        """Set the common properties of all contacts by this law."""
         self.duration = duration
         self.accuracy = accuracy
         self.plain_steps = plain_steps
@@ -83,28 +82,29 @@ class CompliantLaw:
             ValueError: if the contact cannot be resolved in double precision.
         """
         coefficients = Coefficients.of(obstacle)
-        self._check(scene, coefficients.restitution)
+        restitution = coefficients.restitution
+        self._check(scene, restitution)
         touch, space = contact_at(scene, state, obstacle)
         rigid = coefficients.energetic_impact(space)
         fastest = max(1.0, *(abs(rate) for rate in state.rates))
-        unloading = (
-            coefficients.restitution or 1.0
-        )  # time over that of loading; 1 where the contact ends at the deepest
-        duration = self.duration or self._shortest(scene, fastest, unloading)
+        unloading = restitution or 1.0  # time over that of loading; 1 where the contact ends at the deepest
+        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
+        shortest = max(LEAST_DURATION / math.sqrt(unloading * damping), 0.1 * self.accuracy / max(fastest, damping))
+        duration = self.duration or shortest
         if -space.velocity[0] * duration * unloading < LEAST_DEPTH:
             return None
         if self.stiffness is None and scene.effects.hinges:
-            self.stiffness = rigid_stiffness(
-                scene.mechanism, state, touch, obstacle.link, duration, coefficients.restitution
-            )
+            self.stiffness = rigid_stiffness(scene.mechanism, state, touch, obstacle.link, duration, restitution)
         stiffness = self.stiffness
         if stiffness is None:
-            stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], coefficients.restitution) / duration) ** 2
+            stiffness = (time_at_unit_stiffness(rigid, space.velocity[0], restitution) / duration) ** 2
             # It is the surface's: later touches meet the same, but in the rigid-body limit, which has none.
             self.stiffness = None if self.duration is None else stiffness
         samples = SAMPLES_OF_AN_OUTCOME if self.duration is None else SAMPLES_OF_A_COURSE
         longest = min(duration / samples, damped_interval(scene))
-        stepper = self._stepper(duration, longest, fastest, _rounding(space.inverse_mass, duration * unloading))
+        # The lightest link, of inertia 1/3, turns by the normal velocity over the root of K_nn/3.
+        turning = max(1.0, math.sqrt(3.0 / float(space.inverse_mass[0, 0])))
+        stepper = self._stepper(duration, longest, fastest, turning * FORCE_ROUNDING / (duration * unloading))
         expected = Expectation(duration, longest, rigid.outcome_name, self.duration is not None, stepper)
         return Spring(stiffness, coefficients, expected, touch.gap, space.inverse_mass)
 
@@ -120,12 +120,6 @@ class CompliantLaw:
             return PlainSteps(duration / self.plain_steps)
         tolerance = max(0.1 * self.accuracy, least)
         return Extrapolation(tolerance, fastest, CLOSE if tolerance > CLEAR_OF_ROUNDING * least else WIDE, longest)
-
-    def _shortest(self, scene: Scene, fastest: float, unloading: float) -> float:
-        """Return the duration of a contact that is as short as the accuracy needs and rounding leaves it."""
-        damping = max(1.0, scene.effects.damping / scene.mechanism.links[0].inertia_about_joint)
-        least = LEAST_DURATION / math.sqrt(unloading * damping)
-        return max(least, 0.1 * self.accuracy / max(fastest, damping))
 
     def _check(self, scene: Scene, restitution: float) -> None:
         if 0.0 < restitution < LEAST_RESTITUTION:
@@ -146,23 +140,14 @@ class CompliantLaw:
             )
 
 
-def _rounding(inverse_mass: Array, resolved: float) -> float:
-    """Return the rounding of the lightest link's rate in an interval; ``resolved`` is the duration times e*.
-
-    It turns the link, of inertia 1/3, by the normal velocity over the root of K_nn/3.
-    """
-    return max(1.0, math.sqrt(3.0 / inverse_mass[0, 0])) * FORCE_ROUNDING / resolved
-
-
 def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) -> float:
     """Return the time in touch for k = 1 in the rigid-body limit; it scales with 1/sqrt(k).
 
     Within a phase the normal velocity and force obey v' = a N, N' = -k v with the phase's own compliance a, so the
     phase is a piece of a harmonic motion between velocities and forces that the impact law knows.
     """
-    works = [float(work) for work in impact.phase_work_normal]
-    time, stored = 0.0, 0.0
-    for index, impulse in enumerate(float(each) for each in impact.phase_impulse):
+    works, time, stored = impact.phase_work_normal.tolist(), 0.0, 0.0
+    for index, impulse in enumerate(impact.phase_impulse.tolist()):
         if impulse <= 0.0:
             continue
         stiffness = 1.0
@@ -170,28 +155,16 @@ def time_at_unit_stiffness(impact: Impact, velocity: float, restitution: float) 
             stiffness, stored = 1.0 / restitution**2, sum(works[index:])
         left = stored - works[index]
         change = 2.0 * (works[index] / impulse - velocity)
-        time += _phase_time(
-            stiffness, impulse, (velocity, velocity + change), (_force(stiffness, stored), _force(stiffness, left))
-        )
+        forces = [math.sqrt(2.0 * stiffness * max(energy, 0.0)) for energy in (stored, left)]
+        compliance, velocities = change / impulse, (velocity, velocity + change)
+        if change <= 1e-12 * max(map(abs, velocities)):
+            time += 2.0 * impulse / sum(forces) if any(forces) else 0.0
+        else:
+            impedance = math.sqrt(compliance / stiffness)
+            before, after = (math.atan2(v, impedance * f) for v, f in zip(velocities, forces, strict=True))
+            time += (after - before) / math.sqrt(compliance * stiffness)
         stored, velocity = left, velocity + change
     return time
-
-
-def _force(stiffness: float, stored: float) -> float:
-    return math.sqrt(2.0 * stiffness * max(stored, 0.0))
-
-
-def _phase_time(
-    stiffness: float, impulse: float, velocities: tuple[float, float], forces: tuple[float, float]
-) -> float:
-    """Return the duration of a phase of given normal impulse between two velocities and forces."""
-    compliance = (velocities[1] - velocities[0]) / impulse
-    if compliance <= 1e-12 * max(map(abs, velocities)) / impulse:
-        mean = 0.5 * (forces[0] + forces[1])
-        return impulse / mean if mean > 0.0 else 0.0
-    impedance = math.sqrt(compliance / stiffness)
-    before, after = (math.atan2(v, impedance * f) for v, f in zip(velocities, forces, strict=True))
-    return (after - before) / math.sqrt(compliance * stiffness)
 
 
 def rigid_stiffness(

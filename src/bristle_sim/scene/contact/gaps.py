@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact.obstacles import ClosestApproach, Obstacle
+from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle
 from bristle_sim.scene.events.locate import interpolate
 from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
+
+if TYPE_CHECKING:
+    from bristle_sim.scene.progress import Progress
+
+AT_JOINT = 1e-9
+"""Fraction of a link within which a foot on it is at its end."""
 
 GAP_ROUNDING = 1e-11
 """A gap of the scene's unit below this is closed."""
@@ -20,7 +27,7 @@ class Gaps:
     """Gaps, touches and poses of a mechanism's links at any state."""
 
     def __init__(self, mechanism: Mechanism) -> None:
-        """Look at a mechanism, which keeps the poses of the last few states."""
+        """Look at a mechanism."""
         self.mechanism = mechanism
 
     def closest(self, obstacle: Obstacle, state: State, piece: int | None = None) -> ClosestApproach:
@@ -147,3 +154,35 @@ def opening_rate(first: ClosestApproach, second: ClosestApproach) -> float:
     if levers[0] * levers[1] >= 0.0:
         return math.inf
     return first.velocity[0] / abs(levers[0]) + second.velocity[0] / abs(levers[1])
+
+
+def neighbour(progress: Progress, obstacle: Obstacle, step: int) -> BarObstacle | None:
+    """Return the pair of the same obstacle and the next link of the wire towards the tip (1) or the root (-1)."""
+    link, size = obstacle.link + step, progress.mechanism.wire_links
+    if obstacle.link < 0 or not isinstance(obstacle, BarObstacle) or link // size != obstacle.link // size:
+        return None
+    return next((each for each in progress.obstacles if isinstance(each, BarObstacle) and each.link == link), None)
+
+
+def behind_joint(progress: Progress, obstacle: Obstacle, active: Sequence[Obstacle], end: State) -> bool:
+    """Whether a link is nearest to the obstacle of a neighbour in contact at the joint that both have, up to a state.
+
+    One that is clear of it and ends elsewhere may touch it by itself.
+    """
+    if not isinstance(obstacle, BarObstacle):
+        return False
+    gaps, now = progress.gaps, progress.state
+    for sign, index, step in ((1.0, 0, -1), (-1.0, 1, 1)):
+        if neighbour(progress, obstacle, step) in active:
+            feet = [sign * obstacle.foot(gaps.poses(state)[obstacle.link])[index] for state in (now, end)]
+            if feet[0] <= AT_JOINT and (feet[1] <= AT_JOINT or gaps.gap(obstacle, now) <= GAP_ROUNDING):
+                return True
+    return False
+
+
+def at_joint(progress: Progress, obstacle: Obstacle) -> Obstacle:
+    """Return the pair that a touch belongs to: at a joint, the one of the link before it, whose round end is there."""
+    lower = neighbour(progress, obstacle, -1)
+    if lower is None or not isinstance(obstacle, BarObstacle):
+        return obstacle
+    return obstacle if obstacle.foot(progress.gaps.poses(progress.state)[obstacle.link])[0] > 0.0 else lower

@@ -2,18 +2,18 @@
 
 An impact at an instant is resolved at once: scene, state, obstacle in; state after, contact record out. A law that resolves
 the contact in time gives a spring instead, which acts in the run's own loop (:mod:`bristle_sim.scene.contact.compliant`).
-To add a law, write a class with the methods of :class:`ContactLaw` and name it in :func:`contact_law` there.
+To add a law, write a subclass of :class:`ContactLaw` and name it in :func:`contact_law` there.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 from bristle_sim.contact_space.impulse import ContactSpace, contact_space
-from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.theory.impact import Impact, energetic_impact
 from bristle_sim.trajectory import ContactRecord
 
@@ -38,34 +38,66 @@ class Coefficients:
 
     def energetic_impact(self, space: ContactSpace) -> Impact:
         """Return the impact of rigid bodies with energetic restitution."""
-        return energetic_impact(
-            space.inverse_mass,
-            space.velocity,
-            self.friction,
-            self.restitution,
-            self.restitution_friction,
-            space.stick_compliance,
-        )
+        coefficients = self.friction, self.restitution, self.restitution_friction
+        return energetic_impact(space.inverse_mass, space.velocity, *coefficients, space.stick_compliance)
 
 
-class ContactLaw(Protocol):
-    """A way through an impact."""
+class ContactLaw:
+    """A way through an impact.
 
-    @property
-    def name(self) -> str:
-        """What contact records call it."""
+    Attributes:
+        name: in contact records.
+        at_once: whether its impacts take no time.
+    """
 
-    @property
-    def at_once(self) -> bool:
-        """Whether its impacts take no time."""
+    name: ClassVar[str]
+    at_once: ClassVar[bool] = True
 
     def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> Spring | None:
         """Return the spring of a contact that is resolved in time; None where the impact is one at an instant."""
+        del scene, state, obstacle
+        return None
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
         """Carry the scene through an impact at an instant; engine units throughout."""
+        raise NotImplementedError
+
+    def _record(
+        self,
+        obstacle: Obstacle,
+        before: State,
+        rates: tuple[float, ...],
+        outcome: str,
+        impulse: Vector,
+        velocities: tuple[Vector, Vector],
+        impact: Impact | None = None,
+    ) -> tuple[State, ContactRecord]:
+        """Return the state with the rates after an impact, and its record; a law without phases has no ``impact``."""
+        compressive: Vector | None = None
+        works: tuple[Vector | None, Vector | None] = None, None
+        if impact is not None:
+            compressive = impact.compressive_impulse_normal, impact.compressive_impulse_tangential
+            loaded, unloaded = impact.compressive_work, impact.restitutive_work
+            works = (float(loaded[0]), float(loaded[1])), (float(unloaded[0]), float(unloaded[1]))
+        return State(before.time, before.angles, rates), ContactRecord(
+            obstacle=obstacle.name,
+            law=self.name,
+            outcome=outcome,
+            time=before.time,
+            duration=0.0,
+            impulse=impulse,
+            compressive_impulse=compressive,
+            compressive_work=works[0],
+            restitutive_work=works[1],
+            velocity_before=velocities[0],
+            velocity_after=velocities[1],
+            angles=before.angles,
+            rates_before=before.rates,
+            rates_after=rates,
+            phases=() if impact is None else impact.phases,
+        )
 
 
 def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestApproach, ContactSpace]:
@@ -76,17 +108,12 @@ def contact_at(scene: Scene, state: State, obstacle: Obstacle) -> tuple[ClosestA
     joint = poses[obstacle.link].joint
     point = (joint[0] + touch.arm[0], joint[1] + touch.arm[1])
     partner = None if obstacle.partner is None else scene.links[obstacle.partner]
-    return touch, contact_space(
-        scene.links[obstacle.link],
-        point,
-        touch.normal,
-        partner,
-        connected=scene.connected if scene.mechanism.wires == 1 else None,
-    )
+    connected = scene.connected if scene.mechanism.wires == 1 else None
+    return touch, contact_space(scene.links[obstacle.link], point, touch.normal, partner, connected=connected)
 
 
-@dataclass(frozen=True, slots=True)
-class EnergeticLaw:
+@dataclass(frozen=True)
+class EnergeticLaw(ContactLaw):
     """Stronge's energetic restitution with Coulomb friction, on the contact-space inverse mass of the scene.
 
     Attributes:
@@ -94,12 +121,7 @@ class EnergeticLaw:
     """
 
     accuracy: float = 0.0
-    name: str = field(default="energetic", init=False)
-    at_once: bool = field(default=True, init=False)
-
-    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> None:
-        """Its impacts take no time."""
-        del scene, state, obstacle
+    name = "energetic"
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
@@ -109,25 +131,10 @@ class EnergeticLaw:
         space = ending_together(space, self.accuracy)
         impact = coefficients.energetic_impact(space)
         impulse = (impact.impulse_normal, impact.impulse_tangential)
-        space.apply(impulse, (impact.velocity_normal, impact.velocity_tangential))
-        after = State(state.time, state.angles, tuple(scene.rates()))
-        return after, ContactRecord(
-            obstacle=obstacle.name,
-            law=self.name,
-            outcome=impact.outcome_name,
-            time=state.time,
-            duration=0.0,
-            impulse=impulse,
-            compressive_impulse=(impact.compressive_impulse_normal, impact.compressive_impulse_tangential),
-            compressive_work=(float(impact.compressive_work[0]), float(impact.compressive_work[1])),
-            restitutive_work=(float(impact.restitutive_work[0]), float(impact.restitutive_work[1])),
-            velocity_before=space.velocity,
-            velocity_after=(impact.velocity_normal, impact.velocity_tangential),
-            angles=state.angles,
-            rates_before=state.rates,
-            rates_after=after.rates,
-            phases=impact.phases,
-        )
+        after = (impact.velocity_normal, impact.velocity_tangential)
+        space.apply(impulse, after)
+        velocities = space.velocity, after
+        return self._record(obstacle, state, tuple(scene.rates()), impact.outcome_name, impulse, velocities, impact)
 
 
 def ending_together(space: ContactSpace, accuracy: float) -> ContactSpace:
@@ -152,8 +159,8 @@ ENGINE_STEP = 1e-12
 """Step of an engine impact in scene time units: forces and motion within it are below rounding."""
 
 
-@dataclass(frozen=True, slots=True)
-class EngineLaw:
+@dataclass(frozen=True)
+class EngineLaw(ContactLaw):
     """The engine's own contact: Newton's coefficient, friction clamped by the accumulated impulse, iterated.
 
     ``elasticity`` is taken as the coefficient of restitution. It knows no phases, takes one friction coefficient, and
@@ -162,43 +169,20 @@ class EngineLaw:
     """
 
     iterations: int = 10
-    name: str = field(default="engine", init=False)
-    at_once: bool = field(default=True, init=False)
-
-    def spring(self, scene: Scene, state: State, obstacle: Obstacle) -> None:
-        """Its impacts take no time."""
-        del scene, state, obstacle
+    name = "engine"
 
     def resolve(
         self, scene: Scene, state: State, obstacle: Obstacle, coefficients: Coefficients
     ) -> tuple[State, ContactRecord]:
         """Take one engine step, so short that nothing but the impact happens in it."""
         touch, _ = contact_at(scene, state, obstacle)
-        scene.contacts.engage(
-            obstacle,
-            friction=coefficients.friction,
-            elasticity=coefficients.restitution,
-            iterations=self.iterations,
-        )
+        friction, elasticity = coefficients.friction, coefficients.restitution
+        scene.contacts.engage(obstacle, friction=friction, elasticity=elasticity, iterations=self.iterations)
         scene.step(ENGINE_STEP, 1)
         impulse = scene.contacts.totals(obstacle)[:2]
         scene.release()
         after = State(state.time, state.angles, tuple(scene.rates()))
         scene.place(after)
         velocity = obstacle.closest(scene.mechanism.poses(after), after.rates).velocity
-        return after, ContactRecord(
-            obstacle=obstacle.name,
-            law=self.name,
-            outcome="rebound" if velocity[0] > 0.0 else "no rebound",
-            time=state.time,
-            duration=0.0,
-            impulse=impulse,
-            compressive_impulse=None,
-            compressive_work=None,
-            restitutive_work=None,
-            velocity_before=touch.velocity,
-            velocity_after=velocity,
-            angles=state.angles,
-            rates_before=state.rates,
-            rates_after=after.rates,
-        )
+        outcome = "rebound" if velocity[0] > 0.0 else "no rebound"
+        return self._record(obstacle, state, after.rates, outcome, impulse, (touch.velocity, velocity))

@@ -1,4 +1,4 @@
-"""Pairs of a link and what it can touch: the bar (a circle) and the workpart (a half-plane), as gaps and engine shapes.
+"""Pairs of a link and what it can touch: the bar (a circle), the workpart (a half-plane), a link of another wire (a capsule).
 
 A gap is the distance between the link's contact point and the obstacle; it is positive in flight. Engine shapes
 of obstacles are larger than the obstacle by ``SHAPE_MARGIN``, and the engine's slop covers it, so that a sustained touch is
@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import pymunk
 
 from bristle_sim.scene.contact.laws import ENERGETIC, ContactLaw
-from bristle_sim.scene.mechanism import Pose, Vector
+from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
 
 SHAPE_MARGIN = 0.02
 """Fraction of the link's length by which obstacle shapes are enlarged in the engine."""
@@ -31,6 +31,9 @@ gap that counts as closed. Rounding of 1e-16 then turns the normal by 1e-7."""
 
 HALF_PLANE = 1e3
 """Half width and depth of the workpart's shape, in link lengths: beyond any mechanism's reach."""
+
+Line = tuple[Vector, ...]
+"""A straight piece of a wire's centre line: its two ends."""
 
 
 class ClosestApproach(NamedTuple):
@@ -51,7 +54,7 @@ class ClosestApproach(NamedTuple):
     arm: Vector
     normal: Vector
     velocity: Vector
-    kinks: tuple[float, ...]
+    kinks: tuple[float, ...] = ()
     piece: int = 0
     partner_arm: Vector | None = None
 
@@ -59,53 +62,6 @@ class ClosestApproach(NamedTuple):
     def tangent(self) -> Vector:
         """The normal turned clockwise: +x on the workpart."""
         return (self.normal[1], -self.normal[0])
-
-
-class Obstacle(Protocol):
-    """A pair of a link and what it can touch, with what a scene needs of it."""
-
-    @property
-    def name(self) -> str:
-        """What events and contact records call it."""
-
-    @property
-    def link(self) -> int:
-        """Number of the link, from 0; the last one is also -1."""
-
-    @property
-    def partner(self) -> int | None:
-        """Number of the other wire's link; None where it is fixed."""
-
-    @property
-    def friction(self) -> float:
-        """Coulomb's mu, in compression and in sustained slip."""
-
-    @property
-    def restitution_friction(self) -> float:
-        """Coulomb's mu in restitution."""
-
-    @property
-    def restitution(self) -> float:
-        """Coefficient of restitution."""
-
-    @property
-    def law(self) -> ContactLaw:
-        """Law of its impacts."""
-
-    @property
-    def first_touch(self) -> str:
-        """Name of the event of a wire's first touch; later ones are named by the obstacle."""
-
-    @property
-    def dent(self) -> float:
-        """Depth by which contacts resolved in time have moved its surface back."""
-
-    @property
-    def corner(self) -> int | None:
-        """The corner of the link's centre line that touches, -1 for its tip; None where the contact slides along the link."""
-
-    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
-        """Return the closest approach of the links in given poses, or of one straight piece."""
 
 
 class Held(NamedTuple):
@@ -116,21 +72,17 @@ class Held(NamedTuple):
     slip: int | None
 
 
-_Closest = tuple[float, Vector, tuple[float, float]]
-
-
-def _closest(centre: Vector, joint: Vector, start: Vector, end: Vector) -> _Closest:
-    """Return a straight piece's squared distance from a point, closest point from the joint, and place past its ends."""
-    along_x, along_y = end[0] - start[0], end[1] - start[1]
-    to_x, to_y = centre[0] - start[0], centre[1] - start[1]
-    along = (to_x * along_x + to_y * along_y) / (along_x**2 + along_y**2)
+def _foot(point: Vector, line: Line) -> tuple[float, Vector]:
+    """Return how far along a straight piece a point lies, in lengths of the piece, and the piece's closest point."""
+    (x, y), (u, v) = line
+    along_x, along_y = u - x, v - y
+    along = ((point[0] - x) * along_x + (point[1] - y) * along_y) / (along_x**2 + along_y**2)
     within = min(max(along, 0.0), 1.0)
-    x, y = start[0] + within * along_x, start[1] + within * along_y
-    square = (x - centre[0]) ** 2 + (y - centre[1]) ** 2
-    return square, (x - joint[0], y - joint[1]), (along, along - 1.0)
+    return along, (x + within * along_x, y + within * along_y)
 
 
 def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
+    """Return the normal and the tangential velocity of a link's point."""
     x = pose.joint_velocity[0] - rate * arm[1]
     y = pose.joint_velocity[1] + rate * arm[0]
     return (x * normal[0] + y * normal[1], x * normal[1] - y * normal[0])
@@ -138,7 +90,13 @@ def _relative(pose: Pose, rate: float, arm: Vector, normal: Vector) -> Vector:
 
 @dataclass(frozen=True, slots=True)
 class BarObstacle:
-    """Fixed circle that the wire touches: the wire's centre line keeps ``radius + wire_radius`` from ``centre``."""
+    """Fixed circle that the wire touches: the wire's centre line keeps ``radius + wire_radius`` from ``centre``.
+
+    An obstacle has a ``name`` in events and contact records, the number of its ``link`` (the last one is also -1), the number
+    of the other wire's link as its ``partner``, coefficients, a ``law`` of its impacts, the name of the event of a ``first_touch``,
+    the depth of the ``dent`` by which a contact resolved in time has moved its surface back, and the ``corner`` of the link's
+    centre line that touches, -1 for the tip; None where the contact slides along the link.
+    """
 
     centre: Vector
     radius: float
@@ -174,49 +132,49 @@ class BarObstacle:
         """
         pose, rate = poses[self.link], rates[self.link]
         if not pose.knees:
-            found = _closest(self.centre, pose.joint, pose.joint, pose.tip)
-            return self._approach(pose, rate, 0, found, found[2][1:])
-        pieces = [_closest(self.centre, pose.joint, a, b) for a, b in itertools.pairwise(pose.corners)]
-        kinks = tuple(kink for found in pieces for kink in found[2])[1:]
-        touches = [self._approach(pose, rate, index, found, kinks) for index, found in enumerate(pieces)]
+            along, place = _foot(self.centre, (pose.joint, pose.tip))
+            return self._approach(pose, rate, 0, place, (along - 1.0,))
+        pieces = [_foot(self.centre, line) for line in itertools.pairwise(pose.corners)]
+        kinks = tuple(kink for along, _ in pieces for kink in (along, along - 1.0))[1:]
+        touches = [self._approach(pose, rate, index, place, kinks) for index, (_, place) in enumerate(pieces)]
         if piece is not None:
             return touches[piece]
         least = min(touch.gap for touch in touches)
         return min((touch for touch in touches if touch.gap <= least + SAME_GAP), key=lambda touch: touch.velocity[0])
 
     def _approach(
-        self, pose: Pose, rate: float, piece: int, found: _Closest, kinks: tuple[float, ...]
+        self, pose: Pose, rate: float, piece: int, place: Vector, kinks: tuple[float, ...]
     ) -> ClosestApproach:
-        square, arm, _ = found
-        distance = math.sqrt(square)
+        x, y = place[0] - self.centre[0], place[1] - self.centre[1]
+        distance = math.hypot(x, y)
         scale = distance or 1.0  # at the very centre no direction is the normal's
-        x, y = pose.joint[0] + arm[0] - self.centre[0], pose.joint[1] + arm[1] - self.centre[1]
         normal = (x / scale, y / scale)
-        arm = (arm[0] - self.wire_radius * normal[0], arm[1] - self.wire_radius * normal[1])
+        arm = (
+            place[0] - pose.joint[0] - self.wire_radius * normal[0],
+            place[1] - pose.joint[1] - self.wire_radius * normal[1],
+        )
         gap = distance - self.radius - self.wire_radius + self.dent
         return ClosestApproach(gap, arm, normal, _relative(pose, rate, arm, normal), kinks, piece)
 
     def gap_beside(self, pose: Pose, piece: int) -> float:
         """Return the gap of the link's other pieces in whose elbow with this one the bar lies; infinite where there is none."""
         gaps = [math.inf]
-        for index, (start, end) in enumerate(itertools.pairwise(pose.corners)):
-            square, _, (past_start, past_end) = _closest(self.centre, pose.joint, start, end)
-            at_shared_corner = past_end >= 0.0 if index < piece else past_start <= 0.0
+        for index, line in enumerate(itertools.pairwise(pose.corners)):
+            along, place = _foot(self.centre, line)
+            at_shared_corner = along >= 1.0 if index < piece else along <= 0.0
             if index != piece and not at_shared_corner:
-                gaps.append(math.sqrt(square) - self.radius - self.wire_radius + self.dent)
+                gaps.append(math.dist(place, self.centre) - self.radius - self.wire_radius + self.dent)
         return min(gaps)
 
     def foot(self, pose: Pose) -> tuple[float, float]:
         """Return the bar's centre along the first piece, past its start, and along the last, past its end, in their lengths."""
         corners = pose.corners
-        first = _closest(self.centre, pose.joint, *corners[:2])[2][0]
-        return first, _closest(self.centre, pose.joint, *corners[-2:])[2][1]
+        return _foot(self.centre, corners[:2])[0], _foot(self.centre, corners[-2:])[0] - 1.0
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return a circle, and the wire as segments with round ends."""
         bar = pymunk.Circle(space.static_body, self.radius + SHAPE_MARGIN, self.centre)
-        pieces = itertools.pairwise(corners)
-        return [bar, *(pymunk.Segment(body, start, end, self.wire_radius) for start, end in pieces)]
+        return [bar, *(pymunk.Segment(body, *ends, self.wire_radius) for ends in itertools.pairwise(corners))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,9 +199,8 @@ class WorkpartObstacle:
         pose = poses[self.link]
         x, y = pose.tip if self.corner == -1 else pose.knees[self.corner]
         arm, normal = (x - pose.joint[0], y - pose.joint[1]), (0.0, 1.0)
-        return ClosestApproach(
-            y + self.depth + self.dent, arm, normal, _relative(pose, rates[self.link], arm, normal), ()
-        )
+        gap = y + self.depth + self.dent
+        return ClosestApproach(gap, arm, normal, _relative(pose, rates[self.link], arm, normal))
 
     def shapes(self, space: pymunk.Space, body: pymunk.Body, corners: Sequence[Vector]) -> list[pymunk.Shape]:
         """Return a thick segment whose upper face is the surface, and the corner as a point."""
@@ -254,7 +211,76 @@ class WorkpartObstacle:
         return [surface, pymunk.Circle(body, 0.0, corners[1:][self.corner])]
 
 
+@dataclass(frozen=True, slots=True)
+class WirePair:
+    """A straight piece of a link and one of a link of another wire, ``partner``: the end of one touches the other.
+
+    Both have the radius ``wire_radius``. The normal points from the partner to the link. The ``piece`` of a touch is the end
+    that touches: 0 and 1 are the start and the end of the link's own piece, 2 and 3 those of the partner's.
+    """
+
+    link: int
+    own_piece: int
+    partner: int
+    partner_piece: int
+    wire_radius: float
+    friction: float
+    restitution: float
+    name: str = "wire"
+    law: ContactLaw = ENERGETIC
+    first_touch: str = "wire touch"
+    dent: float = 0.0
+    corner: None = None
+
+    @property
+    def restitution_friction(self) -> float:
+        """Friction in restitution is that in compression."""
+        return self.friction
+
+    def closest(self, poses: Sequence[Pose], rates: Sequence[float], piece: int | None = None) -> ClosestApproach:
+        """Return the closest approach of the two pieces, or of one named end and the other piece."""
+        links = (self.link, self.partner)
+        own, other = (
+            poses[link].corners[number : number + 2]
+            for link, number in zip(links, (self.own_piece, self.partner_piece), strict=True)
+        )
+        found = [(end, _foot(end, other)[1]) for end in own] + [(_foot(end, own)[1], end) for end in other]
+        if piece is None:
+            piece = min(range(4), key=lambda end: math.dist(*found[end]))
+        (x, y), (u, v) = found[piece]
+        distance = math.hypot(x - u, y - v)
+        scale = distance or 1.0  # where centre lines meet no direction is the normal's
+        normal = ((x - u) / scale, (y - v) / scale)
+        x, y = x - self.wire_radius * normal[0], y - self.wire_radius * normal[1]
+        arms = [(x - poses[link].joint[0], y - poses[link].joint[1]) for link in links]
+        first, second = (
+            _relative(poses[link], rates[link], arm, normal) for link, arm in zip(links, arms, strict=True)
+        )
+        crossed = _sides(own, other) < 0.0 and _sides(other, own) < 0.0
+        gap = (-distance if crossed else distance) - 2.0 * self.wire_radius + self.dent
+        velocity = (first[0] - second[0], first[1] - second[1])
+        return ClosestApproach(gap, arms[0], normal, velocity, (), piece, arms[1])
+
+
+def _sides(line: Line, points: Line) -> float:
+    """Return a number that is negative if two points lie on different sides of a line."""
+    (x, y), (u, v) = line
+    one, other = (cross((u - x, v - y), (each[0] - x, each[1] - y)) for each in points)
+    return one * other
+
+
+Obstacle = BarObstacle | WorkpartObstacle | WirePair
+"""A pair of a link and what it can touch."""
+
+
+def wire_pairs(mechanism: Mechanism, wire_radius: float, friction: float, restitution: float) -> Iterator[WirePair]:
+    """Yield every pair of straight pieces of links of two wires."""
+    numbered = [(link, piece) for link, each in enumerate(mechanism.links) for piece in range(len(each.knees) + 1)]
+    for (link, own), (partner, other) in itertools.combinations(numbered, 2):
+        if link // mechanism.wire_links != partner // mechanism.wire_links:
+            yield WirePair(link, own, partner, other, wire_radius, friction, restitution)
+
+
 def dented(obstacle: Obstacle, depth: float) -> Obstacle:
     """Return a pair with its surface moved back by a depth."""
-    moved: Obstacle = replace(obstacle, dent=depth)  # type: ignore[type-var]
-    return moved
+    return replace(obstacle, dent=depth)

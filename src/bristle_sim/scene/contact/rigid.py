@@ -17,10 +17,10 @@ import numpy as np
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact.gaps import MOMENT, Gaps, contact_row, set_back, slip_acceleration, turned_back
-from bristle_sim.scene.contact.obstacles import ClosestApproach, Held, Obstacle
-from bristle_sim.scene.contact.shapes import pushes
+from bristle_sim.scene.contact.obstacles import Held, Obstacle
+from bristle_sim.scene.contact.shapes import ImpulseRecord
 from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS
-from bristle_sim.scene.mechanism import Link, Pose, State, Vector, cross
+from bristle_sim.scene.mechanism import State, cross
 
 LEAST_SLIP = 1e-9
 """Slip below this fraction of the scene's unit has no sense, however accurate the run is."""
@@ -49,11 +49,9 @@ class RigidContacts(ABC):
 
     def __init__(self, scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], paired: bool) -> None:
         """Prepare the contacts."""
-        self.scene = scene
-        self.obstacles = tuple(obstacles)
+        self.scene, self.paired = scene, paired
+        self.obstacles, self.slips = tuple(obstacles), list(slips)
         self.pieces: list[int | None] = [None] * len(obstacles)
-        self.slips = list(slips)
-        self.paired = paired
         self._step = 0.0
         self._sums: list[float] = []
         self._due = False
@@ -72,11 +70,7 @@ class RigidContacts(ABC):
 
     @abstractmethod
     def _add(self) -> None:
-        """Add what was done in the step before."""
-
-    @abstractmethod
-    def _response(self, poses: Sequence[Pose], index: int, touch: ClosestApproach) -> tuple[float, float]:
-        """Return K_nn and K_nt of a contact."""
+        """Add the impulses of the step before."""
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums. Return a callback to run before each step; it adds the previous step's impulses."""
@@ -103,7 +97,7 @@ class RigidContacts(ABC):
         return self.obstacles[index].friction * totals[TOTALS * index] - abs(totals[TOTALS * index + 1])
 
     def breaks_away(self, totals: Sequence[float]) -> int | None:
-        """Return the number of the first contact that sticks beyond what friction gives, if there is one."""
+        """Return the number of the first contact that sticks beyond the limit of friction, if there is one."""
         stuck = (index for index, slip in enumerate(self.slips) if slip == 0)
         return next((index for index in stuck if self.spare_friction(totals, index) < 0.0), None)
 
@@ -117,11 +111,20 @@ class RigidContacts(ABC):
         slip: float | None = self.slips[index]
         if slip is None:
             slip = math.copysign(1.0, touch.velocity[1]) if abs(touch.velocity[1]) > LEAST_SLIP else 0.0
-        normal, coupling = self._response(poses, index, touch)
-        free = _free_response(mechanism.links[obstacle.link], poses[obstacle.link], touch.arm, touch.normal)
-        if obstacle.partner is not None and touch.partner_arm is not None:
-            partner = mechanism.links[obstacle.partner], poses[obstacle.partner]
-            free += _free_response(*partner, touch.partner_arm, touch.normal)
+        if mechanism.lone:
+            lever, along = cross(touch.arm, touch.normal), cross(touch.arm, touch.tangent)
+            inertia = mechanism.links[0].inertia_about_joint
+            normal, coupling = lever * lever / inertia, lever * along / inertia
+        else:
+            directions = (touch.normal, touch.tangent)
+            rows = np.array([contact_row(mechanism, poses, obstacle, touch, each) for each in directions])
+            normal, coupling = (rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])).tolist()
+        free = 0.0
+        for number, arm in ((obstacle.link, touch.arm), (obstacle.partner, touch.partner_arm)):
+            if number is not None and arm is not None:
+                link, pose = mechanism.links[number], poses[number]
+                to_centre = (pose.joint[0] + arm[0] - pose.centre[0], pose.joint[1] + arm[1] - pose.centre[1])
+                free += 1.0 / link.mass + cross(to_centre, touch.normal) ** 2 / link.inertia
         return (normal - obstacle.friction * slip * coupling) / free
 
     def _next_piece(self, obstacle: Obstacle, state: State) -> int:
@@ -141,8 +144,8 @@ class EngineContact(RigidContacts):
         super().__init__(scene, obstacles, slips, paired)
         (self._obstacle,) = obstacles
         # A push alone is read once an interval.
-        self._record = None if self._obstacle.friction else scene.contacts.record()
-        self._stale, self._last = 0, (0.0, 0.0)
+        self._record = None if self._obstacle.friction else ImpulseRecord(scene.space)
+        self._last = (0.0, 0.0)
 
     def engage(self, gaps: Gaps, state: State) -> float:
         """Let the contact act from a state on; return its grip.
@@ -151,10 +154,9 @@ class EngineContact(RigidContacts):
         the error, and there are as many as the state needs.
         """
         obstacle, grip = self._obstacle, self.grip(gaps, state)
-        self.pieces = [self._next_piece(obstacle, state)]
+        self.pieces = [piece := self._next_piece(obstacle, state)]
         left = min(max(abs(1.0 - grip), 1e-3), 1.0 - 1e-6)
         rounds = max(self.scene.contacts.in_flight, min(math.ceil(LOG_SOLVED / math.log(left)), MOST_ITERATIONS))
-        piece = self.pieces[0] or 0
         self.scene.contacts.engage(obstacle, friction=obstacle.friction, elasticity=0.0, iterations=rounds, piece=piece)
         if (slip := self.slips[0]) is not None:
             self.scene.contacts.direct_friction(slip, gaps.closest(obstacle, state).tangent)
@@ -171,8 +173,7 @@ class EngineContact(RigidContacts):
         if self._record is None:
             return super().begin(step)
         self._step = step
-        # The impulse before the interval is noted here, and before its first step once more.
-        self._stale = 2 * self._record.begin()
+        self._record.begin()
         return self._record.note
 
     def totals(self) -> list[float]:
@@ -180,20 +181,13 @@ class EngineContact(RigidContacts):
         if self._record is None:
             self._add()
             return [self._last[0] / self._step, self._last[1] / self._step, *self._sums]
-        self._record.note()
-        found = pushes(self._record.read()[self._stale :])
+        found = self._record.pushes()
         return [found[-1] / self._step if found else 0.0, 0.0, sum(found), 0.0, 0.0]
 
     def _add(self) -> None:
         push, rub, slip = self.scene.contacts.totals(self._obstacle)
         self._last = push, rub
         self._add_up(0, push, rub, slip)
-
-    def _response(self, poses: Sequence[Pose], index: int, touch: ClosestApproach) -> tuple[float, float]:
-        del poses, index
-        inertia = self.scene.mechanism.links[0].inertia_about_joint
-        lever = cross(touch.arm, touch.normal)
-        return lever * lever / inertia, lever * cross(touch.arm, touch.tangent) / inertia
 
 
 class SolvedContacts(RigidContacts):
@@ -242,19 +236,11 @@ class SolvedContacts(RigidContacts):
                 self._pulls[index] = self._mean[index, 0] / self._step
             self._add_up(index, push, rub, slip)
 
-    def _response(self, poses: Sequence[Pose], index: int, touch: ClosestApproach) -> tuple[float, float]:
-        obstacle, mechanism = self.obstacles[index], self.scene.mechanism
-        rows = np.array(
-            [contact_row(mechanism, poses, obstacle, touch, each) for each in (touch.normal, touch.tangent)]
-        )
-        normal, coupling = (rows @ np.linalg.solve(mechanism.mass_matrix(poses), rows[0])).tolist()
-        return normal, coupling
-
 
 def rigid_contacts(
     scene: Scene, obstacles: Sequence[Obstacle], slips: Sequence[int | None], *, paired: bool = True
 ) -> RigidContacts:
-    """Return what keeps the contacts of a scene closed."""
+    """Return the contacts of a scene, by the engine or by the linear solve."""
     kind = SolvedContacts if scene.solves_contacts else EngineContact
     return kind(scene, obstacles, slips, paired)
 
@@ -271,9 +257,3 @@ def sense_of_slip(gaps: Gaps, obstacle: Obstacle, state: State, error: float) ->
             return 0
         slip, least = slip_acceleration(gaps, obstacle, state), LEAST_ACCELERATION
     return int(math.copysign(1.0, slip)) if abs(slip) > least else None
-
-
-def _free_response(link: Link, pose: Pose, arm: Vector, normal: Vector) -> float:
-    """Return the velocity that a unit impulse at an arm from the joint gives a link that is free."""
-    to_centre = (pose.joint[0] + arm[0] - pose.centre[0], pose.joint[1] + arm[1] - pose.centre[1])
-    return 1.0 / link.mass + cross(to_centre, normal) ** 2 / link.inertia

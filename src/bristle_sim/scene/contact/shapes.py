@@ -9,7 +9,7 @@ from functools import partial
 import pymunk
 
 from bristle_sim.contact_space.engine_calls import ffi, lib
-from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import Obstacle, WirePair
 from bristle_sim.scene.mechanism import Mechanism, Vector
 
 FAST_SLIP = 10.0
@@ -72,23 +72,21 @@ class ContactShapes:
         self._ignore()
         self._set_iterations(self.in_flight)
 
-    def record(self) -> ImpulseRecord:
-        """Return a record of the impulses of the space's contact."""
-        return ImpulseRecord(self.space)
-
     def totals(self, obstacle: Obstacle) -> tuple[float, float, float]:
         """Return (normal, tangential) impulse of the last step on a pair's link, and its slip if there is friction."""
         body, found = self.links[obstacle.link], (0.0, 0.0, 0.0)
 
         def look(arbiter: pymunk.Arbiter) -> None:
-            """Take down what a contact of the body has done."""
+            """Note the impulse of a contact of the body, which only pushes."""
             nonlocal found
-            # Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside
-            # the engine; a contact only pushes, which settles both.
             normal, impulse = arbiter.normal, arbiter.total_impulse
-            push = impulse.dot(normal)
-            rub = math.copysign(1.0, push) * impulse.dot((normal.y, -normal.x))
-            found = (abs(push), rub, _slip(arbiter, body) if obstacle.friction else 0.0)
+            tangent = (normal.y, -normal.x)
+            push, slip = impulse.dot(normal), 0.0
+            first = arbiter.shapes[0].body is body
+            for each in arbiter.contact_point_set.points if obstacle.friction else ():
+                velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
+                slip = (-1.0 if first else 1.0) * velocity.dot(tangent)
+            found = (abs(push), math.copysign(1.0, push) * impulse.dot(tangent), slip)
 
         body.each_arbiter(look)
         return found
@@ -100,8 +98,7 @@ class ContactShapes:
 
     def _add(self, obstacle: Obstacle) -> list[pymunk.Shape]:
         """Add the shapes of a pair, which the engine ignores until they are engaged."""
-        if not isinstance(obstacle, BarObstacle | WorkpartObstacle):
-            raise TypeError(f"{obstacle.name}: must be a bar or a workpart")
+        assert not isinstance(obstacle, WirePair), "the engine's own contacts are those of a lone link"
         link = self.mechanism.links[obstacle.link]
         corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
         shapes = obstacle.shapes(self.space, self.links[obstacle.link], corners)
@@ -113,16 +110,6 @@ class ContactShapes:
         return shapes
 
 
-def _slip(arbiter: pymunk.Arbiter, body: pymunk.Body) -> float:
-    """Return the tangential velocity of a body where it touches something fixed."""
-    points, first = arbiter.contact_point_set, arbiter.shapes[0].body is body
-    found = 0.0
-    for each in points.points:
-        velocity = body.velocity_at_world_point(each.point_a if first else each.point_b)
-        found = (-1.0 if first else 1.0) * velocity.dot((points.normal.y, -points.normal.x))
-    return found
-
-
 class ImpulseRecord:
     """Has the engine write down the impulses of all its contacts, one step after the other, to be read at once."""
 
@@ -132,25 +119,21 @@ class ImpulseRecord:
         self._data = ffi.new("pmBatchedData *", (ffi.NULL, self._numbers, lib.TOTAL_IMPULSE | lib.NORMAL))
         write = ffi.addressof(lib, "pmSpaceArbiterIteratorFuncBatched")
         self.note = partial(lib.cpSpaceEachCachedArbiter, space._space, write, self._data)
+        self._stale = 0
 
-    def begin(self) -> int:
-        """Reset the record, note the last step's contacts, and return how many numbers that are."""
+    def begin(self) -> None:
+        """Reset the record; the impulse before the interval is noted here, and before its first step once more."""
         self._numbers.num = 0
         self.note()
-        count: int = self._numbers.num
-        return count
+        self._stale = 2 * self._numbers.num
 
-    def read(self) -> Sequence[float]:
-        """Return impulse (x, y) and normal (x, y) of one contact after the other."""
+    def pushes(self) -> list[float]:
+        """Return the normal impulse of each step of the interval.
+
+        The sign of the engine's normal and impulse depends on the order of the shapes inside the engine; a contact only
+        pushes, which settles both.
+        """
+        self.note()
         numbers: list[float] = ffi.unpack(self._numbers.arr, self._numbers.num)
-        return numbers
-
-
-def pushes(numbers: Sequence[float]) -> list[float]:
-    """Return the normal part of each impulse of a record.
-
-    Which way the engine's normal points, and the sign of its impulse, depend on the order of the shapes inside the engine; a
-    contact only pushes, which settles both.
-    """
-    each = [iter(numbers)] * 4
-    return [abs(p * x + q * y) for p, q, x, y in zip(*each, strict=True)]
+        each = [iter(numbers[self._stale :])] * 4
+        return [abs(p * x + q * y) for p, q, x, y in zip(*each, strict=True)]

@@ -1,19 +1,18 @@
-"""Velocities of several links that obey joints and sustained contacts, by one linear solve a step.
+"""Engine steps of several links, and the velocities that obey their joints and sustained contacts, by one linear solve a step.
 
-The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations, and more in contact. Whatever it has done to
-the joints so far is M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic
+The engine corrects one joint after the other, which takes a chain of n links some 16 n^2 iterations, and more in contact. Its
+corrections so far are M^-1 J^T times some impulses, and the nearest velocities that obey the joints, in the norm of the kinetic
 energy, are the same without them. So an engine step with one iteration is enough, and the nearest velocities are those of
 
     v_k = v_root + sum_j g_kj i E_j rate_j,    (B^T M B + s C) rates = B^T M (v - v_root) + s c_0 hub speed,
 
 E_j = e^{i angle_j}, g_kj from the joint of link j to the next one (j < k) or to its centre (j = k), B their derivatives by
 the rates, and C the hinges' damping, implicit over the time s. In a plain step v are the engine's velocities and s is the
-step. In a symmetric one v is the mean of those and of the old velocities, s is half a step, and what the solution is the
-mean of are the old velocities and the new ones: the constraint and the damping hold at midpoint. With positions half a step
-ahead such steps are symmetric in time, so the error of an even number of them has even powers of the step alone (Hairer,
-Lubich and Wanner, *Geometric Numerical Integration*, sec. II.4 and V.1).
+step. In a symmetric one v is the mean of old and new velocities and s half a step: constraint and damping hold at midpoint.
+With positions half a step ahead the error of an even number of such steps has even powers of the step alone (Hairer, Lubich
+and Wanner, *Geometric Numerical Integration*, sec. II.4 and V.1).
 
-Sustained contacts add impulses p that keep their points on what they touch: with R the rows of the velocities that vanish and
+Sustained contacts add impulses p that keep their points in touch: with R the rows of the velocities that vanish and
 Q those of the directions in which the impulses act, friction included,
 
     (R M^-1 Q^T) p = -R rates - drift,    rates change by M^-1 Q^T p.
@@ -22,19 +21,23 @@ Q those of the directions in which the impulses act, friction included,
 from __future__ import annotations
 
 import cmath
-import contextlib
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
+from operator import sub
 from typing import Any, NamedTuple
 
 import numpy as np
 import pymunk
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dposv
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.obstacles import ClosestApproach, Held, Obstacle
-from bristle_sim.scene.engine import Placer
+from bristle_sim.scene.engine import EngineSteps, Placer
 from bristle_sim.scene.mechanism import Mechanism, Pose, Vector, cross
+
+LINKS_OF_A_STEP = 32
+"""Links whose solve counts as one step: measured, 17, 21, 31 and 60 us for 8, 16, 32 and 64 links."""
 
 DEPENDENT = 1e-12
 """Singular values below this fraction of the largest belong to contacts that repeat what joints or others say."""
@@ -63,28 +66,21 @@ class _Wires(NamedTuple):
     belt: Array
     roots: NDArray[np.complex128]
 
-    @classmethod
-    def of(cls, mechanism: Mechanism, damping: Sequence[float]) -> _Wires:
-        """Take down the wires of a mechanism, whose joints have these damping coefficients, the root first."""
-        links, size, wires = mechanism.links, mechanism.wire_links, np.eye(mechanism.wires)
-        tips, centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in links]).T
-        inertias = np.array([link.inertia for link in links])
-        arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
-        moments = np.conj(arms).T * np.array([link.mass for link in links[:size]])
-        twists = np.eye(size) - np.eye(size, k=-1)
-        lag = mechanism.pitch * (np.arange(len(links)) // size)
-        return cls(
-            size,
-            tips,
-            centres,
-            inertias,
-            arms.T,
-            moments.T,
-            np.kron(wires, moments @ arms + np.diag(inertias[:size])),
-            np.kron(wires, np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)) if any(damping) else None,
-            np.tile(np.eye(size)[0] * damping[0], mechanism.wires),
-            -1j * mechanism.hub_radius * np.exp(-1j * lag),
-        )
+
+def _wires(mechanism: Mechanism, damping: Sequence[float]) -> _Wires:
+    """Return the constants of a mechanism's wires, whose joints have these damping coefficients, the root first."""
+    links, size, wires = mechanism.links, mechanism.wire_links, np.eye(mechanism.wires)
+    tips, centres = np.array([(complex(*link.tip), complex(*link.centre)) for link in links]).T
+    inertias = np.array([link.inertia for link in links])
+    arms = np.where(np.tri(size, k=-1, dtype=bool), tips[:size], 0.0) + np.diag(centres[:size])
+    moments = np.conj(arms).T * np.array([link.mass for link in links[:size]])
+    twists = np.eye(size) - np.eye(size, k=-1)
+    lag = mechanism.pitch * (np.arange(len(links)) // size)
+    products = np.kron(wires, moments @ arms + np.diag(inertias[:size]))
+    damped = np.kron(wires, np.asarray(twists.T @ np.diag(damping) @ twists, dtype=float)) if any(damping) else None
+    belt = np.tile(np.eye(size)[0] * damping[0], mechanism.wires)
+    roots = -1j * mechanism.hub_radius * np.exp(-1j * lag)
+    return _Wires(size, tips, centres, inertias, arms.T, moments.T, products, damped, belt, roots)
 
 
 class _Chains:
@@ -97,7 +93,10 @@ class _Chains:
 
     def __init__(self, mechanism: Mechanism, damping: Sequence[float], hub: Array, numbers: Array) -> None:
         """Look at x, y, angle, u, v and rate of each link in ``numbers``, and of the hub."""
-        self._wires, self._links, self._hub = _Wires.of(mechanism, damping), mechanism.links, hub
+        from scipy.linalg.lapack import dposv  # imported where it is needed only
+
+        self.solve = dposv
+        self.wires, self._links, self._hub = _wires(mechanism, damping), mechanism.links, hub
         self._places = numbers[:, :2].view(np.complex128)[:, 0]
         self.velocities = numbers[:, 3:5].view(np.complex128)[:, 0]
         self._angles, self.rates = numbers[:, 2], numbers[:, 5]
@@ -105,36 +104,39 @@ class _Chains:
 
     def close(self, time: float, *, correct: bool) -> None:
         """Set the velocities to those that obey the joints, with the damping over a time."""
-        wires = self._wires
+        wires = self.wires
         self.turn = turn = np.exp(1j * self._angles)
         back = turn.conj()
         places = wires.roots * cmath.exp(1j * self._hub[2])
         carried = 1j * self._hub[5] * places
         if correct:
-            carried = carried - (self._places - places - self._each(turn, wires.arms)) / time
+            carried = carried - (self._places - places - self.each(turn, wires.arms)) / time
         self.matrix = matrix = (back[:, None] * wires.products * turn).real
-        momenta = (back * self._each(self.velocities - carried, wires.moments)).imag + wires.inertias * self.rates
+        momenta = (back * self.each(self.velocities - carried, wires.moments)).imag + wires.inertias * self.rates
         if wires.damping is not None:
             matrix += time * wires.damping
             momenta += time * self._hub[5] * wires.belt
-        self.rates[:] = rates = dposv(matrix, momenta)[1]
-        self.velocities[:] = carried + self._each(1j * turn * rates, wires.arms)
+        self.rates[:] = rates = self.solve(matrix, momenta)[1]
+        self.velocities[:] = carried + self.each(1j * turn * rates, wires.arms)
 
-    def add(self, change: Array) -> None:
-        """Change the rates, and the velocities with them."""
-        self.rates += change
-        self.velocities += self._each(1j * self.turn * change, self._wires.arms)
-
-    def _each(self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def each(self, values: NDArray[np.complex128], matrix: NDArray[np.complex128]) -> NDArray[np.complex128]:
         """Return each wire's values times the matrix of a wire."""
-        return np.asarray((values.reshape(-1, self._wires.size) @ matrix).ravel())
+        return np.asarray((values.reshape(-1, self.wires.size) @ matrix).ravel())
 
     def closest(self, obstacle: Obstacle, piece: int | None) -> ClosestApproach:
         """Return where the pair's links touch as the bodies are, off their joints by what they have drifted."""
-        links = [obstacle.link] if obstacle.partner is None else [obstacle.link, obstacle.partner]
-        # Of the links only these are looked at.
-        poses: Any = {link: self._pose(link) for link in links}
-        rates: Any = {link: float(self.rates[link]) for link in links}
+        poses: Any = {}
+        rates: Any = {}
+        for link in (obstacle.link, obstacle.partner):
+            if link is not None:
+                turn, rate = complex(self.turn[link]), float(self.rates[link])
+                to_centre = complex(self.wires.centres[link]) * turn
+                joint = complex(self._places[link]) - to_centre
+                carried = complex(self.velocities[link]) - 1j * rate * to_centre
+                corners = [joint + complex(*each) * turn for each in (*self._links[link].knees, self._links[link].tip)]
+                start, moving, *knees, tip = [(each.real, each.imag) for each in (joint, carried, *corners)]
+                # The velocities of centre and tip are not looked at.
+                rates[link], poses[link] = rate, Pose(start, start, tip, moving, moving, moving, tuple(knees))
         return obstacle.closest(poses, rates, piece)
 
     def row(self, obstacle: Obstacle, touch: ClosestApproach, direction: Vector) -> Array:
@@ -142,29 +144,11 @@ class _Chains:
         row = np.zeros(len(self._links))
         for link, arm, sign in ((obstacle.link, touch.arm, 1.0), (obstacle.partner, touch.partner_arm, -1.0)):
             if link is not None and arm is not None:
-                carriers = slice(link - link % self._wires.size, link)
-                reaches = self._wires.tips[carriers] * self.turn[carriers]
+                carriers = slice(link - link % self.wires.size, link)
+                reaches = self.wires.tips[carriers] * self.turn[carriers]
                 row[carriers] += (sign * 1j * complex(direction[0], -direction[1]) * reaches).real
                 row[link] += sign * cross(arm, direction)
         return row
-
-    def _pose(self, link: int) -> Pose:
-        """Return the pose of a link as its body is."""
-        turn, rate = complex(self.turn[link]), float(self.rates[link])
-        centre, velocity = complex(self._places[link]), complex(self.velocities[link])
-        to_centre = complex(self._wires.centres[link]) * turn
-        joint, carried = centre - to_centre, velocity - 1j * rate * to_centre
-        corners = [complex(*each) * turn for each in (*self._links[link].knees, self._links[link].tip)]
-        *knees, tip = [joint + each for each in corners]
-        return Pose(
-            _vector(joint),
-            _vector(centre),
-            _vector(tip),
-            _vector(carried),
-            _vector(velocity),
-            _vector(carried + 1j * rate * corners[-1]),
-            tuple(map(_vector, knees)),
-        )
 
 
 class WireVelocities:
@@ -172,6 +156,7 @@ class WireVelocities:
 
     Attributes:
         correct: whether a step closes what is open of the joints by its end, as the engine's own correction does.
+        symmetric: whether steps are symmetric in time.
         contacts: sustained contacts that act.
         impulses: of each of them in the last step: normal and tangential impulse, and its slip.
     """
@@ -185,7 +170,7 @@ class WireVelocities:
         links: Sequence[pymunk.Body],
     ) -> None:
         """Set the velocities of links on a hub, if there is one, with the damping of a wire's joints, the root first."""
-        self._symmetric = self.correct = False
+        self.symmetric = self.correct = False
         self.contacts: Sequence[Held] = ()
         self.impulses: list[tuple[float, float, float]] = []
         self._springs = [(spring, spring.damping) for spring in springs]
@@ -201,28 +186,23 @@ class WireVelocities:
         for spring, damping in self._springs:
             spring.damping = 0.0 if active else damping
 
-    @contextlib.contextmanager
-    def symmetric_steps(self) -> Iterator[None]:
-        """Make the steps symmetric in time, from the bodies' velocities as they are."""
+    def begin_symmetric(self) -> None:
+        """Make the steps symmetric in time from now on, from the bodies' velocities as they are."""
         self._bodies.keep()
         self._old[:] = self._velocities
-        self._symmetric = True
-        try:
-            yield
-        finally:
-            self._symmetric = False
+        self.symmetric = True
 
     def solve(self, step: float) -> None:
         """Have the bodies' velocities after an engine step obey joints and contacts."""
         self._bodies.keep()
         velocities, old = self._velocities, self._old
-        if self._symmetric:
+        if self.symmetric:
             velocities += old
             velocities *= 0.5
-        self._chains.close(0.5 * step if self._symmetric else step, correct=self.correct)
+        self._chains.close(0.5 * step if self.symmetric else step, correct=self.correct)
         if self.contacts:
             self._push()
-        if self._symmetric:
+        if self.symmetric:
             velocities *= 2.0
             velocities -= old
             old[:] = velocities
@@ -241,13 +221,18 @@ class WireVelocities:
                 if held.slip:
                     pushes[index] = rows[index] - held.obstacle.friction * held.slip * along[index]
         stuck = [index for index in along if self.contacts[index].slip == 0]
-        response = dposv(chains.matrix, np.array([*pushes, *(along[index] for index in stuck)]).T)[1]
+        response = chains.solve(chains.matrix, np.array([*pushes, *(along[index] for index in stuck)]).T)[1]
         rigid = np.array([*rows, *(along[index] for index in stuck)]) @ response
-        impulses = _solved(rigid, speeds + [touches[index].velocity[1] for index in stuck])
+        stopped = -np.array(speeds + [touches[index].velocity[1] for index in stuck])
+        if len(stopped) == 1:  # a contact without lever bears nothing
+            impulses = stopped / rigid[0] if rigid[0, 0] else np.zeros(1)
+        else:
+            impulses = np.linalg.lstsq(rigid, stopped, rcond=DEPENDENT)[0]
         change = response @ impulses
-        chains.add(change)
+        chains.rates += change
+        chains.velocities += chains.each(1j * chains.turn * change, chains.wires.arms)
         # A mean of old and new velocities takes half of an impulse.
-        impulses = impulses * (2.0 if self._symmetric else 1.0)
+        impulses = impulses * (2.0 if self.symmetric else 1.0)
         rubs = dict(zip(stuck, impulses[len(rows) :], strict=True))
         self.impulses = [
             (
@@ -259,12 +244,77 @@ class WireVelocities:
         ]
 
 
-def _solved(rigid: Array, speeds: Sequence[float]) -> Array:
-    """Return the impulses that stop the speeds; 0 of a contact that has no lever."""
-    if len(speeds) == 1:
-        return np.array([-speeds[0] / rigid[0, 0] if rigid[0, 0] else 0.0])
-    return np.asarray(np.linalg.lstsq(rigid, -np.array(speeds), rcond=DEPENDENT)[0])
+class WireSteps(EngineSteps):
+    """Engine steps, each followed by a linear solve: always of wires that bend, of rigid links in sustained contact only."""
 
+    def __init__(
+        self,
+        space: pymunk.Space,
+        mechanism: Mechanism,
+        damping: Sequence[float],
+        hub: pymunk.Body | None,
+        links: Sequence[pymunk.Body],
+        joints: Sequence[pymunk.Constraint],
+        *,
+        bending: bool,
+    ) -> None:
+        """Leave the joints, of these damping coefficients, to the engine until the iterations are set."""
+        super().__init__(space, hub, links, joints)
+        springs = [each for each in space.constraints if isinstance(each, pymunk.DampedRotarySpring)]
+        self._make, self._bending = partial(WireVelocities, mechanism, damping, springs, hub, links), bending
+        self._engine_step = self._step
 
-def _vector(number: complex) -> Vector:
-    return number.real, number.imag
+    @cached_property
+    def joint_solver(self) -> WireVelocities:
+        """The solver, made when it is first needed."""
+        return self._make()
+
+    @property
+    def take_symmetric(self) -> Callable[..., list[float]] | None:
+        """What takes steps symmetric in time, while the joints are solved for."""
+        return None if self._step is self._engine_step else self._take_symmetric
+
+    def set_iterations(self, count: int) -> None:
+        """Have the engine's solver take this many iterations in every step; one leaves the joints of bending wires to theirs."""
+        super().set_iterations(count)
+        self._price = max(self._price, math.ceil(len(self._links) / LINKS_OF_A_STEP))
+        self._always = self._bending and count == 1
+        self.hold(())
+        if self._bending:
+            self._last_length = 0.0
+
+    def hold(self, contacts: Sequence[Held]) -> None:
+        """Have these sustained contacts solved for from now on, together with the joints; none leaves them as in flight."""
+        active = bool(contacts) or self._always
+        self._step = self._step_and_solve if active else self._engine_step
+        if active or "joint_solver" in vars(self):
+            self.joint_solver.contacts = contacts
+            self.joint_solver.take_over(active=active)
+
+    def _step_and_solve(self, length: float) -> None:
+        self._engine_step(length)
+        self.joint_solver.solve(length)
+
+    def _take_symmetric(self, length: float, count: int, act: Callable[[], None] | None = None) -> list[float]:
+        """Take an even number of steps symmetric in time from where the bodies were half a step ago; return as ``take`` does.
+
+        After odd numbers of steps the links have an error of their own. The accelerations are those of the last two steps.
+        """
+        self.steps += count
+        self.work += count * self._price
+        self.joint_solver.begin_symmetric()
+        for left in range(count, 0, -1):
+            if left == 2:
+                before = self.rates()
+            if act is not None:
+                act()
+            self._step(length)
+        self.joint_solver.symmetric = False
+        after = self.rates()
+        angles = [angle + 0.5 * length * rate for angle, rate in zip(self.angles(), after, strict=True)]
+        return [*angles, *after, *[0.5 * change / length for change in map(sub, after, before)]]
+
+    def _start_cold(self, length: float) -> None:
+        """Let the engine forget the impulses of its last step where they count."""
+        if self.take_symmetric is None:
+            super()._start_cold(length)

@@ -9,25 +9,87 @@ do. The tangential force is -mu sign(v_t) N in slip; in stick it is what stops t
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from operator import mul
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 from bristle_sim.arrays import Array
-from bristle_sim.scene.contact.course import ContactCourse
 from bristle_sim.scene.contact.laws import Coefficients
-from bristle_sim.scene.engine import point_calls, point_reader, pusher
-from bristle_sim.scene.mechanism import Pose, Vector
+from bristle_sim.scene.contact.obstacles import Obstacle, WorkpartObstacle
+from bristle_sim.scene.engine import point_calls, pusher
+from bristle_sim.scene.mechanism import State, Vector
 from bristle_sim.trajectory import ContactHistory
 
 if TYPE_CHECKING:
     from bristle_sim.scene.build import Scene
-    from bristle_sim.scene.contact.obstacles import Obstacle
+    from bristle_sim.scene.contact.rigid import RigidContacts
+    from bristle_sim.scene.contact.sustained import Sustained
     from bristle_sim.scene.integrate.stepping import Stepper
 
 NO_SLIP_TO_STOP = 1e-14
 """K_tt over K_nn below which a tip can only move straight up: its K_tt is rounding, and it has no slip to stop."""
+
+LEAST_PHASE = 1e-6
+"""A phase of less than this fraction of the normal impulse is not named. Close to separation nothing keeps a point that its
+bodies' motion carries along, so that stick always ends in slip; as the contact gets shorter, that has no effect."""
+
+
+class SpringPhase(NamedTuple):
+    """A phase of the contact: whether the spring loads, sense of slip, and the normal impulse before it."""
+
+    loading: bool
+    slip: int
+    impulse: float
+
+
+@dataclass(slots=True)
+class ContactCourse:
+    """The record of one contact while it lasts.
+
+    Attributes:
+        phases: in order.
+        rows: time, normal and tangential force, penetration, normal and tangential velocity at each sample; two samples at one
+            time are the ends of two phases.
+        compression: impulse (normal, tangential) and work (the same) up to the end of compression; None before.
+        stopped: where the rigid-body law jams: the state, the sums, and the numbers of rows and phases there.
+    """
+
+    phases: list[SpringPhase] = field(default_factory=list)
+    rows: list[tuple[float, ...]] = field(default_factory=list)
+    compression: tuple[float, ...] | None = None
+    stopped: tuple[State, tuple[float, ...], int, int] | None = None
+
+    @property
+    def approach(self) -> float:
+        """Speed of approach at the first touch."""
+        return abs(self.rows[0][4])
+
+    def let_go(self) -> None:
+        """End free of force: a spring does not pull, and a point that has left is not pushed."""
+        time, _, _, *motion = self.rows[-1]
+        self.rows[-1] = (time, 0.0, 0.0, *motion)
+
+    def history(self) -> ContactHistory:
+        """Return the samples."""
+        return ContactHistory(*np.ascontiguousarray(np.array(self.rows).T))
+
+    def phase_names(self, impulse: float, *, jams: bool) -> tuple[str, ...]:
+        """Return the names of the phases in order, but for those too short to matter; the last one of a jam matters."""
+        ends = [*(phase.impulse for phase in self.phases[1:]), impulse]
+        names: list[str] = []
+        first = 0
+        for phase, end in zip(self.phases, ends, strict=True):
+            if end - phase.impulse < LEAST_PHASE * impulse and not (jams and phase is self.phases[-1]):
+                continue
+            first = first or phase.slip
+            motion = "stick" if not phase.slip else "slip" if phase.slip == first else "reverse slip"
+            name = f"{'compression' if phase.loading else 'restitution'} {motion}"
+            if not names or names[-1] != name:
+                names.append(name)
+        return tuple(names)
 
 
 class Expectation(NamedTuple):
@@ -119,126 +181,95 @@ class Spring:
             return normal, -self.friction * self.slip * normal
         return normal, math.copysign(min(abs(self.stick_force), self.friction * normal), self.stick_force)
 
-    def history(self) -> ContactHistory:
-        """Return the samples of the contact."""
-        return self.course.history(None if self.expected.moves else self.inverse_mass)
-
     def spare_friction(self, penetration: float, stick_force: float) -> float:
         """Return the force by which friction's limit exceeds the force that stick takes."""
         return self.friction * self.present_stiffness * (penetration - self.residual) - abs(stick_force)
 
 
 class SpringForce:
-    """The force of a contact's spring, with what it adds up to: six numbers.
+    """The force of a contact's spring on a corner of a link, with what it adds up to: six numbers.
 
     They are impulse (normal, tangential), work (the same), and the force that stick takes at the beginning and the end.
     """
 
     def __init__(self, scene: Scene, obstacle: Obstacle, spring: Spring) -> None:
-        """Act between a pair of a scene by a spring."""
-        self.spring = spring
+        """Act between a link's corner and the workpart by a spring."""
+        assert isinstance(obstacle, WorkpartObstacle), "only a corner on a plane has a spring"
         body, link = scene.links[obstacle.link], scene.mechanism.links[obstacle.link]
-        self._push = pusher(body)
-        self._level, self._read = 0.0, None
-        if obstacle.corner is not None:
-            x, y = (*link.knees, link.tip)[obstacle.corner]
-            self._read = point_calls(body, (x - link.centre[0], y - link.centre[1]))
-            # The gap of a corner above the surface is its height and this.
-            self._level = obstacle.closest(_at_origin(scene), (0.0,) * len(scene.links)).gap
-        self._sense = self._sense_corner if self._read else _sense_anywhere(scene, obstacle)
-        self._back = None if obstacle.partner is None else pusher(scene.links[obstacle.partner])
+        x, y = (*link.knees, link.tip)[obstacle.corner]
+        self.spring, self._push, self._level = spring, pusher(body), obstacle.depth + obstacle.dent
+        self._place, self._velocity = point_calls(body, (x - link.centre[0], y - link.centre[1]))
 
     def begin(self, step: float) -> Callable[[], None]:
         """Reset the sums. Return a callback that pushes for a step, by the phase that the spring is in."""
-        spring, sense, push, back = self.spring, self._sense, self._push, self._back
+        spring, push, place_of, velocity_of = self.spring, self._push, self._place, self._velocity
         tangential = spring.compliance_in_stick
-        stop = 0.0 if spring.slip or not tangential else 1.0 / tangential
-        stiffness, ratio, depth = spring.present_stiffness, spring.ratio, spring.surface - spring.residual
+        stop = 0.0 if spring.slip or not tangential else 1.0 / (tangential * step)
+        stiffness, ratio = spring.present_stiffness, spring.ratio
+        height = spring.surface - spring.residual - self._level
         steps: list[tuple[float, float, float, float]] = []
-        self._step, self._steps, self._law = step, steps, (stiffness, depth, ratio, stop)
-        note, stop = steps.append, stop / step
-        height, read = depth - self._level, self._read
+        note = steps.append
+        self._step, self._steps, self._law = step, steps, (stiffness, height, ratio, stop)
 
-        def act_on_corner() -> None:
-            """Push a corner off a surface with the normal +y, and note forces and velocities."""
+        def act() -> None:
+            """Push off the surface, and note forces and velocities."""
             place, velocity = place_of(), velocity_of()
             normal = stiffness * (height - place.y)
             along = ratio * normal - stop * velocity.x
             push((along, normal), (place.x, place.y))
             note((normal, along, velocity.y, velocity.x))
 
-        def act() -> None:
-            """Push by the law, and note forces and velocities."""
-            gap, place, opening, slip, n_x, n_y = sense()
-            normal = stiffness * (depth - gap)
-            along = ratio * normal - stop * slip
-            force = (normal * n_x + along * n_y, normal * n_y - along * n_x)
-            push(force, place)
-            if back is not None:
-                back((-force[0], -force[1]), place)
-            note((normal, along, opening, slip))
-
-        if read is None:
-            return act
-        place_of, velocity_of = read
-        return act_on_corner
+        return act
 
     def totals(self) -> list[float]:
         """Return the six numbers.
 
-        What stops the point in a step is what the step before has left of its motion, forces of the spring and of inertia
-        alike. So the second step applies what stick takes at the beginning, and one more step would apply what it takes
-        at the end, both up to powers of the step. In slip these two are 0.
+        The force that stops the point in a step undoes the rest of its motion from the step before, due to forces of the
+        spring and of inertia alike. So the second step applies the force of stick at the beginning, and one more step would
+        apply that at the end, both up to powers of the step. In slip these two are 0.
         """
-        step = self._step
         normal, along, opening, slip = zip(*self._steps, strict=True)
         sums = [sum(normal), sum(along), sum(map(mul, normal, opening)), sum(map(mul, along, slip))]
-        found = [step * each for each in sums]
-        stiffness, depth, ratio, stop = self._law
+        found = [self._step * each for each in sums]
+        stiffness, height, ratio, stop = self._law
         if not stop:
             return [*found, 0.0, 0.0]
-        gap, _, _, leftover, _, _ = self._sense()
-        last = ratio * stiffness * (depth - gap) - stop * leftover / step
+        last = ratio * stiffness * (height - self._place().y) - stop * self._velocity().x
         return [*found, along[1] if len(along) > 1 else last, last]
 
-    def _sense_corner(self) -> tuple[float, Vector, float, float, float, float]:
-        assert self._read is not None
-        place, velocity = self._read[0](), self._read[1]()
-        return place.y + self._level, (place.x, place.y), velocity.y, velocity.x, 0.0, 1.0
 
+class ContactLoad:
+    """Rigid contacts and springs that act together.
 
-Sense = Callable[[], tuple[float, Vector, float, float, float, float]]
-"""Gap, place of contact, normal and tangential velocity, and normal (x, y), from the bodies as they are."""
+    The totals are those of the rigid contacts, ``rigid.TOTALS`` each, then those of the springs, six each.
 
+    Attributes:
+        symmetric: whether it acts alike forwards and backwards in time; springs do not.
+    """
 
-def _at_origin(scene: Scene) -> list[Pose]:
-    """Return poses of links whose corners are all at the origin."""
-    still = (0.0, 0.0)
-    return [
-        Pose(still, still, still, still, still, still, (still,) * len(link.knees)) for link in scene.mechanism.links
-    ]
+    def __init__(self, scene: Scene, rigid: RigidContacts | None, springs: Sequence[Sustained]) -> None:
+        """Act by rigid contacts, if there are any, and by the springs of other contacts."""
+        self.symmetric = not springs
+        self._rigid = rigid
+        forces = [SpringForce(scene, each.obstacle, each.spring) for each in springs if each.spring is not None]
+        self._parts: list[RigidContacts | SpringForce] = [*([] if rigid is None else [rigid]), *forces]
 
+    def begin(self, step: float) -> Callable[[], None]:
+        """Reset the sums. Return a callback to run before each step."""
+        first, *others = [each.begin(step) for each in self._parts]
 
-def _sense_anywhere(scene: Scene, obstacle: Obstacle) -> Sense:
-    """Return the function for a pair whose contact slides along its links."""
-    readers = {}
-    for number in (obstacle.link, obstacle.partner):
-        if number is not None:
-            link, body = scene.mechanism.links[number], scene.links[number]
-            corners = [(x - link.centre[0], y - link.centre[1]) for x, y in ((0.0, 0.0), *link.knees, link.tip)]
-            readers[number] = body, [point_reader(body, each) for each in corners]
+        def act() -> None:
+            """Let every contact act."""
+            first()
+            for each in others:
+                each()
 
-    def sense() -> tuple[float, Vector, float, float, float, float]:
-        poses, rates = {}, {}
-        for number, (body, corners) in readers.items():
-            joint, *knees, tip = [read() for read in corners]
-            place, rates[number] = (0.0, 0.0), body.angular_velocity
-            poses[number] = Pose(
-                joint[:2], place, tip[:2], joint[2:], place, tip[2:], tuple(each[:2] for each in knees)
-            )
-        touch = obstacle.closest(poses, rates)  # type: ignore[arg-type]
-        joint_place = poses[obstacle.link].joint
-        point = (joint_place[0] + touch.arm[0], joint_place[1] + touch.arm[1])
-        return touch.gap, point, *touch.velocity, *touch.normal
+        return act if others else first
 
-    return sense
+    def totals(self) -> list[float]:
+        """Return the sums, with the last step."""
+        return [number for each in self._parts for number in each.totals()]
+
+    def fails(self, totals: Sequence[float]) -> bool:
+        """Return whether a rigid contact would have to pull."""
+        return self._rigid is not None and min(self._rigid.normal(totals)) <= 0.0

@@ -84,7 +84,7 @@ class Sustained:
         touch = gaps.closest(self.obstacle, state)
         penetration = self.spring.surface - touch.gap
         normal, tangential = self.spring.forces(penetration)
-        self.spring.course.sample((state.time, normal, tangential, penetration, *touch.velocity))
+        self.spring.course.rows.append((state.time, normal, tangential, penetration, *touch.velocity))
         return normal
 
     def record(self, gaps: Gaps, last: State, outcome: str) -> ContactRecord | None:
@@ -112,5 +112,5 @@ class Sustained:
             rates_before=first.rates,
             rates_after=last.rates,
             phases=() if course is None else course.phase_names(normal, jams=outcome == Outcome.JAM),
-            history=None if self.spring is None else self.spring.history(),
+            history=None if course is None else course.history(),
         )

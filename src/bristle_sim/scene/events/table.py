@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
+from bristle_sim.scene.contact.gaps import neighbour
 from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle, dented
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts
 from bristle_sim.scene.contact.spring import Spring
 from bristle_sim.scene.contact.sustained import Sustained
-from bristle_sim.scene.contact.wire_joints import neighbour
 from bristle_sim.scene.events.functions import (
     Change,
     EventFunction,

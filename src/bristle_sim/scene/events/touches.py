@@ -11,9 +11,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps
+from bristle_sim.scene.contact.gaps import GAP_ROUNDING, Gaps, behind_joint
 from bristle_sim.scene.contact.obstacles import Obstacle
-from bristle_sim.scene.contact.wire_joints import behind_joint
 from bristle_sim.scene.events.functions import Touch
 from bristle_sim.scene.events.locate import Interval, guess, interpolate, locate, settle
 from bristle_sim.scene.integrate.stepping import Advance
