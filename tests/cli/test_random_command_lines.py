@@ -7,7 +7,6 @@ runs so many, and ``BRISTLE_SIM_SEED`` draws others.
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import io
 import itertools
 import json
@@ -19,26 +18,20 @@ import signal
 import time
 import traceback
 from collections.abc import Iterator
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
-from bristle_sim.cli import Scenario, main
+from bristle_sim.cli import Scenario, command, main
 from bristle_sim.units import Choice, Range
 
-ROOT = Path(__file__).parents[2]
-
-NUMBER = int(os.environ.get("BRISTLE_SIM_COMMAND_LINES", "0"))
+NUMBER = int(os.environ.get("BRISTLE_SIM_COMMAND_LINES", "2"))
 SEED = os.environ.get("BRISTLE_SIM_SEED", "1")
 
-LIMIT = 30.0
-"""CPU time that a command line may take, s."""
+LONGEST_RUN, LATEST_FORECAST = 30.0, 10.0
+"""CPU time that a command line may take, and by which the progress of a longer one must say how long it will take, s."""
 
-EARLY = 10.0
-"""CPU time by which the progress of a longer one must say how long it will take, s."""
-
-LONG = {"accuracy_cost", "dissertation_audit", "dissertation_figures", "hard_cases"}
+FIXED_WORK = {"accuracy_cost", "dissertation_audit", "dissertation_figures", "hard_cases"}
 """Scenarios whose keys choose among fixed work, of minutes in all; the suite runs them elsewhere, by their quick parts."""
 
 SMALL = {
@@ -48,48 +41,29 @@ SMALL = {
 }
 """Settings that keep scenarios short that take many passes, with progress and time left, by default."""
 
-FEW = 2
-"""Command lines of each scenario in the suite."""
+SCENARIOS = {name: command.load(path) for name, path in command.scripts().items() if name not in FIXED_WORK}
+
+needs_timer = pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timer to stop a run by")
 
 
 class Answer(NamedTuple):
-    """What a command line gave; ``status`` is None where it raised or took too long.
+    """The result of a command line; ``status`` is None where it raised, or took too long.
 
-    ``told_at`` is the CPU time at which its progress first said how long it would take, s.
+    ``forecast_at`` is the CPU time at which its progress first said how long it would take, s.
     """
 
     status: int | None
     out: str
     err: str
-    cpu_s: float
-    told_at: float = math.inf
-
-
-def scenarios() -> dict[str, Scenario]:
-    """Every scenario that a script declares, but for the long ones, by its name."""
-    found = {}
-    for path in sorted((ROOT / "scenarios").glob("*.py")):
-        if path.stem not in LONG:
-            spec = importlib.util.spec_from_file_location(f"random_{path.stem}", path)
-            assert spec is not None
-            assert spec.loader is not None
-            module = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(module)
-            found[path.stem] = module.SCENARIO
-    return found
-
-
-SCENARIOS = scenarios()
+    forecast_at: float = math.inf
 
 
 def value(chance: random.Random, declared: Range | Choice, default: object) -> str:
     """A value of a key's declared range: anywhere in it, near the default, or at one of its ends."""
     if isinstance(declared, Choice):
         return chance.choice(declared.options)
-    if declared.unit == "file":
-        return "missing.mat"
-    if declared.unit == "column":
-        return chance.choice(("1", "2", "force"))
+    if declared.unit in ("file", "column"):
+        return "missing.mat" if declared.unit == "file" else chance.choice(("1", "2", "force"))
     low, high = declared.lowest, declared.highest
     kind = chance.choice(("near", "near", "even", "decade", "end"))
     if kind == "near" and isinstance(default, float) and default:
@@ -108,19 +82,11 @@ def value(chance: random.Random, declared: Range | Choice, default: object) -> s
 def command_line(scenario: Scenario, number: int) -> list[str]:
     """One to four keys with random values; the same for the same number."""
     chance = random.Random(f"{SEED} {scenario.name} {number}")
-    keys = scenario.keys()
     small = SMALL.get(scenario.name, ())
-    keys = {key: each for key, each in keys.items() if not any(one.startswith(f"{key}=") for one in small)}
+    keys = {key: each for key, each in scenario.keys().items() if not any(one.startswith(f"{key}=") for one in small)}
     chosen = chance.sample(sorted(keys), min(chance.choice((1, 1, 2, 3, 4)), len(keys)))
-    settings = [*small, *(f"{key}={value(chance, *keys[key])}" for key in chosen if not reads_a_file(key))]
-    return ["--json", "-", *(part for setting in settings for part in ("--set", setting))]
-
-
-def reads_a_file(key: str) -> bool:
-    return key.endswith("_csv")
-
-
-TOO_LONG = "too long"
+    drawn = (f"{key}={value(chance, *keys[key])}" for key in chosen if not key.endswith("_csv"))
+    return ["--json", "-", *(f"--set={setting}" for setting in (*small, *drawn))]
 
 
 class TooLong(BaseException):
@@ -143,58 +109,52 @@ def cpu_limit(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGVTALRM, before)
 
 
-class Told(logging.Handler):
+class Forecast(logging.Handler):
     """Notes when progress first says how long a command line will take."""
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
-        self.start = time.process_time()
-        self.told_at = math.inf
+        self.start, self.at = time.process_time(), math.inf
 
     def emit(self, record: logging.LogRecord) -> None:
         if record.getMessage().endswith("s left"):
-            self.told_at = min(self.told_at, time.process_time() - self.start)
-
-
-@contextlib.contextmanager
-def progress() -> Iterator[Told]:
-    """Listen to the package's progress, as a terminal does."""
-    log, told = logging.getLogger("bristle_sim"), Told()
-    level = log.level
-    log.addHandler(told)
-    log.setLevel(logging.INFO)
-    try:
-        yield told
-    finally:
-        log.removeHandler(told)
-        log.setLevel(level)
+            self.at = min(self.at, time.process_time() - self.start)
 
 
 def answer(scenario: Scenario, arguments: list[str]) -> Answer:
-    """What a command line gives in this process."""
-    out, err, start, status = io.StringIO(), io.StringIO(), time.process_time(), None
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), progress() as told:
+    """Run a command line in this process, listening to its progress as a terminal does."""
+    out, err, status = io.StringIO(), io.StringIO(), None
+    log, forecast = logging.getLogger("bristle_sim"), Forecast()
+    level = log.level
+    log.addHandler(forecast)
+    log.setLevel(logging.INFO)
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
-            with cpu_limit(LIMIT):
+            with cpu_limit(LONGEST_RUN):
                 status = main(scenario, arguments)
         except TooLong:
-            print(TOO_LONG, end="", file=err)
+            print("too long", end="", file=err)
         except Exception:  # whatever a person would see as a traceback
             traceback.print_exc(file=err)
-    return Answer(status, out.getvalue(), err.getvalue(), time.process_time() - start, told.told_at)
+    log.removeHandler(forecast)
+    log.setLevel(level)
+    return Answer(status, out.getvalue(), err.getvalue(), forecast.at)
 
 
 def fault(given: Answer) -> str:
-    """What is wrong with an answer; nothing if it keeps to the contract."""
-    if given.status is None and given.err.endswith(TOO_LONG) and given.told_at < EARLY:
-        return ""
+    """The fault of an answer; empty if it keeps to the contract."""
     if given.status is None:
-        return f"no exit status after {given.cpu_s:.1f} s: {given.err[-600:]}"
+        forecast = given.err.endswith("too long") and given.forecast_at < LATEST_FORECAST
+        return "" if forecast else f"no exit status: {given.err[-600:]}"
     if given.status == 2:
         one_line = not given.out and given.err.count("\n") == 1 and given.err.endswith("\n")
         return "" if one_line and "Traceback" not in given.err else f"not one line: {given.out[:200]} {given.err[:600]}"
     if given.status not in (0, 1) or "Traceback" in given.err:
         return f"exit status {given.status}: {given.err[:600]}"
+
+    def refuse(word: str) -> float:
+        raise ValueError(f"{word} is no number")
+
     try:
         json.loads(given.out, parse_constant=refuse)
     except ValueError as error:
@@ -202,42 +162,36 @@ def fault(given: Answer) -> str:
     return ""
 
 
-def refuse(word: str) -> float:
-    raise ValueError(f"{word} is no number")
-
-
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timer to stop a run by")
+@needs_timer
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_an_answer_or_one_line(name: str) -> None:
-    faults = {}
-    for number in range(NUMBER or FEW):
-        arguments = command_line(SCENARIOS[name], number)
-        found = fault(answer(SCENARIOS[name], arguments))
-        if found:
-            faults[" ".join(arguments)] = found
-    assert not faults, "\n".join(f"{line}: {what}" for line, what in faults.items())
+    lines = [command_line(SCENARIOS[name], number) for number in range(NUMBER)]
+    faults = {" ".join(line): fault(answer(SCENARIOS[name], line)) for line in lines}
+    assert {line: found for line, found in faults.items() if found} == {}
 
 
-class TestWhatIsNoticed:
-    """Each fault that the test is there for."""
+@pytest.mark.parametrize(
+    ("given", "faulty"),
+    [
+        (Answer(None, "", "Traceback ..."), True),
+        (Answer(None, "", "too long", forecast_at=20.0), True),
+        (Answer(2, "", "one\ntwo\n"), True),
+        (Answer(2, "{}", "one\n"), True),
+        (Answer(3, "{}", ""), True),
+        (Answer(0, '{"x": NaN}', ""), True),
+        (Answer(0, "", ""), True),
+        (Answer(0, "{}", ""), False),
+        (Answer(None, "", "too long", forecast_at=2.0), False),
+        (Answer(1, '{"x": null}', "warning\n"), False),
+        (Answer(2, "", "one line\n"), False),
+    ],
+)
+def test_each_fault_is_noticed(given: Answer, faulty: bool) -> None:
+    assert bool(fault(given)) is faulty
 
-    def test_faults(self) -> None:
-        assert fault(Answer(None, "", "Traceback ...", 1.0))
-        assert fault(Answer(None, "", TOO_LONG, 30.0, told_at=20.0))
-        assert fault(Answer(2, "", "one\ntwo\n", 1.0))
-        assert fault(Answer(2, "{}", "one\n", 1.0))
-        assert fault(Answer(3, "{}", "", 1.0))
-        assert fault(Answer(0, '{"x": NaN}', "", 1.0))
-        assert fault(Answer(0, "", "", 1.0))
 
-    def test_no_faults(self) -> None:
-        assert not fault(Answer(0, "{}", "", 1.0))
-        assert not fault(Answer(None, "", TOO_LONG, 30.0, told_at=2.0))
-        assert not fault(Answer(1, '{"x": null}', "warning\n", 1.0))
-        assert not fault(Answer(2, "", "one line\n", 1.0))
-
-    @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timer to stop a run by")
-    def test_a_run_without_end_is_stopped(self) -> None:
-        with pytest.raises(TooLong), cpu_limit(0.05):
-            for _ in itertools.count():
-                pass
+@needs_timer
+def test_a_run_without_end_is_stopped() -> None:
+    with pytest.raises(TooLong), cpu_limit(0.05):
+        for _ in itertools.count():
+            pass
