@@ -6,7 +6,7 @@ shows what was reached. ``--set theme=jam`` tries one theme, ``--set effort=quic
 
 import sys
 
-from bristle_sim.benchmarks.hard_cases.choice import HardCaseChoice
+from bristle_sim.benchmarks.hard_cases import HardCaseChoice
 from bristle_sim.cli import Scenario, main
 from bristle_sim.comparison import Report
 

@@ -1,1 +1,26 @@
-"""Hard cases: tables of what is tried and promised, measures that many of them share, and the report of what was reached."""
+"""Hard cases: tables of what is tried and promised, measures that many of them share, and the report of what was reached.
+
+Which cases are tried is declared here, so that the command line answers before an engine is loaded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from bristle_sim.units import Declared, choice
+
+THEMES = (
+    *("mass_ratio", "belt_stiffness", "damping", "jam", "grazing", "hub_speed", "tunnelling", "long_run", "chatter"),
+    *("touching", "wires", "size", "budget"),
+)
+"""Kinds of hard cases, each the name of the function that yields its cases."""
+
+
+@dataclass(frozen=True, slots=True)
+class HardCaseChoice(Declared):
+    """Which cases to try."""
+
+    theme: str = choice("all", "theme", ("all", *THEMES), "kind of hard case that is tried", "chosen: every theme")
+    effort: str = choice(
+        "full", "effort", ("full", "quick"), "how much is tried: quick leaves out long cases", "chosen: all cases"
+    )

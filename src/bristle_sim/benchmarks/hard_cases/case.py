@@ -11,13 +11,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """Result of one trial.
-
-    Attributes:
-        reached: in words, with the figure; equal at every run.
-        ok: whether the promise was kept.
-        steps: engine steps that it took.
-    """
+    """Result of one trial: what was reached, in words equal at every run, whether the promise was kept, and the engine's steps."""
 
     reached: str
     ok: bool
@@ -51,21 +45,15 @@ class HardCase:
 
 
 def row(
-    theme: str,
-    name: str,
-    promise: str,
-    measure: Callable[..., Finding],
-    *arguments: Any,
-    quick: bool = True,
-    **named: Any,
+    theme: str, name: str, promise: str, measure: Callable[..., Finding], *given: Any, quick: bool = True, **named: Any
 ) -> HardCase:
     """Return a case whose measure is called with the given arguments."""
-    return HardCase(theme, name, promise, partial(measure, *arguments, **named), quick)
+    return HardCase(theme, name, promise, partial(measure, *given, **named), quick)
 
 
-def within(value: float, limit: float, what: str, steps: int = 0) -> Finding:
+def within(value: float, limit: float, figure: str, steps: int = 0) -> Finding:
     """Return whether the size of a figure is at most its limit; that of NaN is not."""
-    return Finding(f"{what} {value:.2g}", abs(value) <= limit, steps)
+    return Finding(f"{figure} {value:.2g}", abs(value) <= limit, steps)
 
 
 def refusal(call: Callable[[], object], *words: str) -> Finding:
@@ -82,11 +70,8 @@ def refusal(call: Callable[[], object], *words: str) -> Finding:
 
 def all_of(*findings: Finding) -> Finding:
     """Join several findings into one, which is kept if all of them are."""
-    return Finding(
-        "; ".join(each.reached for each in findings),
-        all(each.ok for each in findings),
-        sum(each.steps for each in findings),
-    )
+    words = "; ".join(each.reached for each in findings)
+    return Finding(words, all(each.ok for each in findings), sum(each.steps for each in findings))
 
 
 def worst(values: Iterable[float]) -> float:

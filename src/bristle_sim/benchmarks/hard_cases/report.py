@@ -5,20 +5,21 @@ from __future__ import annotations
 import logging
 import textwrap
 import time as clock
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 
-from bristle_sim.benchmarks.hard_cases import contact, motion, strikes
+from bristle_sim.benchmarks.hard_cases import HardCaseChoice, contact, motion, strikes
 from bristle_sim.benchmarks.hard_cases.case import Finding, HardCase
-from bristle_sim.benchmarks.hard_cases.choice import HardCaseChoice
 from bristle_sim.comparison import Quantity, Report, Unfinished, side_by_side
 
-THEMES: tuple[Callable[[], Iterator[HardCase]], ...] = (
+THEMES = (
     *(strikes.mass_ratio, motion.belt_stiffness, motion.damping, strikes.jam, strikes.grazing, motion.hub_speed),
     *(motion.tunnelling, motion.long_run, contact.chatter, contact.touching, motion.wires, motion.size, motion.budget),
 )
 """Functions that yield the cases of a theme, which has the function's name."""
 
 TABLES = {theme.__name__: theme for theme in THEMES}
+
+Tried = Sequence[tuple[HardCase, Finding]]
 
 
 def cases_of(theme: str, *, full: bool) -> tuple[HardCase, ...]:
@@ -41,35 +42,25 @@ def hard_cases(requested: HardCaseChoice) -> Report:
             for case in cases_of(theme, full=requested.effort == "full"):
                 tried.append((case, case.run()))
     except KeyboardInterrupt:
-        reached = [theme for theme in themes if any(case.theme == theme for case, _ in tried)]
-        raise Unfinished(_report(reached, tried, begin)) from None
-    return _report(themes, tried, begin)
+        raise Unfinished(_report(tried, clock.perf_counter() - begin)) from None
+    return _report(tried, clock.perf_counter() - begin)
 
 
-Tried = Sequence[tuple[HardCase, Finding]]
-
-
-def _report(themes: Sequence[str], tried: Tried, begin: float) -> Report:
+def _report(tried: Tried, wall_s: float) -> Report:
     """Compare the number of kept promises of each theme with the number of its cases."""
-    verdicts = {theme: [finding.ok for case, finding in tried if case.theme == theme] for theme in themes}
-    kept = [
-        Quantity(f"{theme}_promises_kept", "1", float(sum(each)), float(len(each)), tolerance=0.0)
-        for theme, each in verdicts.items()
-    ]
+    kept = []
+    for theme in dict.fromkeys(case.theme for case, _ in tried):
+        verdicts = [finding.ok for case, finding in tried if case.theme == theme]
+        name = f"{theme}_promises_kept"
+        kept.append(Quantity(name, "1", float(sum(verdicts)), float(len(verdicts)), tolerance=0.0))
     rows = [
-        {
-            "theme": case.theme,
-            "case": f"{case.theme.replace('_', ' ')}: {case.name}",
-            "promise": case.promise,
-            "reached": finding.reached,
-            "ok": finding.ok,
-        }
-        for case, finding in tried
+        {"theme": case.theme, "case": _named(case), "promise": case.promise, "reached": each.reached, "ok": each.ok}
+        for case, each in tried
     ]
     return Report(
         outcome=None,
         quantities=tuple(kept),
-        wall_s=clock.perf_counter() - begin,
+        wall_s=wall_s,
         steps=sum(finding.steps for _, finding in tried),
         remarks=("", *_table(tried)),
         extra={"rows": rows},
@@ -80,12 +71,14 @@ def _report(themes: Sequence[str], tried: Tried, begin: float) -> Report:
 
 def answer(tried: Tried) -> str:
     """Return whether all cases keep their promise, or those that break it with what was reached."""
-    broken = [
-        f"{case.theme.replace('_', ' ')}: {case.name} ({finding.reached})" for case, finding in tried if not finding.ok
-    ]
+    broken = [f"{_named(case)} ({finding.reached})" for case, finding in tried if not finding.ok]
     if broken:
         return f"No: {len(broken)} of {len(tried)} hard cases break their promise: {'; '.join(broken)}."
     return f"Yes: all {len(tried)} hard cases keep their promise."
+
+
+def _named(case: HardCase) -> str:
+    return f"{case.theme.replace('_', ' ')}: {case.name}"
 
 
 WIDTHS = (30, 30, 31, 3)
@@ -93,12 +86,10 @@ WIDTHS = (30, 30, 31, 3)
 
 
 def _table(tried: Tried) -> list[str]:
-    lines = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100]
-    theme = ""
+    lines, theme = [*side_by_side([["case"], ["promise"], ["reached"], ["ok"]], WIDTHS), "-" * 100], ""
     for case, finding in tried:
-        if case.theme != theme:
-            theme = case.theme
-            lines.append(theme.replace("_", " "))
+        lines += [case.theme.replace("_", " ")] if case.theme != theme else []
+        theme = case.theme
         name, promise, reached = map(textwrap.wrap, (case.name, case.promise, finding.reached), (28, 30, 31))
         cells = ([f"  {each}" for each in name], promise, reached, ["yes" if finding.ok else "NO"])
         lines += side_by_side(cells, WIDTHS)
