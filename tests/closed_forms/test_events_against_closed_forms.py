@@ -10,10 +10,7 @@ import pytest
 
 from bristle_sim.benchmarks.hard_cases.motion import THINNEST, TIP, first_bar_touch, with_bar_at
 from bristle_sim.parameters import Belt, Hub, Tool
-from bristle_sim.scene.contact.obstacles import LEAST_REACH, BarObstacle
-from bristle_sim.scene.events.locate import turns
-from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.tool import START, simulate, simulate_in_steps, tool_units
+from bristle_sim.scene.tool import simulate, simulate_in_steps, tool_units
 from bristle_sim.settings import Settings
 
 FREE = replace(Tool(), bar=None, workpart=None)
@@ -31,23 +28,6 @@ class TestClosedForms:
         # The radial bristle's path is known exactly; the instant is good to the requested accuracy.
         assert run.event_time("bar touch") == pytest.approx(first_bar_touch(tool), rel=accuracy)
 
-    @pytest.mark.parametrize("share", [1e-3, 0.2, 1.0])
-    def test_fixed_steps_meet_the_workpart(self, share: float) -> None:
-        tool = replace(Tool(), bar=None)
-        run = simulate_in_steps(
-            tool, share * tool_units(tool).time, Settings(samples_per_period=1), stop_after="strike"
-        )
-        first_strike = (-START - math.acos(tool.workpart_depth / TIP)) / tool.hub.speed
-        # The first order of the step: drifting along the tangent, the tip rises by (w h)^2/2 a step, w h/2 a radian.
-        assert run.event_time("strike") == pytest.approx(first_strike, abs=share * tool_units(tool).time)
-
-    def test_thinnest_bar(self) -> None:
-        assert BarObstacle((-1.0, -1.0), LEAST_REACH, 0.0, 0.0, 0.0).radius == LEAST_REACH
-        assert BarObstacle((-1.0, -1.0), 0.5 * LEAST_REACH, 0.5 * LEAST_REACH, 0.0, 0.0).name == "bar"
-        for radius in (0.0, 0.99 * LEAST_REACH, math.nan):
-            with pytest.raises(ValueError, match="bar_radius"):
-                BarObstacle((-1.0, -1.0), radius, 0.0, 0.0, 0.0)
-
 
 class TestNothingElseIsMissed:
     """Extremes and the retraction limit within one interval, on a hub at rest, where alpha = A sin(w t + phase)."""
@@ -64,11 +44,6 @@ class TestNothingElseIsMissed:
         expected = math.asin(math.pi / 2.0 / amplitude) / self.RATE
         # Near its largest the angle hardly changes: the instant is magnified by 1/cos of the phase, 5 for 1.6.
         assert run.time[-1] == pytest.approx(expected, rel=5.0 * settings.accuracy)
-
-    @pytest.mark.parametrize("amplitude", [1.55, 1.5])
-    def test_limit_not_reached(self, amplitude: float) -> None:
-        run = simulate(self.STILL, Settings(samples_per_period=1), start_relative_rate=-amplitude * self.RATE)
-        assert run.stop_reason == "end of the planned time"
 
     @pytest.mark.parametrize("outwards", [1.0, 1e5])
     def test_start_at_the_limit(self, outwards: float) -> None:
@@ -105,21 +80,6 @@ class TestNothingElseIsMissed:
         assert len(run.events) >= 1
         # First order: positions and velocities are half a step apart.
         assert np.abs(energy / energy[0] - 1.0).max() <= step
-
-    def test_turns_of_a_cubic(self) -> None:
-        """alpha = t (t - 1) (t - 2), whose slope vanishes at 1 -/+ 1/sqrt 3, on a hub that turns."""
-        mechanism = Mechanism((Link.rod(1.0, 1.0),), 1.0, 3.0, 0.5)
-
-        def at(time: float) -> State:
-            swing, rate = time * (time - 1.0) * (time - 2.0), 3.0 * time**2 - 6.0 * time + 2.0
-            return State(time, (mechanism.hub_angle(time) + swing,), (3.0 + rate,))
-
-        # Twice the rounding of the angles, 1e-15, over the slope's own slope, 3.5.
-        found = sorted(state.time for state in turns(mechanism, at(0.0), at(2.0)))
-        assert found == pytest.approx([1.0 - 3.0**-0.5, 1.0 + 3.0**-0.5], abs=1e-14)
-        assert [state.time for state in turns(mechanism, at(0.0), at(1.0))] == pytest.approx([1.0 - 3.0**-0.5])
-        assert turns(mechanism, at(0.5), at(1.5)) == []
-        assert turns(mechanism, at(1.0), at(1.0)) == []
 
 
 def test_no_belt_no_speed_no_harm() -> None:

@@ -10,26 +10,14 @@ from scipy.integrate import solve_ivp, trapezoid
 from scipy.special import ellipj, ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
-from bristle_sim.reference import simulate_reference, simulate_row_reference
+from bristle_sim.reference import simulate_reference
 from bristle_sim.reference.crossing import crossings
 from bristle_sim.stop_reason import StopReason
 
 FREE = Tool(bar=None, workpart=None)
 RETRACTED = -math.radians(44.5)
 GRAVITY = 9.81
-BARS = [(0.05037, 0.0225), (0.042, 0.01876)]
 """A bar that touches the wire's end all the way, and one that touches its flank in between."""
-
-
-@pytest.fixture(scope="module")
-def cued():
-    """The operating point up to the strike, finely sampled."""
-    return simulate_reference(operating_point(), stop_after="strike", sample_interval=1e-6)
-
-
-@pytest.fixture(scope="module")
-def whole_pass():
-    return simulate_reference(operating_point())
 
 
 def natural_rate(tool):
@@ -97,44 +85,6 @@ def contact_moment(tool, run):
     return cross(arm, run.normal_force[:, np.newaxis] * (normal - tool.bar.friction * slip * tangent))
 
 
-def plain_pass(restitution):
-    """(time, alpha, rate) before each tap and at the strike, by an integrator's own events and Newton's restitution."""
-    tool = operating_point()
-    stiffness, centrifugal = tool.belt.stiffness, centrifugal_stiffness(tool)
-
-    def motion(_, state):
-        torque = -stiffness * state[0] - centrifugal * math.sin(state[0])
-        return [state[1], torque / tool.bristle.inertia_about_root]
-
-    def gap(time, state):
-        hub = -math.pi / 2 + tool.hub.speed * time
-        root, wire = tool.hub.radius * plane(hub), plane(hub + state[0])
-        along = min(max((tool.bar.centre - root) @ wire, 0.0), tool.bristle.length)
-        return np.linalg.norm(root + along * wire - tool.bar.centre) - tool.bar_reach
-
-    def height(time, state):
-        hub = -math.pi / 2 + tool.hub.speed * time
-        return (tool.hub.radius * plane(hub) + tool.bristle.length * plane(hub + state[0]))[1] + tool.workpart_depth
-
-    for event in (gap, height):
-        event.terminal, event.direction = True, -1
-    time, state, found, settings = 0.0, [0.0, 0.0], [], {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
-    while True:
-        flight = solve_ivp(motion, (time, 6e-3), state, events=[gap, height], max_step=2e-5, **settings)
-        time, state = flight.t[-1], flight.y[:, -1]
-        found.append((time, *state))
-        if flight.t_events[1].size:
-            return found
-        # Velocity and lever of the gap by central differences, good to 1e-10.
-        small = np.array([1e-5, 0.0])
-        lever = (gap(time, state + small) - gap(time, state - small)) / 2e-5
-        drift = (gap(time + 1e-8, state) - gap(time - 1e-8, state)) / 2e-8
-        state = [state[0], state[1] - (1.0 + restitution) * (state[1] + drift / lever)]
-        # Leave the bar before its event is watched again.
-        flight = solve_ivp(motion, (time, time + 1e-6), state, **settings)
-        time, state = flight.t[-1], flight.y[:, -1]
-
-
 class TestFlight:
     @pytest.mark.parametrize("damping", [0.0, 0.018, 0.7])
     def test_belt_oscillation_is_a_complex_exponential(self, damping):
@@ -169,67 +119,8 @@ class TestFlight:
         quarter = ellipk(modulus) / rate
         assert run.event_time("highest relative speed") == pytest.approx(quarter, rel=1e-9)
 
-    def test_jacobi_integral_of_the_rotating_frame(self):
-        """I a'^2/2 + k a^2/2 - m r_h (L/2) omega^2 cos a is constant; the centrifugal part varies by 3 % of it here."""
-        run = simulate_reference(FREE, start_relative_angle=RETRACTED, accuracy=1e-12)
-        angle, rate = run.relative_angle, run.relative_rate
-        kinetic = 0.5 * FREE.bristle.inertia_about_root * rate**2
-        jacobi = kinetic + 0.5 * FREE.belt.stiffness * angle**2 - centrifugal_stiffness(FREE) * np.cos(angle)
-        # A hundred times the requested accuracy, of the energy that swings to and fro.
-        assert np.ptp(jacobi) < 1e-10 * np.ptp(kinetic)
-
-    def test_energies_are_those_of_the_rods_elements(self):
-        """Three-point Gauss quadrature over the wire is exact for the square of a velocity that is linear along it."""
-        tool = replace(FREE, gravity=GRAVITY)
-        run = simulate_reference(tool, start_relative_angle=RETRACTED)
-        nodes, weights = np.polynomial.legendre.leggauss(3)
-        along = 0.5 * tool.bristle.length * (1.0 + nodes)[:, np.newaxis, np.newaxis]
-        hub, wire = plane(run.hub_angle), plane(run.angles[:, 0])
-        turned = np.array([[0.0, 1.0], [-1.0, 0.0]])
-        velocity = tool.hub.radius * tool.hub.speed * hub @ turned + along * run.rates * (wire @ turned)
-        height = (tool.hub.radius * hub + along * wire)[..., 1]
-        mass = 0.5 * weights * tool.bristle.mass
-        kinetic = np.tensordot(mass, 0.5 * (velocity**2).sum(axis=-1), axes=1)
-        potential = np.tensordot(mass, GRAVITY * height, axes=1) + 0.5 * tool.belt.stiffness * run.relative_angle**2
-        # Rounding of sums of a few terms.
-        np.testing.assert_allclose(run.kinetic_energy, kinetic, rtol=1e-13)
-        np.testing.assert_allclose(run.potential_energy, potential, rtol=1e-12, atol=1e-15)
-
-    def test_highest_relative_speed_of_the_release(self):
-        """At the radial position, from the Jacobi integral; the run ends there when asked to."""
-        run = simulate_reference(FREE, start_relative_angle=RETRACTED, stop_after="highest relative speed")
-        drop = FREE.belt.stiffness * RETRACTED**2 + 2.0 * centrifugal_stiffness(FREE) * (1.0 - math.cos(RETRACTED))
-        assert (run.stop_reason, run.events[-1].name) == (StopReason.EVENT, "highest relative speed")
-        assert run.time[-1] == run.event_time("highest relative speed")
-        # A hundred times the requested accuracy; the instant is where the acceleration, 1e6 rad/s^2 per rad, vanishes.
-        assert run.relative_rate[-1] == pytest.approx(math.sqrt(drop / FREE.bristle.inertia_about_root), rel=1e-8)
-        assert run.relative_angle[-1] == pytest.approx(0.0, abs=1e-8)
-
 
 class TestOperatingPoint:
-    def test_first_touch_by_the_law_of_cosines(self, cued):
-        """The radial bristle's end meets the bar: triangle of hub, tip and bar's centre, with sides R, S and reach."""
-        bar, tip_radius = operating_point().bar, 0.0275 + 0.027
-        distance, reach = math.hypot(bar.horizontal, bar.vertical), operating_point().bar_reach
-        between = math.acos((distance**2 + tip_radius**2 - reach**2) / (2.0 * distance * tip_radius))
-        bar_angle = math.atan2(bar.horizontal, bar.vertical)
-        # Touches are located to 1e-13 of a length, at 14 m/s.
-        assert cued.event_time("bar touch") == pytest.approx((math.pi / 2 - bar_angle - between) / 261.8, rel=1e-12)
-        assert cued.event_time("bar touch") == pytest.approx(1.279e-3, abs=0.5e-6)
-
-    def test_numbers_of_two_other_integrations(self, cued):
-        """Found with a rigid-body engine and with a stiff damped bar; tolerances are half of their last digits.
-
-        The last touch is ill-conditioned, the wire's end grazes the bar: two digits fewer are requested.
-        """
-        last_touch = cued.event_time("bar release", last=True)
-        assert last_touch == pytest.approx(2.95e-3, abs=1e-5)
-        assert np.degrees(np.interp(last_touch, cued.time, cued.relative_angle)) == pytest.approx(-43.6, abs=0.1)
-        assert np.degrees(cued.relative_angle.min()) == pytest.approx(-44.995, abs=5e-4)
-        assert cued.event_time("strike") == pytest.approx(4.5300e-3, abs=5e-8)
-        assert cued.relative_rate[-2] == pytest.approx(877.09, abs=5e-3)
-        assert np.degrees(cued.relative_angle[-1]) == pytest.approx(-2.743, abs=5e-4)
-
     def test_release_over_the_wires_end_is_at_the_instant_of_geometry(self):
         """The force jumps to zero where the bar's foot passes the wire's end: root and bar are sqrt(L^2 + reach^2) apart.
 
@@ -242,37 +133,6 @@ class TestOperatingPoint:
         between = math.acos((distance**2 + 0.0456**2 - apart**2) / (2.0 * distance * 0.0456))
         expected = (math.pi / 2 - math.atan2(0.075, 0.0115) + between) / 143.0
         assert run.event_time("bar release", last=True) == pytest.approx(expected, rel=0.0, abs=1e-13 * 0.033 / 1.0)
-
-    def test_restitution_of_the_bar_gives_two_taps(self):
-        run = simulate_reference(with_bar(restitution=0.42), stop_after="strike")
-        taps = [each for each in run.contacts if each.obstacle == "bar"]
-        assert [each.outcome for each in taps] == ["rebound", "rebound"]
-        for each in taps:
-            # Frictionless, one degree of freedom: the energetic coefficient is Newton's; rounding.
-            assert each.velocity_after[0] == pytest.approx(-0.42 * each.velocity_before[0], rel=1e-12)
-        # Half of the last digit.
-        assert run.relative_rate[-2] == pytest.approx(911.9, abs=0.05)
-        # 1e-8: a hundred times the requested accuracy, and as much for the plain integration.
-        expected = plain_pass(0.42)
-        assert [each.time for each in run.contacts] == pytest.approx([state[0] for state in expected], rel=1e-8)
-        np.testing.assert_allclose((run.relative_angle[-2], run.relative_rate[-2]), expected[-1][1:], rtol=1e-8)
-
-    def test_largest_retraction_is_sampled_where_the_rate_crosses_zero(self, whole_pass):
-        before = whole_pass.time <= whole_pass.event_time("strike")
-        deepest = np.argmin(whole_pass.relative_angle[before])
-        assert whole_pass.time[deepest] == whole_pass.event_time("largest retraction")
-        # Rounding of the instant, 1e-18 s, at 8e5 rad/s^2, and of rates of 260 rad/s.
-        assert whole_pass.relative_rate[deepest] == pytest.approx(0.0, abs=1e-10)
-
-    def test_strike_obeys_momentum_and_the_energetic_law(self, whole_pass):
-        tool, strike = operating_point(), whole_pass.first_contact("workpart")
-        (normal, tangential), angle = strike.impulse, strike.angles[0]
-        kick = 3.0 * (math.sin(angle) * normal + math.cos(angle) * tangential) / (0.027 * tool.bristle.mass)
-        # Rounding.
-        assert strike.rates_after[0] - strike.rates_before[0] == pytest.approx(kick, rel=1e-12)
-        assert strike.restitutive_work[0] == pytest.approx(-(0.42**2) * strike.compressive_work[0], rel=1e-12)
-        assert strike.outcome == "rebound"
-        assert strike.time == whole_pass.event_time("strike")
 
 
 class TestImpact:
@@ -337,47 +197,6 @@ class TestImpact:
 
 
 class TestHold:
-    @pytest.mark.parametrize(("horizontal", "vertical", "friction"), [(*BARS[0], 0.0), (*BARS[1], 0.4)])
-    def test_force_gives_the_bristle_its_momentum(self, horizontal, vertical, friction):
-        """I d(alpha') = (torque of belt, weight and hub's turning + moment of the contact) dt, over the samples.
-
-        The motion is led by geometry alone, so this checks the force. Trapezoids of 1 us over milliseconds leave
-        1e-6 of the momentum, and 1 us of a jump where the touch passes between the wire's end and its flank, 5e-4.
-        """
-        bar = Bar(horizontal=horizontal, vertical=vertical, friction=friction)
-        tool = Tool(bar=bar, workpart=None, belt=Belt(damping_ratio=0.05), gravity=1000.0 * GRAVITY)
-        run = simulate_reference(tool, start_relative_angle=0.07, hub_turn=1.3, sample_interval=1e-6)
-        sustained = max((each for each in run.contacts if each.law == "sustained"), key=lambda each: each.duration)
-        rows = (
-            (run.time >= sustained.time) & (run.time <= sustained.time + sustained.duration) & (run.normal_force > 0.0)
-        )
-        torque = contact_moment(tool, run) - centrifugal_stiffness(tool) * np.sin(run.relative_angle)
-        torque -= tool.belt.stiffness * run.relative_angle + tool.belt_damping * run.relative_rate
-        torque -= 0.5 * tool.bristle.mass * tool.bristle.length * tool.gravity * np.sin(run.angles[:, 0])
-        gained = tool.bristle.inertia_about_root * (run.rates[rows, 0][-1] - run.rates[rows, 0][0])
-        assert trapezoid(torque[rows], run.time[rows]) == pytest.approx(gained, rel=5e-4)
-        assert trapezoid(run.normal_force[rows], run.time[rows]) == pytest.approx(sustained.impulse[0], rel=1e-3)
-        # On the bar to rounding of its distance, and pushed by it.
-        assert np.abs(bar_gap(tool, run)[rows]).max() < 1e-15 * 55.0
-
-    @pytest.mark.parametrize(("horizontal", "vertical", "friction"), [(*BARS[0], 0.0), (*BARS[1], 0.4)])
-    def test_slow_hub_balances_belt_and_contact(self, horizontal, vertical, friction):
-        """A hub a thousand times slower than the belt: statics about the root.
-
-        Inertia is (omega/natural rate)^2 = 1e-6 of the belt's torque; the first moments, where the torque itself is
-        small, are left out.
-        """
-        bar = Bar(horizontal=horizontal, vertical=vertical, friction=friction)
-        tool = Tool(hub=Hub(speed=1.0), bar=bar, workpart=None)
-        run = simulate_reference(tool, start_hub_angle=-1.27, hub_turn=0.12)
-        rows = (run.normal_force > 0.0) & (run.relative_angle < -0.02)
-        assert rows.sum() > 50
-        belt = tool.belt.stiffness * run.relative_angle
-        np.testing.assert_allclose(contact_moment(tool, run)[rows], belt[rows], rtol=1e-4)
-        sustained = run.contacts[-1]
-        assert sustained.law == "sustained"
-        assert (sustained.compressive_work[1] < 0.0) == (friction > 0.0)
-
     @pytest.mark.parametrize("speed", [20.0, 261.8])
     def test_friction_locks_a_thick_wire_on_the_bar(self, speed):
         """It jams where the edge of the friction cone points at the root, at any speed: tan of the angle is mu = 1."""
@@ -391,14 +210,6 @@ class TestHold:
         arm = point[-1] - 0.009 * normal - root[-1]
         # Located to 1e-13 of a length of 27 mm, in a ratio of lengths of 9 mm.
         assert abs(cross(arm, normal) / (arm @ normal)) == pytest.approx(1.0, rel=1e-10)
-
-    def test_friction_does_not_change_the_path_along_an_inelastic_bar(self, cued):
-        """Geometry leads the wire in contact, and whether it is pressed on does not depend on friction; its force does."""
-        run = simulate_reference(with_bar(friction=0.5), stop_after="strike")
-        # Rounding: the first tap's normal velocity is brought to zero along another impulse.
-        assert run.event_time("strike") == pytest.approx(cued.event_time("strike"), rel=1e-10)
-        assert run.relative_rate[-2] == pytest.approx(cued.relative_rate[-2], rel=1e-8)
-        assert abs(run.contacts[2].impulse[0] / cued.contacts[2].impulse[0] - 1.0) > 0.01
 
     def test_tip_slides_along_an_inelastic_workpart(self):
         """In sustained contact the tip is on the surface, friction is mu times the normal force, and dissipates."""
@@ -439,12 +250,6 @@ class TestNames:
         assert run.event_time(event) is not None
         assert (run.event_time("bar touch") is None) == (event == "bar not touched")
 
-    def test_workpart_out_of_reach(self):
-        run = simulate_reference(Tool(bar=None, workpart=Workpart(penetration=-1e-9)), stop_after="strike")
-        assert run.stop_reason is StopReason.END
-        assert run.event_time("workpart not reached") == run.time[-1]
-        assert run.event_time("strike") is None
-
     def test_soft_belt_lets_the_wire_down_on_the_hub(self):
         """The printed stiffness as such: a tap of 266.6 + 261.8 rad/s swings far beyond a quarter turn."""
         run = simulate_reference(replace(operating_point(), belt=Belt(stiffness=0.00041)))
@@ -470,26 +275,6 @@ class TestNames:
         with pytest.raises(ValueError, match=message) as refusal:
             simulate_reference(tool, **settings)
         assert "\n" not in str(refusal.value)
-
-    @pytest.mark.parametrize(
-        "tool",
-        [
-            with_bar(restitution=0.9, friction=0.3),
-            with_bar(radius=0.012),
-            with_bar(horizontal=0.03, vertical=0.0134),
-            with_bar(horizontal=0.0, vertical=0.05, restitution=1.0),
-            Tool(bar=None, workpart=Workpart(penetration=0.02, friction=3.0)),
-            Tool(belt=Belt(damping_ratio=2.0), gravity=GRAVITY),
-            Tool(bar=Bar(radius=1e-6), workpart=Workpart(restitution=1.0, friction=0.0)),
-        ],
-    )
-    def test_hard_tools_end_without_penetration(self, tool):
-        run = simulate_reference(tool, accuracy=1e-7)
-        assert np.isfinite(run.angles).all()
-        # Each touch may be located by 1e-13 of 54.5 mm further inside.
-        assert least_gap(tool, run) > -1e-13 * 0.0545 * (len(run.contacts) + 1)
-        assert run.normal_force.min() > -1e-9
-        assert len(run.contacts) < 500
 
 
 def points_of(bristle):
@@ -522,7 +307,7 @@ def elbow(restitution=0.0, friction=0.3):
     return bent(31.0, 0.9, bar=bar, hub=Hub(speed=200.0), belt=Belt(damping_ratio=0.05))
 
 
-KNEES = [(-60.0, 0.5), (-40.0, 0.8), (25.0, 0.75), (90.0, 0.3)]
+KNEES = [(0.0, 0.5), (-60.0, 0.5), (-40.0, 0.8), (25.0, 0.75), (90.0, 0.3)]
 
 
 class TestKnee:
@@ -559,12 +344,14 @@ class TestKnee:
 
     @pytest.mark.parametrize(
         ("angle", "position", "nearness"),
-        [(-40.0, 0.8, 0.88), (31.0, 0.9, 0.875)],
+        [(0.0, 0.75, 1.0), (0.0, 0.75, 0.834), (-40.0, 0.8, 0.88), (31.0, 0.9, 0.875)],
     )
     def test_force_gives_the_bristle_its_momentum(self, angle, position, nearness):
-        """As for the straight bristle, over touches that pass the knee outside, and inside on both sides of the blow.
+        """I d(phi') = (moment of belt, weight, the root's acceleration and the contact) dt, over the samples.
 
-        1 us of some milliseconds is lost at the ends of a sustained contact, and where the force jumps.
+        The motion is led by geometry alone, so this checks the force: along a straight wire's end or flank, over touches
+        that pass the knee outside, and inside on both sides of the blow. 1 us of some milliseconds is lost at the ends of
+        a sustained contact, and where the force jumps.
         """
         bar = Bar(horizontal=nearness * 0.05037, vertical=nearness * 0.0225, friction=0.3)
         tool = bent(angle, position, bar=bar, workpart=None, gravity=1000.0 * GRAVITY, belt=Belt(damping_ratio=0.05))
@@ -598,15 +385,6 @@ class TestKnee:
         kick = -lever * blow.impulse[0] / elbow().bristle.inertia_about_root
         assert blow.rates_after[0] - blow.rates_before[0] == pytest.approx(kick, rel=1e-12)
 
-    def test_inelastic_bar_takes_both_parts_of_an_elbow(self):
-        """In contact along the shank, struck at the rest, in contact along the rest: the path does not depend on friction."""
-        runs = [simulate_reference(elbow(friction=friction), stop_after="strike") for friction in (0.0, 0.3)]
-        for run in runs:
-            bar = [(each.law, each.outcome) for each in run.contacts[:-1]]
-            assert bar[-3:] == [("sustained", "bar"), ("energetic", "no rebound"), ("sustained", "release")]
-        # Rounding, as for a straight bristle.
-        assert runs[0].event_time("strike") == pytest.approx(runs[1].event_time("strike"), rel=1e-10)
-
     @pytest.mark.parametrize(("links", "position"), [(1, 0.9), (1, 0.6), (2, 0.6), (2, 0.75)])
     def test_a_knee_strikes_the_workpart_before_the_tip_does(self, links, position):
         """Without a bar a reverse bent wire on a stiff belt turns with the hub until its knee meets the surface.
@@ -633,22 +411,26 @@ class TestKnee:
         )
 
     @pytest.mark.parametrize(
-        ("angle", "position", "nearness", "restitution"),
+        "tool",
         [
-            (-60.0, 0.5, 0.75, 0.0),
-            (25.0, 0.75, 0.75, 0.9),
-            (31.0, 0.9, 0.875, 0.42),
-            (90.0, 0.3, 0.9, 0.0),
+            with_bar(restitution=0.9, friction=0.3),
+            with_bar(radius=0.012),
+            with_bar(horizontal=0.0, vertical=0.05, restitution=1.0),
+            Tool(bar=None, workpart=Workpart(penetration=0.02, friction=3.0)),
+            Tool(belt=Belt(damping_ratio=2.0), gravity=GRAVITY),
+            Tool(bar=Bar(radius=1e-6), workpart=Workpart(restitution=1.0, friction=0.0)),
+            bent(-60.0, 0.5, bar=Bar(horizontal=0.0378, vertical=0.0169, friction=0.2)),
+            bent(25.0, 0.75, bar=Bar(horizontal=0.0378, vertical=0.0169, restitution=0.9, friction=0.2)),
+            bent(90.0, 0.3, bar=Bar(horizontal=0.0453, vertical=0.0203, friction=0.2)),
+            elbow(restitution=0.42, friction=0.2),
         ],
     )
-    def test_no_penetration(self, angle, position, nearness, restitution):
-        bar = Bar(horizontal=nearness * 0.05037, vertical=nearness * 0.0225, restitution=restitution, friction=0.2)
-        tool = bent(angle, position, bar=bar)
-        run = simulate_reference(tool, start_hub_angle=-2.2, accuracy=1e-7)
+    def test_hard_tools_end_without_penetration(self, tool):
+        run = simulate_reference(tool, start_hub_angle=-1.58, accuracy=1e-7)
         assert np.isfinite(run.angles).all()
         # Each touch may be located by 1e-13 of 54.5 mm further inside.
         assert least_gap(tool, run) > -1e-13 * 0.0545 * (len(run.contacts) + 1)
-        assert run.normal_force.min() >= 0.0
+        assert run.normal_force.min() > -1e-9
         assert len(run.contacts) < 500
 
 
@@ -685,18 +467,6 @@ class TestSprings:
         assert len(touches) > 3
         assert all(one.time + one.duration <= other.time for one, other in pairwise(touches))
 
-    def test_in_a_row_each_strikes_as_the_lone_one_does(self):
-        """Two bristles too far apart to touch, both obstacles soft; ten times the requested accuracy."""
-        tool, springs = with_bar(restitution=0.5, friction=0.2), {"contact_stiffness": 1e5, "bar_stiffness": 1e6}
-        given = {"accuracy": 1e-8, "hub_turn": 1.6, **springs}
-        lone = simulate_reference(tool, **given).first_contact("workpart")
-        row = simulate_row_reference(tool, bristles=2, pitch=math.radians(50.0), **given)
-        for number, run in enumerate(row):
-            strike = run.first_contact("workpart")
-            assert strike.law == lone.law == "compliant"
-            assert strike.time - number * math.radians(50.0) / 261.8 == pytest.approx(lone.time, rel=1e-7)
-            assert strike.impulse == pytest.approx(lone.impulse, rel=1e-7)
-
     def test_stick_of_a_lone_bristle_on_a_spring(self):
         """Friction of restitution above tan(gamma) stops the tip at the end of compression, and the hub moves on.
 
@@ -722,9 +492,3 @@ class TestCrossings:
         # A root of slope 2 sqrt(depth), in rounding of 0.25.
         np.testing.assert_allclose([time - 0.5 for time, _ in found], [-(depth**0.5), depth**0.5], rtol=1e-5)
         assert crossings(lambda time: (time - 0.5) ** 2 + depth, 0.0, 1.0, 1e-15) == []
-
-    def test_finds_a_kink_and_a_jump(self):
-        kink = crossings(lambda time: np.abs(time - 0.3) - 1e-7, 0.0, 1.0, 1e-15)
-        np.testing.assert_allclose([time for time, _ in kink], [0.3 - 1e-7, 0.3 + 1e-7], rtol=1e-15)
-        jump = crossings(lambda time: np.where(time < 1.0 / 3.0, -1.0, 1.0), 0.0, 1.0, 1e-15)
-        assert [(pytest.approx(1.0 / 3.0, rel=1e-14), 1)] == jump

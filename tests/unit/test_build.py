@@ -2,7 +2,6 @@
 
 import itertools
 import math
-from dataclasses import replace
 
 import numpy as np
 import pymunk
@@ -11,13 +10,12 @@ from scipy.linalg import eigh, expm
 
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.obstacles import BarObstacle, WorkpartObstacle
+from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.tool import build_tool
 
 ROD = Link.rod(1.0, 1.0)
-BARE = Tool(hub=Hub(radius=0.0), belt=Belt(stiffness=0.0), bar=None, workpart=None)
 FLOOR = WorkpartObstacle(1.0, 0.5, 0.5, 0.0)
 CLOSED = 1e-14
 """Rounding of positions of order 1."""
@@ -28,19 +26,6 @@ def kinds(space: pymunk.Space) -> list[str]:
 
 
 class TestWhatIsThere:
-    def test_bare_rod_is_one_body_on_one_pivot(self) -> None:
-        """No hub, belt, bar, workpart or gravity: one body, one joint, no shape."""
-        scene, _ = build_tool(BARE)
-        assert list(scene.space.bodies) == scene.links
-        assert len(scene.links) == 1
-        assert kinds(scene.space) == ["PivotJoint"]
-        assert list(scene.space.constraints) == scene.joints
-        assert scene.joints[0].a is scene.space.static_body
-        assert list(scene.space.shapes) == []
-        assert scene.space.gravity == (0.0, 0.0)
-        assert scene.space.damping == 1.0
-        assert scene.space.iterations == 1
-
     @pytest.mark.parametrize(
         ("hub", "belt", "bar", "workpart", "gravity"), list(itertools.product([False, True], repeat=5))
     )
@@ -66,57 +51,6 @@ class TestWhatIsThere:
         # One multiplication and one division of rounding.
         assert -scene.space.gravity.y * units.acceleration == pytest.approx(9.81 * gravity, rel=1e-15)
         assert scene.space.gravity.x == 0.0
-
-    @pytest.mark.parametrize("links", [2, 3, 8])
-    def test_iterations_in_flight_solve_a_straight_chain_to_rounding_and_no_further(self, links: int) -> None:
-        """1e-17 of the joints' error is left, and its root after half as many; a pull of 1 opens them at a rate of order 1."""
-        left = []
-        for part in (1.0, 0.5):
-            scene = Scene(Mechanism((ROD,) * links), Effects())
-            scene.place(State(0.0, (0.0,) * links, (0.0,) * links))
-            scene.space.iterations = round(part * scene.space.iterations)
-            scene.links[-1].apply_force_at_world_point((0.0, 1.0), scene.links[-1].position)
-            scene.step(1e-9, 1)
-            ends = (
-                [(each.b, each.anchor_b) for each in scene.joints],
-                [(each.a, each.anchor_a) for each in scene.joints],
-            )
-            speeds = [[body.velocity_at_local_point(place).y for body, place in side] for side in ends]
-            left.append(np.abs(np.subtract(*speeds)).max() / 1e-9)
-        assert left[0] < 1e-15
-        assert 1e-12 < left[1] < 1e-8
-
-    def test_undamped_belt_has_no_damping(self) -> None:
-        spring = belt_of(build_tool(Tool())[0])
-        assert spring.damping == 0.0
-        assert spring.rest_angle == 0.0
-
-    def test_belt(self) -> None:
-        """Stiffness and damping in engine units: c = 2 zeta sqrt(k I)."""
-        tool = Tool(belt=Belt(damping_ratio=0.3))
-        scene, units = build_tool(tool)
-        spring = belt_of(scene)
-        assert spring.stiffness * units.energy == pytest.approx(math.degrees(0.00041), rel=1e-14)
-        inertia = 8.387e-5 * 0.027**2 / 3.0
-        damping = 2.0 * 0.3 * math.sqrt(math.degrees(0.00041) * inertia)
-        assert spring.damping * units.angular_damping == pytest.approx(damping, rel=1e-14)
-        assert (spring.a, spring.b) == (scene.hub, scene.links[0])
-
-    def test_frictionless_bar_is_frictionless_in_the_engine(self) -> None:
-        """The engine multiplies both shapes' coefficients; only the engaged pair sees one another."""
-        scene, _ = build_tool(Tool())
-        bar = scene.effects.obstacles[0]
-        scene.contacts.engage(bar, friction=bar.friction, elasticity=0.0, iterations=5)
-        pairs = [(a, b) for a in fixed_shapes(scene) for b in link_shapes(scene) if meet(a, b)]
-        assert len(pairs) == 1
-        assert [(a.friction * b.friction, a.elasticity * b.elasticity) for a, b in pairs] == [(0.0, 0.0)]
-
-    def test_bent_bristle_has_a_shape_for_each_piece(self) -> None:
-        tool = Tool(workpart=None)
-        bent = replace(tool, bristle=replace(tool.bristle, knee_angle_deg=20.0))
-        scene, _ = build_tool(bent)
-        scene.contacts.engage(scene.effects.obstacles[0], friction=0.0, elasticity=0.0, iterations=1)
-        assert len(link_shapes(scene)) == 2
 
     def test_no_callbacks(self) -> None:
         """Velocity and position functions are the engine's own, and no joint calls back."""
@@ -166,37 +100,9 @@ class TestHinges:
             state = Extrapolation(1e-12).advance(scene, state, 0.375).state
         assert (*state.angles, *state.rates) == pytest.approx(expected, abs=1e-10)
 
-    def test_absent_when_there_are_none(self) -> None:
-        assert kinds(Scene(self.RODS, Effects()).space) == ["PivotJoint", "PivotJoint"]
-        hinged = Scene(self.RODS, Effects(hinges=((0.3, 0.0),))).space
-        assert [type(each).__name__ for each in hinged.constraints] == [
-            "PivotJoint",
-            "PivotJoint",
-            "DampedRotarySpring",
-        ]
-
     def test_one_for_each_joint_between_two_links(self) -> None:
         with pytest.raises(ValueError, match=r"^hinges: must be one \(stiffness, damping\) for each of the 1 joints"):
             Scene(self.RODS, Effects(hinges=((0.3, 0.0), (0.3, 0.0))))
-
-
-def belt_of(scene: Scene) -> pymunk.DampedRotarySpring:
-    (spring,) = (each for each in scene.space.constraints if isinstance(each, pymunk.DampedRotarySpring))
-    return spring
-
-
-def fixed_shapes(scene: Scene) -> list[pymunk.Shape]:
-    return list(scene.space.static_body.shapes)
-
-
-def link_shapes(scene: Scene) -> list[pymunk.Shape]:
-    return list(scene.links[-1].shapes)
-
-
-def meet(first: pymunk.Shape, second: pymunk.Shape) -> bool:
-    """Whether the engine looks for contacts of the two."""
-    one, other = first.filter, second.filter
-    return bool(one.categories & other.mask) and bool(other.categories & one.mask)
 
 
 class TestPlacing:
@@ -225,21 +131,6 @@ class TestPlacing:
             centre = self.CHAIN.links[scene.links.index(body)].centre
             assert abs(body.local_to_world((tip[0] - centre[0], tip[1] - centre[1])) - pose.tip) < CLOSED
 
-    def test_the_hub_turns_at_its_speed(self) -> None:
-        scene = Scene(self.CHAIN, Effects())
-        scene.place(self.STATE)
-        assert scene.hub is not None
-        scene.step(0.01, 7)
-        assert scene.hub.angle == pytest.approx(-0.2 + 1.3 * 0.47, rel=1e-14)
-        assert scene.steps == 7
-
-    def test_an_equal_state_placed_again_is_placed_anew(self) -> None:
-        scene = Scene(self.CHAIN, Effects())
-        for state in (self.STATE, State(0.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), self.STATE):
-            scene.place(state)
-            assert scene.angles() == list(state.angles)
-        assert scene.links[0].position == self.CHAIN.poses(self.STATE)[0].centre
-
 
 class TestContact:
     def resting(self, effects: Effects, angle: float) -> Scene:
@@ -247,17 +138,6 @@ class TestContact:
         scene = Scene(Mechanism((ROD,)), effects)
         scene.place(State(0.0, (angle,), (0.0,)))
         return scene
-
-    def test_obstacles_do_not_act_in_flight(self) -> None:
-        """A rod placed deep inside its obstacles moves on as if they were absent."""
-        bar = BarObstacle((0.0, -0.5), 0.3, 0.1, 0.5, 0.5)
-        floor = WorkpartObstacle(0.1, 0.5, 0.5, 0.5)
-        scene = self.resting(Effects(obstacles=(bar, floor)), 0.3)
-        scene.place(State(0.0, (0.3,), (2.0,)))
-        scene.step(0.01, 1)
-        assert scene.contacts.totals(floor) == (0.0, 0.0, 0.0)
-        # The rod swings freely: the joint's force turns it at a rate that stays, to the order of the step.
-        assert scene.rates()[0] == pytest.approx(2.0, rel=1e-3)
 
     def test_impulse_of_a_resting_contact_carries_the_weight(self) -> None:
         """Rod at 45 degrees, gravity g: moments about the root, N L sin 45 = m g (L/2) sin 45, so N = m g/2."""
@@ -269,18 +149,6 @@ class TestContact:
         # Eighty iterations leave 0.4^80; the state moves by 1e-6 in three steps of 1e-3.
         assert normal == pytest.approx(4.5e-3, rel=1e-5)
         assert tangential == 0.0
-
-    def test_released_contact_acts_no_more(self) -> None:
-        floor = WorkpartObstacle(math.cos(0.25 * math.pi), 0.0, 0.0, 0.0)
-        scene = self.resting(Effects(gravity=9.0, obstacles=(floor,)), 0.25 * math.pi)
-        before = scene.space.iterations
-        scene.contacts.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
-        scene.step(1e-3, 1)
-        scene.contacts.release()
-        scene.step(1e-3, 2)
-        assert scene.space.iterations == before
-        # Falls at (3/2) (g/L) sin 45 from rest at the first step of the two without contact.
-        assert scene.rates()[0] == pytest.approx(-1.5 * 9.0 * math.sin(0.25 * math.pi) * 2e-3, rel=1e-3)
 
     @pytest.mark.parametrize("friction", [0.2, 0.7])
     def test_friction_opposes_slip(self, friction: float) -> None:
@@ -295,17 +163,3 @@ class TestContact:
         s, c = math.sin(0.6), math.cos(0.6)
         assert normal == pytest.approx(s / (3.0 * s * (s + friction * c)), rel=1e-6)
         assert tangential == pytest.approx(-friction * normal, rel=1e-12)
-
-    @pytest.mark.parametrize("sense", [-1, 1])
-    def test_friction_against_a_given_slip(self, sense: int) -> None:
-        """Where slip is about to stop, its sense is given: friction acts against that, whichever way the tip moves."""
-        floor = WorkpartObstacle(math.cos(0.6), 0.3, 0.3, 0.0)
-        scene = self.resting(Effects(obstacles=(floor,)), -0.6)
-        scene.place(State(0.0, (-0.6,), (1.0,)))
-        scene.contacts.engage(floor, friction=0.3, elasticity=0.0, iterations=200)
-        scene.contacts.direct_friction(sense, (1.0, 0.0))
-        scene.step(1e-9, 1)
-        normal, tangential, _ = scene.contacts.totals(floor)
-        s, c = math.sin(0.6), math.cos(0.6)
-        assert normal == pytest.approx(s / (3.0 * s * (s + sense * 0.3 * c)), rel=1e-6)
-        assert tangential == pytest.approx(-sense * 0.3 * normal, rel=1e-12)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from bristle_sim.scene.events import locate as events
-from bristle_sim.scene.events.locate import guess, interpolate, locate, settle
+from bristle_sim.scene.events.locate import locate, settle
 from bristle_sim.scene.events.touches import first_touch
 from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State
@@ -71,16 +71,6 @@ class TestFirstTouch:
         # What counts is the time, 1e-10, not the share of the interval.
         assert first_touch(ROD, valley(1e-10, 1e-12), *interval(0.01)) is None
 
-    def test_the_first_of_two(self) -> None:
-        """Closed from 0.1 to 0.2 and from 0.55 to 0.65: in the middle of the interval the gap is falling again."""
-
-        def gap(state: State) -> tuple[float, float]:
-            return min(notch(0.1, 0.2)(state), notch(0.55, 0.65)(state))
-
-        share = first_touch(ROD, gap, *interval())
-        assert share is not None
-        assert 0.1 <= share <= 0.2
-
     @pytest.mark.parametrize("left", [0.01, 0.2, 0.4, 0.6, 0.8, 0.9, 0.99, 0.9999])
     @pytest.mark.parametrize("width", [0.2, 1.0])
     def test_no_gap_is_jumped_over(self, left: float, width: float) -> None:
@@ -93,9 +83,6 @@ class TestFirstTouch:
         """Without any speed there is no bound to advance by."""
         for bottom, height in ((0.3, 0.0), (0.3, 0.5), (0.0, 0.005)):
             assert first_touch(ROD, valley(bottom, height), *interval(1.0, 0.0)) is None
-
-    def test_a_gap_that_stays_open(self) -> None:
-        assert first_touch(ROD, notch(1.1, 2.0), *interval()) is None
 
 
 class TestLocate:
@@ -111,64 +98,11 @@ class TestLocate:
         assert abs(value(found)) <= 1e-12
         assert found == pytest.approx(root, abs=1.1e-9)
 
-    @pytest.mark.parametrize("rising", [1.0, -1.0])
-    @pytest.mark.parametrize("mirrored", [False, True])
-    def test_a_bent_function_takes_fewer_evaluations_than_bisection(self, rising: float, mirrored: bool) -> None:
-        """x^9 - 0.1: false position alone creeps up from one side; bisection takes 40 from 1 to 1e-12."""
-        calls = []
-
-        def value(at: float) -> float:
-            calls.append(at)
-            return rising * ((0.1 - (1.0 - at) ** 9) if mirrored else (at**9 - 0.1))
-
-        found = locate(value, 0.0, 1.0, value(0.0), value(1.0), 1e-12)
-        assert abs(value(found)) <= 1e-12
-        assert len(calls) < 40
-        assert all(0.0 <= at <= 1.0 for at in calls)
-
-    def test_a_good_guess_takes_three_evaluations(self) -> None:
-        """exp(x) - 2 from a guess 1e-4 off: the quadratic through that and the ends is right to 1e-7, the next one to 1e-14."""
-        calls = []
-
-        def value(at: float) -> float:
-            calls.append(at)
-            return math.exp(at) - 2.0
-
-        found = locate(value, 0.0, 1.0, -1.0, math.e - 2.0, 1e-12, guess=math.log(2.0) + 1e-4)
-        assert found == pytest.approx(math.log(2.0), abs=1e-12)
-        assert calls[0] == math.log(2.0) + 1e-4
-        assert len(calls) <= 4
-
-    @pytest.mark.parametrize("beside", [-0.1, 0.0, 1.0, 2.0, math.nan])
-    def test_a_guess_outside_is_none(self, beside: float) -> None:
-        found = locate(lambda at: at - 0.25, 0.0, 1.0, -0.25, 0.75, 1e-12, guess=beside)
-        assert found == pytest.approx(0.25, abs=1e-12)
-
     @pytest.mark.parametrize("jump", [1e-9, 0.25, 1.0 - 1e-9])
     def test_past_a_jump(self, jump: float) -> None:
         """No value is within the tolerance: the first duration past the jump, to the last digits."""
         found = locate(lambda at: -1.0 if at < jump else 1.0, 0.0, 1.0, -1.0, 1.0, 0.0)
         assert jump <= found <= jump + 1e-14
-
-    def test_a_jump_to_a_far_larger_value(self) -> None:
-        """False position creeps up on it from one side."""
-        found = locate(lambda at: -1.0 if at < 0.25 else 1e3, 0.0, 1.0, -1.0, 1e3, 0.0)
-        assert 0.25 <= found <= 0.25 + 1e-14
-
-
-class TestGuess:
-    """A link that turns by t^2 in two time units, which the cubic through the ends has exactly."""
-
-    START, END = State(1.0, (0.0,), (0.0,)), State(3.0, (4.0,), (4.0,))
-
-    def test_root_on_the_cubic(self) -> None:
-        """Located to 1e-9 of the largest value, 3, whose slope there is 2."""
-        assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END) == pytest.approx(1.0, abs=3e-9)
-
-    def test_none_without_a_change_of_sign_or_a_value_or_time(self) -> None:
-        assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END, 0.4) is None
-        assert guess(lambda _: math.nan, self.START, self.END) is None
-        assert guess(lambda state: state.angles[0] - 1.0, self.START, self.END._replace(time=1.0)) is None
 
 
 class TestSettle:
@@ -192,17 +126,6 @@ class TestSettle:
         found, runs = self.settled(math.cos(0.4), 0.4 + off, 0.5)
         assert found == pytest.approx(0.4, abs=1e-12)  # the tolerance over the slope there
         assert runs <= most
-
-    def test_none_where_it_leads_out_of_the_interval(self) -> None:
-        assert self.settled(math.cos(0.4), 0.25, 0.3)[0] is None
-        assert self.settled(2.0, 0.25, 0.3)[0] is None
-
-
-def test_a_cubic_has_the_states_and_rates_of_its_ends() -> None:
-    """x = t^3 - 2 t from t = 1 to t = 3, at its middle: x = 4, x' = 10."""
-    start, end = State(1.0, (-1.0,), (1.0,)), State(3.0, (21.0,), (25.0,))
-    middle = interpolate(start, end, 0.5)
-    assert (middle.time, *middle.angles, *middle.rates) == pytest.approx((2.0, 4.0, 10.0), abs=1e-14)
 
 
 class TestTurns:
@@ -237,37 +160,3 @@ class TestTurns:
         assert sorted(state.time for state in found) == pytest.approx([1.0 + 2.0 * share for share in shares], abs=1e-7)
         for state in found:
             assert state.rates[0] - hub == pytest.approx(0.0, abs=1e-7)
-
-
-class TestSearch:
-    def test_cubic_through_both_ends(self) -> None:
-        """A cubic motion is reproduced exactly: a = 1 + 2 t - 3 t^2 + t^3."""
-
-        def at(time: float) -> State:
-            return State(time, (1 + 2 * time - 3 * time**2 + time**3,), (2 - 6 * time + 3 * time**2,))
-
-        for share in (0.0, 0.3, 0.5, 0.9, 1.0):
-            found = interpolate(at(0.2), at(1.4), share)
-            expected = at(0.2 + 1.2 * share)
-            assert found.time == pytest.approx(expected.time, rel=1e-15)
-            assert found.angles == pytest.approx(expected.angles, abs=1e-14)
-            assert found.rates == pytest.approx(expected.rates, abs=1e-14)
-
-    @pytest.mark.parametrize("power", [1, 3, 9])
-    @pytest.mark.parametrize("root", [1e-9, 0.3, 0.999999])
-    def test_roots(self, power: int, root: float) -> None:
-        """Straight and flat crossings; the value there is within the tolerance, or the interval has shrunk to rounding."""
-        calls = []
-
-        def value(at: float) -> float:
-            calls.append(at)
-            return (root - at) ** power
-
-        found = locate(value, 0.0, 1.0, value(0.0), value(1.0), 1e-15)
-        assert abs(value(found)) <= 1e-15 or found - root <= 1e-15
-        assert len(calls) < 110
-        assert all(0.0 <= each <= 1.0 for each in calls)
-
-    def test_root_of_a_jump_is_past_it(self) -> None:
-        found = locate(lambda at: 1.0 if at < 0.4 else -5.0, 0.0, 1.0, 1.0, -5.0, 0.0)
-        assert 0.4 <= found <= 0.4 + 2e-15

@@ -21,7 +21,7 @@ from bristle_sim.scene.integrate.stepping import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.plan import Plan, Recording
 from bristle_sim.scene.run import run
-from unit.test_stepping import Tally, carried, oscillator
+from unit.test_stepping import carried, oscillator
 
 
 class TestExtrapolation:
@@ -33,53 +33,6 @@ class TestExtrapolation:
         assert exact.most_rows == exact.rows == 4
         assert exact.noise == repetitions.CLOSE.noise[3]
 
-    def test_a_load_that_always_fails(self) -> None:
-        scene, state = oscillator()[:2]
-        assert Extrapolation(1e-6).advance(scene, state, 0.1, Tally(1.0)).failed
-
-    def test_no_error_besides_the_cubics_own(self) -> None:
-        start, end = State(0.0, (0.1,), (1.0,)), State(1.0, (0.3,), (1.5,))
-        assert Extrapolation(1e-6).interpolation_error(start, end) == 0.0
-
-    @pytest.mark.parametrize(
-        ("errors", "row", "grows"),
-        [
-            ({1: 1e-4, 2: 1e-6, 3: 5e-7, 4: 4.9e-7}, 2, False),
-            ({2: 1e-4, 3: 1e-6}, 3, True),
-            ({2: 3e-6, 3: 2.4e-6}, 2, False),
-            ({2: 1e-6, 3: 2.6e-7}, 3, False),
-            ({1: 1e-6}, 1, True),
-            ({2: 1e-12}, 2, True),
-            ({1: 1e-30, 2: 1.0, 3: 1.0}, 2, False),
-        ],
-    )
-    def test_the_cheapest_interval_is_next(self, errors: dict[int, float], row: int, grows: bool) -> None:
-        """Row r (from 0) of error e: the interval times 0.9 (limit/2e)^(1/(r + 1)), within 0.1 and 4, at a cost of r + 1
-        overheads and its steps (Hairer, Norsett and Wanner, sec. II.9); the least cost per length wins, with two rows
-        at least. If that is the last row and its price is a tenth below that before it, one more row is tried, with the
-        interval that keeps the price.
-        """
-        stepper = Extrapolation(1e-6)
-        stepper.length = 0.3
-        counts, overhead = (4, 5, 6, 7, 8, 10), repetitions.RUN_OVERHEAD
-
-        def cost(of: int) -> float:
-            return overhead * (of + 1) + sum(counts[: of + 1])
-
-        def length(of: int) -> float:
-            return 0.3 * min(4.0, max(0.1, 0.9 * (0.5e-6 / errors[of]) ** (1.0 / (of + 1))))
-
-        prices = {of: cost(of) / length(of) for of in errors}
-        assert row == min([of for of in errors if of > 1] or errors, key=prices.__getitem__), "the case is what it says"
-        assert grows == (row == max(errors) and prices[row] < 0.9 * prices.get(row - 1, math.inf))
-        state = State(0.3, (0.0,), (0.0,))
-        assert stepper.accepts(Advance(state, (0.0,), (), 1e-6, errors=errors), 0.3), (
-            "an error of the limit itself is accepted"
-        )
-        expected = length(row) * (cost(row + 1) / cost(row) if grows else 1.0)
-        assert stepper.length == pytest.approx(expected, rel=1e-14)
-        assert stepper.rows == row + 1 + grows
-
     @pytest.mark.parametrize(("duration", "kept"), [(0.01, True), (0.2, False)])
     def test_an_interval_cut_short_does_not_shorten_the_next(self, duration: float, kept: bool) -> None:
         """What an interval of a tenth or less tells, at most four times itself, is no news about the length proposed before."""
@@ -88,38 +41,6 @@ class TestExtrapolation:
         accurate = Advance(State(duration, (0.0,), (0.0,)), (0.0,), (), 1e-6, errors={2: 1e-6, 3: 1e-6})
         assert stepper.accepts(accurate, duration)
         assert (stepper.length == 0.5) is kept
-
-    def test_a_refused_interval_is_halved_at_least(self) -> None:
-        """Row 3 of an error of 1.01 limits would go on with 0.9 (1/2.02)^(1/4) = 0.75 of the interval."""
-        stepper = Extrapolation(1e-6)
-        assert not stepper.accepts(Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), 1.01e-6, errors={3: 1.01e-6}), 0.3)
-        assert stepper.length == 0.15
-
-    def test_no_more_rows_than_rounding_allows(self) -> None:
-        """With a tolerance of 0 there are four; the last is then the best whatever its price."""
-        for last in (2, 3):
-            stepper = Extrapolation(0.0)
-            result = Advance(State(0.3, (0.0,), (0.0,)), (0.0,), (), stepper.limit, errors={last: stepper.limit})
-            assert stepper.accepts(result, 0.3)
-            assert stepper.rows == 4
-
-    def test_an_interval_may_be_a_tenth_longer_to_save_a_stub(self) -> None:
-        """1.05 lengths are gone in one interval, 1.15 in two halves."""
-        stepper = Extrapolation(1e-6)
-        assert stepper.propose(1.05 * stepper.length) == 1.05 * stepper.length
-        assert stepper.propose(1.15 * stepper.length) == 0.575 * stepper.length
-
-    def test_a_refused_interval_is_cut_by_its_estimate(self) -> None:
-        """Twenty radians are far off 1e-9: an error e of order k needs (1e-9/e)^(1/k), at most 0.2 for e >= 0.01, k <= 10.
-
-        No change is larger than tenfold at once.
-        """
-        scene, start = oscillator()[:2]
-        stepper = Extrapolation(1e-9)
-        result = stepper.advance(scene, start, 20.0)
-        assert result.error > 0.01
-        assert not stepper.accepts(result, 20.0)
-        assert 2.0 * (1.0 - 1e-12) <= stepper.length < 10.0
 
     @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
     def test_uniform_motion_is_hardly_ever_refused(self, tolerance: float) -> None:
@@ -173,27 +94,6 @@ class TestAccuracy:
             pieces = remaining / stepper.propose(remaining)
             assert pieces == pytest.approx(round(pieces), rel=1e-14)
             assert remaining / pieces <= 1.2 * stepper.length
-
-    def test_too_long_an_interval_is_refused_and_shortened(self) -> None:
-        scene, start, _ = oscillator()
-        stepper = Extrapolation(1e-9)
-        result = stepper.advance(scene, start, 20.0)
-        assert not stepper.accepts(result, 20.0)
-        assert stepper.length <= 10.0
-
-    def test_repeats_bit_for_bit(self) -> None:
-        results = []
-        for _ in range(2):
-            scene, start, _ = oscillator(0.2)
-            results.append([Extrapolation(1e-8).advance(scene, start, length) for length in (0.3, 1.7, 0.3)])
-        assert results[0] == results[1]
-
-    def test_what_the_engine_remembers_does_not_matter(self) -> None:
-        """It starts each joint from its last impulse; an interval repeated after another one differs by the tolerance."""
-        scene, start, _ = oscillator(0.2)
-        first, _, second = (Extrapolation(1e-8).advance(scene, start, length) for length in (0.3, 1.7, 0.3))
-        assert second.state.angles == pytest.approx(first.state.angles, abs=1e-8)
-        assert second.state.rates == pytest.approx(first.state.rates, abs=1e-8)
 
 
 def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[..., tuple[float, float]]]:
@@ -254,14 +154,3 @@ def test_error_of_random_flights_is_within_estimate_and_accuracy(
     assert np.mean(np.array(shares) <= 1.0) >= 0.99
     assert 1e-3 < median < 1.0
     assert all(met)
-
-
-def test_more_accuracy_costs_more_steps() -> None:
-    scene, start, _ = random_flight(np.random.default_rng(1))
-    taken = [scene.steps]
-    for accuracy in (1e-3, 1e-5, 1e-7, 1e-9):
-        flown(scene, start, accuracy, 5.0)
-        taken.append(scene.steps)
-    steps = np.diff(taken).tolist()
-    assert steps == sorted(steps)
-    assert steps[0] < steps[-1]

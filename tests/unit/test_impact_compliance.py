@@ -190,14 +190,6 @@ class TestBounds:
         assert "\n" not in str(refusal.value)
 
 
-def test_uncoupled_motion_keeps_its_normal_part() -> None:
-    """K_nt = 0: v_n turns into -e* v_n whatever happens along the surface."""
-    impacts = random_impacts(8, 5000)
-    impacts["inverse_mass"] = impacts["inverse_mass"] * np.eye(2)
-    found = energetic_impact(**impacts)
-    np.testing.assert_allclose(found.velocity_normal, -impacts["restitution"] * impacts["velocity"][:, 0], rtol=1e-10)
-
-
 class TestLimits:
     def test_none_is_the_rigid_law_bit_for_bit(self) -> None:
         impacts = random_impacts(5, 2000) | {"tangential_compliance": 0.0}

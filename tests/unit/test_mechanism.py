@@ -30,11 +30,6 @@ def moved(state: State, time: float) -> State:
     return State(state.time + time, angles, state.rates)
 
 
-def test_rod() -> None:
-    rod = Link.rod(2.0, 3.0)
-    assert (rod.inertia, rod.centre, rod.tip, rod.knees) == (1.5, (0.0, -1.5), (0.0, -3.0), ())
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_poses_are_turned_arms_one_after_the_other(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -49,20 +44,6 @@ def test_poses_are_turned_arms_one_after_the_other(seed: int) -> None:
             assert complex(*place) == pytest.approx(joint + complex(*knee) * turn, abs=1e-14)
         joint += complex(*link.tip) * turn
         assert complex(*pose.tip) == pytest.approx(joint, abs=1e-14)
-
-
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("point", ["joint", "centre", "tip"])
-def test_velocities_are_derivatives_of_places(seed: int, point: str) -> None:
-    rng = np.random.default_rng(100 + seed)
-    mechanism, state = chain(rng), random_state(rng)
-
-    def places(time: float) -> np.ndarray:
-        return np.array([getattr(pose, point) for pose in mechanism.poses(moved(state, time))])
-
-    velocities = [getattr(pose, f"{point}_velocity") for pose in mechanism.poses(state)]
-    slope = (places(STEP) - places(-STEP)) / (2.0 * STEP)
-    np.testing.assert_allclose(velocities, slope, rtol=0.0, atol=1e-8)
 
 
 @pytest.mark.parametrize("links", [1, 2, 4])
@@ -113,26 +94,3 @@ def test_no_point_is_faster_than_the_bound(seed: int) -> None:
 
 def velocities(pose: Pose) -> tuple[tuple[float, float], ...]:
     return (pose.joint_velocity, pose.centre_velocity, pose.tip_velocity)
-
-
-def test_the_bound_is_reached_by_a_straight_chain() -> None:
-    mechanism = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 2.0)), 0.5, 3.0, 0.2)
-    state = State(0.0, (0.2, 0.2), (3.0, 5.0))
-    assert math.hypot(*mechanism.poses(state)[-1].tip_velocity) == pytest.approx(0.5 * 3 + 3 + 10, rel=1e-14)
-    assert mechanism.speed_bound(state) == 0.5 * 3 + 3 + 10
-
-
-def test_without_a_hub_the_root_is_the_origin() -> None:
-    pose = Mechanism((Link.rod(1.0, 1.0),)).poses(State(0.3, (0.5,), (2.0,)))[0]
-    assert pose.joint == (0.0, 0.0)
-    assert pose.joint_velocity == (0.0, 0.0)
-
-
-def test_poses_of_a_state_are_computed_once() -> None:
-    """Of the state itself: an equal one may be of another mechanism's making, and comparing costs more than computing."""
-    mechanism, state = chain(np.random.default_rng(3)), random_state(np.random.default_rng(4))
-    found = mechanism.poses(state)
-    assert mechanism.poses(state) is found
-    again = mechanism.poses(State(*state))
-    assert again is not found
-    assert again == found

@@ -60,25 +60,6 @@ def test_normal_velocity_is_the_gaps_rate(shape: str, obstacle: BarObstacle | Wo
     assert velocity == pytest.approx((gap(1e-5) - gap(-1e-5)) / 2e-5, abs=1e-7)
 
 
-@pytest.mark.parametrize("obstacle", [BAR, WORKPART], ids=["bar", "workpart"])
-def test_contact_velocity_is_that_of_the_links_material_point(obstacle: BarObstacle | WorkpartObstacle) -> None:
-    """v = v_joint + rate x arm in world axes, resolved along the normal and the normal turned clockwise."""
-    pose, rate = pose_of(STRAIGHT, 0.3, -2.0), -2.0
-    touch = obstacle.closest([pose], [rate])
-    velocity = complex(*pose.joint_velocity) + 1j * rate * complex(*touch.arm)
-    normal = complex(*touch.normal)
-    assert complex(*touch.tangent) == pytest.approx(normal / 1j, abs=1e-15)
-    along = velocity / normal
-    assert touch.velocity == pytest.approx((along.real, -along.imag), abs=1e-14)
-
-
-def test_workpart() -> None:
-    pose = pose_of(STRAIGHT, 0.0)
-    touch = WORKPART.closest([pose], [0.0])
-    assert touch.gap == pose.tip[1] + 1.6
-    assert (touch.normal, touch.tangent, touch.kinks) == ((0.0, 1.0), (1.0, -0.0), ())
-
-
 def test_kinks_change_sign_where_the_contact_passes_a_corner() -> None:
     """Bars a little before and a little past the end of the wire."""
     pose = pose_of(STRAIGHT, 0.0)

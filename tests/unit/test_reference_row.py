@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Surface, Tool
 from bristle_sim.reference import simulate_reference, simulate_row_reference
@@ -115,45 +114,7 @@ class TestImpact:
             assert front.restitutive_work[0] == pytest.approx(-(0.42**2) * front.compressive_work[0], rel=1e-9)
 
 
-class TestSustained:
-    def test_the_follower_under_the_push_of_the_wire_in_front(self):
-        """I alpha'' + k alpha + m r_h (L/2) omega^2 sin alpha = M, the moment of the wires' force, frictionless.
-
-        Integrated over the contact by cubic splines through samples 2e-5 s apart: (2e-5 s 1e3 rad/s)^4 = 2e-7.
-        """
-        first, second = row(5.0, friction=0.0, hub_turn=0.9)
-        lasting = next(each for each in second.contacts if each.obstacle == "wire" and each.duration > 5e-4)
-        begin, end = lasting.time, lasting.time + lasting.duration
-        # Between the sample after the impact that begins the contact and that before the one that ends it.
-        inside = np.arange(*np.searchsorted(second.time, [begin, end], side="right") - (1, 0))
-        inside = [*inside[second.time[inside] < end].tolist(), int(np.searchsorted(second.time, end))]
-        time = second.time[inside]
-        tool, alpha, moments = Tool(), second.relative_angle[inside], []
-        for at in inside:
-            lines = [run.centre_line[at] for run in (first, second)]
-            place, normal = touching(lines)
-            moments.append(cross(place - lines[1][0], -second.normal_force[at] * normal))
-        spring = tool.belt.stiffness * alpha + tool.bristle.mass * tool.hub.radius * 0.5 * tool.bristle.length * (
-            tool.hub.speed**2
-        ) * np.sin(alpha)
-        inertia = tool.bristle.inertia_about_root
-        gained = inertia * (second.rates[inside[-1], 0] - second.rates[inside[0], 0])
-        given = CubicSpline(time, moments).integrate(time[0], time[-1])
-        assert gained + CubicSpline(time, spring).integrate(time[0], time[-1]) == pytest.approx(given, rel=1e-4)
-
-
 class TestRow:
-    def test_above_the_least_pitch_each_bristle_passes_as_if_alone(self):
-        """All but the follower's delay; ten times the accuracy requested."""
-        lone = simulate_reference(Tool(), accuracy=1e-8, stop_after="strike").first_contact("workpart")
-        for number, run in enumerate(row(20.0)):
-            strike = run.first_contact("workpart")
-            delay = number * math.radians(20.0) / Tool().hub.speed
-            assert strike.time - delay == pytest.approx(lone.time, rel=1e-7)
-            assert strike.rates_before == pytest.approx(lone.rates_before, rel=1e-7)
-            assert strike.impulse == pytest.approx(lone.impulse, rel=1e-7)
-            assert run.stop_reason == "end of the planned time"
-
     @pytest.mark.parametrize("name", ["touched at the bar", "touched in flight"])
     def test_wires_touch_below_the_least_pitch_by_theory_and_not_above(self, name):
         """Within 0.05 deg; at the operating point: test_neighbours.py."""
@@ -167,21 +128,6 @@ class TestRow:
             runs = simulate_row_reference(tool, bristles=2, pitch=pitch, hub_turn=turn, accuracy=1e-5)
             touched.append(any(each.name == "wire touch" for each in runs[1].events))
         assert touched == [True, False]
-
-    def test_a_spoilt_strike_spares_the_bristle_behind_it(self):
-        """The wire that was kept from striking does not rebound into the path of the next one, which strikes as if alone."""
-        runs = simulate_row_reference(
-            Tool(),
-            bristles=3,
-            pitch=math.radians(17.0),
-            neighbour_friction=0.31,
-            neighbour_restitution=0.42,
-            hub_turn=1.3,
-            accuracy=1e-6,
-        )
-        first, second, third = (run.first_contact("workpart").rates_before[0] for run in runs)
-        assert third == pytest.approx(first, rel=1e-5)
-        assert second < 0.5 * first
 
     @pytest.mark.parametrize(
         ("change", "message"),

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.contact.gaps import Gaps, slip_acceleration, turned_back
+from bristle_sim.scene.contact.gaps import Gaps, slip_acceleration
 from bristle_sim.scene.contact.obstacles import BarObstacle, WorkpartObstacle
 from bristle_sim.scene.contact.rigid import RigidContacts, rigid_contacts, sense_of_slip
 from bristle_sim.scene.contact.sustained import Sustained
@@ -49,14 +49,6 @@ class TestGrip:
         found = on_workpart(angle, friction).grip(*gaps_at(angle, rate))
         assert found == pytest.approx(expected, rel=1e-13)
 
-    @pytest.mark.parametrize("angle", [0.0, 0.7, -2.0])
-    @pytest.mark.parametrize("along", [0.3, 0.5, 0.9])
-    def test_on_a_bar_in_any_direction(self, angle: float, along: float) -> None:
-        """K_nn = 3/m s^2 at a distance s from the root; free 1/m (1 + 12 (s - 1/2)^2)."""
-        contact = beside_bar(angle, along)
-        found = contact.grip(*gaps_at(angle, 0.1))
-        assert found == pytest.approx(3.0 * along**2 / (1.0 + 12.0 * (along - 0.5) ** 2), rel=1e-12)
-
     @pytest.mark.parametrize("along", [0.2, 0.5, 0.8])
     def test_iterations_solve_to_rounding_and_no_further(self, along: float) -> None:
         """Each leaves 1 - grip of the error: as many as it takes to 1e-17."""
@@ -64,12 +56,6 @@ class TestGrip:
         left = abs(1.0 - contact.engage(*gaps_at(0.7, 0.1)))
         rounds = contact.scene.space.iterations
         assert left**rounds <= 1e-17 < left ** (rounds - 1)
-
-    def test_iterations_have_a_bound(self) -> None:
-        """Friction of tan gamma leaves no grip: no number of iterations is enough, 40 000 are taken."""
-        contact = on_workpart(0.7, math.tan(0.7))
-        assert contact.engage(*gaps_at(0.7, 0.3)) == pytest.approx(0.0, abs=1e-15)
-        assert contact.scene.space.iterations == 40_000
 
 
 class TestSetBack:
@@ -83,22 +69,6 @@ class TestSetBack:
             assert found.time == 1.5
             assert found.angles[0] == pytest.approx(0.7, abs=1e-13)
             assert found.rates[0] == pytest.approx(0.0, abs=1e-13)
-
-    def test_a_link_whose_turning_does_not_help_stays(self) -> None:
-        """A hanging rod's tip moves along the surface."""
-        gaps, state = gaps_at(0.0, 0.2)
-        assert turned_back(gaps, WorkpartObstacle(0.9, 0.0, 0.0, 0.5), state) == state
-
-
-def test_when_a_force_that_is_a_parabola_in_time_vanishes() -> None:
-    """6 (1 - t/4)(1 - t/9) from 0 to 1: an impulse of 6 (1 - 13/72 + 1/108) and 6 (3/4)(8/9) = 4 at its end; zero at 4."""
-    contact = Sustained(WorkpartObstacle(0.9, 0.4, 0.4, 0.5))
-    contact.begin(State(0.0, (0.7,), (0.5,)))
-    # A first interval in which the force rises by 1 from an unknown value, as a straight line.
-    contact.add(6.0, (5.5, 0.0, 0.0, 0.0), 1.0)
-    assert contact.vanishes_in == math.inf
-    contact.add(4.0, (6.0 * (1.0 - 13.0 / 72.0 + 1.0 / 108.0), 0.0, 0.0, 0.0), 1.0)
-    assert contact.vanishes_in == pytest.approx(3.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(("rate", "sense"), [(0.5, 1), (-0.5, -1), (0.0, None)])
@@ -121,17 +91,6 @@ def test_a_tip_without_slip_begins_to_slip_where_its_hub_carries_it() -> None:
         state = State(0.0, (0.4,), (-2.0 + rounding,))
         assert slip_acceleration(Gaps(mechanism), part, state) == pytest.approx(-8.0 / math.sin(0.4), rel=1e-4)
         assert sense_of_slip(Gaps(mechanism), part, state, 1e-6) == -1
-
-
-def test_friction_of_the_second_of_two_contacts() -> None:
-    """By how much mu N exceeds the force that holds it; the second of two that stick breaks away."""
-    obstacle = WorkpartObstacle(1.0, 0.4, 0.4, 0.5)
-    scene = Scene(Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0))), Effects())
-    contacts = rigid_contacts(scene, [obstacle, obstacle], [0, 0])
-    # Normal forces 5 and 10, tangential forces 2 and -4.5, and three sums each.
-    totals = [5.0, 2.0, 0.0, 0.0, 0.0, 10.0, -4.5, 0.0, 0.0, 0.0]
-    assert [contacts.spare_friction(totals, index) for index in (0, 1)] == [0.0, -0.5]
-    assert contacts.breaks_away(totals) == 1
 
 
 def test_record_of_a_sustained_contact() -> None:

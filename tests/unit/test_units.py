@@ -36,16 +36,6 @@ def test_a_tools_units_are_its_bristle_and_its_fastest_motion() -> None:
     assert 1.0 / units.time == pytest.approx(math.sqrt(squared), rel=1e-14)
 
 
-def test_hub_speed_is_the_time_scale_without_a_belt() -> None:
-    free = Tool(belt=Belt(stiffness=0.0), hub=Hub(radius=0.0), bar=None, workpart=None)
-    assert tool_units(free).time == 1.0 / 261.8
-
-
-def test_nothing_that_moves_leaves_seconds() -> None:
-    still = Tool(belt=Belt(stiffness=0.0), hub=Hub(speed=0.0), bar=None, workpart=None)
-    assert tool_units(still).time == 1.0
-
-
 @pytest.mark.parametrize("size", [1e-4, 10.0])
 def test_similar_tools_have_similar_units(size: float) -> None:
     """All lengths times s, masses times s^3, belt torque times s^5 at the same hub speed: the same motion, s times as large."""

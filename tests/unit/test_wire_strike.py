@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Belt, Bristle, Contact, ContactStiffness, Hub, Surface, Tool, Workpart
-from bristle_sim.reference import TooStiffError, strike_reference
+from bristle_sim.parameters import Belt, Bristle, ContactStiffness, Hub, Surface, Tool, Workpart
+from bristle_sim.reference import strike_reference
 from bristle_sim.reference.mechanics import Chain as Links
-from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.scene.wire_strike import strike_wire, wire_frequencies
 from bristle_sim.settings import Settings
 from bristle_sim.theory.wire import chain_frequencies
@@ -134,51 +133,6 @@ def test_a_contact_that_lasts_thirty_times_as_long_as_expected_goes_on() -> None
     assert scene.outcome == "rebound"
     assert scene.impulse[0] == pytest.approx(reference.impulse[0], rel=1e-4)  # ten times the accuracy
     assert scene.duration == pytest.approx(reference.duration, rel=1e-4)
-
-
-def test_too_many_evaluations_are_refused() -> None:
-    """A step of the integrator takes twelve, and a contact some steps."""
-    tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)
-    impact = (tool, -GAMMA, [-GAMMA] * 2, [RATE] * 2, stiffness(tool, DURATION))
-    with pytest.raises(TooStiffError, match=r"stiffness = .*: must be less for the independent solution"):
-        strike_reference(*impact, longest=10.0 * DURATION, most_evaluations=24)
-
-
-def test_one_link_without_a_belt_is_the_lone_rod() -> None:
-    """The stiffness is that of a frictionless rigid-body contact of the duration: same steps, rounding apart."""
-    tool = replace(radial(Bristle(), Surface(0.0), -GAMMA, [-GAMMA]), belt=Belt(stiffness=0.0))
-    found = strike_wire(
-        tool, -GAMMA, [-GAMMA], [RATE], stiffness(tool, DURATION), Settings(), duration=DURATION
-    ).contact
-    bristle, hub = tool.bristle, tool.hub
-    chain = Chain((bristle.mass,), (bristle.length,), (-GAMMA,), (RATE,), hub.radius, hub.speed, -GAMMA)
-    lone = strike(chain, Surface(0.0), Contact("compliant", DURATION), Settings()).contact
-    assert found.impulse[0] == pytest.approx(lone.impulse[0], rel=1e-10)
-    assert found.duration == pytest.approx(lone.duration, rel=1e-8)
-
-
-def test_motion_goes_on_after_the_release() -> None:
-    """Samples reach the end of the flight; the first state in it is the contact's last, and no link jumps."""
-    tool = radial(Bristle(links=2), Surface(0.0), -GAMMA, [-GAMMA] * 2)
-    start = (tool, -GAMMA, [-GAMMA] * 2, [RATE] * 2, stiffness(tool, DURATION))
-    found = strike_wire(*start, Settings(), duration=DURATION, flight=3e-5)
-    assert found.time[0] == 0.0
-    assert found.time[-1] == pytest.approx(found.contact.duration + 3e-5, rel=1e-9)
-    released = int(np.searchsorted(found.time, found.contact.duration))
-    assert found.rates[released] == pytest.approx(found.contact.rates_after, rel=1e-9)
-    assert (np.diff(found.time) >= 0.0).all()
-    # The tip is at the workpart first, and root and joints a link apart.
-    assert found.centre_line[0, -1, 1] == pytest.approx(-tool.workpart_depth, rel=1e-12)
-    lengths = np.linalg.norm(np.diff(found.centre_line, axis=1), axis=-1)
-    assert lengths == pytest.approx(np.full(lengths.shape, tool.bristle.length / 2), rel=1e-12)
-
-
-@pytest.mark.parametrize("links", [1, 2])
-def test_samples_of_the_flight_are_as_close_as_in_the_contact(links: int) -> None:
-    tool = radial(Bristle(links=links), Surface(0.0), -GAMMA, [-GAMMA] * links)
-    start = (tool, -GAMMA, [-GAMMA] * links, [RATE] * links, stiffness(tool, DURATION))
-    found = strike_wire(*start, Settings(), duration=DURATION, flight=10.0 * DURATION)
-    assert np.diff(found.time).max() <= DURATION / 24 * (1.0 + 1e-9)
 
 
 @pytest.mark.parametrize("links", [1, 2, 8])

@@ -1,18 +1,16 @@
 """The linear solve that keeps joints and contacts of a wire: against the plastic impact of the joints, K of the contact, and order."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
 
 from bristle_sim.contact_space.jacobian import joined
 from bristle_sim.contact_space.projection import close_joints
-from bristle_sim.parameters import Belt, Bristle, Tool, Workpart
+from bristle_sim.parameters import Belt, Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.gaps import Gaps, contact_row
 from bristle_sim.scene.contact.obstacles import BarObstacle, Held, WorkpartObstacle
-from bristle_sim.scene.contact.solver import WireSteps
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.tool import build_tool
 
@@ -109,25 +107,3 @@ def test_a_contact_without_lever_bears_nothing() -> None:
     scene.joint_solver.solve(1.0)
     assert scene.joint_solver.impulses == [(0.0, 0.0, 0.0)]
     assert scene.rates() == pytest.approx([0.3, -0.2], rel=1e-12)
-
-
-def test_open_joints_are_closed_by_the_end_of_a_corrected_step() -> None:
-    """Bodies off their joints come back within one step, as by the engine's own complete correction."""
-    scene, _ = wires()
-    scene.links[1].position += (1e-3, -2e-3)
-    scene.correct_joints(completely=True)
-    for _ in range(2):
-        scene.step(1e-4, 1)
-    first, second = scene.links[:2]
-    ends = [first.local_to_world((0.0, -0.2)), second.local_to_world((0.0, 0.25))]
-    # What the turn of a step of 1e-4 at a rate of some 100 leaves: its square times half a link.
-    assert math.dist(*ends) < 1e-4
-
-
-def test_no_wire_no_solver() -> None:
-    """A rigid bristle, and a chain without hinges in flight, are left to the engine."""
-    assert not isinstance(build_tool(Tool(workpart=Workpart()))[0].step.__self__, WireSteps)
-    chain = Scene(Mechanism(LINKS), Effects())
-    chain.step(1e-3, 2)
-    assert chain.step_symmetrically is None
-    assert "joint_solver" not in vars(chain.step.__self__)
