@@ -20,10 +20,9 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
 def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
-    """Cubics through samples, smooth but at instants that are sampled more than once, where they jump.
+    """Return cubics through samples, smooth but at instants that are sampled more than once, where they jump.
 
-    Times have the shape (n,), values and slopes (n, ...). Between such instants the cubics have the slopes given, or are a
-    spline.
+    Times have the shape (n,), values and slopes (n, ...). Without slopes each piece is a spline.
     """
     coefficients = np.zeros((4, len(time) - 1, *values.shape[1:]))
     coefficients[3] = values[:-1]  # in an interval that is rounding
@@ -35,25 +34,28 @@ def cubics(time: Array, values: Array, slopes: Array | None = None) -> PPoly:
 
 
 def pieces(time: Array) -> list[tuple[int, int]]:
-    """First sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
+    """Return first sample and the one past the last of each smooth piece; instants that differ by rounding are one."""
     least = 1e-12 * float(time[-1] - time[0])
     edges = [0, *(np.flatnonzero(np.diff(time) <= least) + 1).tolist(), len(time)]
     return [(first, last) for first, last in pairwise(edges) if last - first > 1]
 
 
 def trapezoidal_sums(time: Array, values: Array) -> Array:
-    """Integrals of samples from the first to each by the trapezoidal rule, shape (n,)."""
+    """Integrate samples from the first to each by the trapezoidal rule, shape (n,)."""
     return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(time))])
 
 
 def compression_end(history: ContactHistory) -> float:
-    """Time from the first touch to the deepest penetration, s; it is a sample."""
+    """Return the time from the first touch to the deepest penetration, s; it is a sample."""
     return float(history.time[int(np.argmax(history.penetration))] - history.time[0])
 
 
 @dataclass(frozen=True)
 class TimedContact:
-    """A radial bristle's contact resolved in time: what struck what, the scene's record, and what the last strike cost."""
+    """A radial bristle's contact resolved in time, the scene's record of it, and the cost of the last strike.
+
+    Series have one entry a sample. The rate follows from the tip's velocity along the workpart.
+    """
 
     bristle: Bristle
     surface: Surface
@@ -73,10 +75,15 @@ class TimedContact:
         """s since the first touch."""
         return np.asarray(self.history.time - self.history.time[0])
 
-    @cached_property
+    @property
     def compression_time(self) -> float:
         """From first touch to the deepest penetration, s."""
         return compression_end(self.history)
+
+    @property
+    def tip_speed(self) -> float:
+        """v_C (2.24), m/s."""
+        return self.chain.lengths[0] * self.chain.rates[0] + self.chain.hub_radius * self.chain.hub_speed
 
     @cached_property
     def force(self) -> Array:
@@ -94,21 +101,15 @@ class TimedContact:
         """Largest resultant force, N; it is reached at the deepest penetration, which is a sample."""
         return float(self.force.max())
 
-    @cached_property
+    @property
     def compressive_impulse(self) -> float:
         """Integral of the resultant force over the compression, p_c (Zhang 2020, eq. 3.1), N s."""
         return float(self.resultant.integrate(0.0, self.compression_time))
 
     @property
-    def tip_speed(self) -> float:
-        """v_C (2.24), m/s."""
-        return self.chain.lengths[0] * self.chain.rates[0] + self.chain.hub_radius * self.chain.hub_speed
-
-    @cached_property
     def path(self) -> Array:
         """Length of the tip's path since first touch, m."""
-        h = self.history
-        return _sums(self.time, np.hypot(h.normal_velocity, h.tangential_velocity))
+        return self._sums(np.hypot(self.history.normal_velocity, self.history.tangential_velocity))
 
     @cached_property
     def hub_angle(self) -> Array:
@@ -120,8 +121,7 @@ class TimedContact:
         """Position of the tip from the hub's centre, along and above the workpart, m."""
         radius, length = self.chain.hub_radius, self.chain.lengths[0]
         start, angle = self.chain.hub_angle, self.chain.angles[0]
-        slid = _sums(self.time, self.history.tangential_velocity)
-        along = radius * math.sin(start) + length * math.sin(angle) + slid
+        along = radius * math.sin(start) + length * math.sin(angle) + self._sums(self.history.tangential_velocity)
         return along, -radius * math.cos(start) - length * math.cos(angle) - self.history.penetration
 
     @cached_property
@@ -132,11 +132,11 @@ class TimedContact:
 
     @cached_property
     def rate(self) -> Array:
-        """Rate of the bristle, rad/s, from the tip's velocity along the workpart."""
+        """Rate of the bristle, rad/s."""
         along = self.history.tangential_velocity - self.chain.hub_radius * self.chain.hub_speed * np.cos(self.hub_angle)
         return np.asarray(along / (self.chain.lengths[0] * np.cos(self.angle)))
 
-    @cached_property
+    @property
     def centre_speed(self) -> Array:
         """v_G, m/s."""
         rim, half = self.chain.hub_radius * self.chain.hub_speed, 0.5 * self.chain.lengths[0] * self.rate
@@ -162,19 +162,17 @@ class TimedContact:
         omega, field = self.chain.hub_speed, self.bristle.mass * self.chain.hub_radius * self.chain.lengths[0]
         turning = 0.5 * self.bristle.inertia_about_root * (self.rate - omega) ** 2
         jacobi = turning - 0.5 * field * omega**2 * np.cos(self.angle - self.hub_angle)
-        return float(jacobi[0] - jacobi[-1]) - omega * self._contact_moment()
-
-    def _contact_moment(self) -> float:
-        """Integral of the contact's moment about the hub's centre, N m s."""
-        h, end, (ratio, slope) = self.history, float(self.time[-1]), self._ratio_and_slope
-        along, above = self.tip
-        lever = along - ratio * above
-        turning = h.tangential_velocity + ratio * h.normal_velocity
+        h, end, (ratio, slope), (along, above) = self.history, self.time[-1], self._ratio_and_slope, self.tip
+        lever, turning = along - ratio * above, h.tangential_velocity + ratio * h.normal_velocity
         slopes = lever * slope + turning * h.normal_force
-        recorded = cubics(self.time, lever * h.normal_force, slopes).integrate(0.0, end)
+        moment = float(cubics(self.time, lever * h.normal_force, slopes).integrate(0.0, end))
         # In stick the samples leave out the force that keeps the tip in place; the record's impulse includes it.
-        rubbed = cubics(self.time, ratio * h.normal_force, ratio * slope).integrate(0.0, end)
-        return float(recorded - above[-1] * (self.record.impulse[1] - rubbed))
+        rubbed = float(cubics(self.time, ratio * h.normal_force, ratio * slope).integrate(0.0, end))
+        moment -= float(above[-1]) * (self.record.impulse[1] - rubbed)
+        return float(jacobi[0] - jacobi[-1]) - omega * moment
+
+    def _sums(self, values: Array) -> Array:
+        return np.asarray(cubics(self.time, values).antiderivative()(self.time))
 
     @cached_property
     def _ratio_and_slope(self) -> tuple[Array, Array]:
@@ -189,8 +187,3 @@ class TimedContact:
             stiffness = (force[-1] - force[0]) / deeper if deeper else 0.0
             slope[first:last] = -stiffness * h.normal_velocity[first:last]
         return ratio, slope
-
-
-def _sums(time: Array, values: Array) -> Array:
-    """Integrate samples from the first to each, shape (n,)."""
-    return np.asarray(cubics(time, values).antiderivative()(time))

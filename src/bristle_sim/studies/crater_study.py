@@ -2,7 +2,7 @@
 
 Chapter 4's depths are formulas and stand under theory; nothing of them is simulated. The simulated contact is the bristle's
 in the scene, compression only, as long as the camera saw: its force and its energy give depths of their own, and its work is
-held against the energy given up.
+compared with the energy given up.
 
 (4.45), 2 eta + beta - alpha = C, leaves C to the work material; the dissertation takes that of least work, 90 degrees, and
 its crater is deeper than measured. Less C makes a flatter shear plane and a shallower crater, until the shear plane no longer
@@ -51,14 +51,11 @@ FORMULA_DEPTHS = {
     "merchant_crater_depth_limit": ("depth by plies without end", "m"),
     "energy_crater_depth": ("depth by work and energy", "m"),
 }
-"""Chapter 4's depths: label and unit."""
-
 CONTACT_DEPTHS = {
     "contact_force_depth": ("depth by the contact's force", "m"),
     "contact_energy_depth": ("depth by the contact's energy", "m"),
     "contact_energy_depth_inclined": ("depth by energy, inclined surface", "m"),
 }
-"""Depths that follow from the simulated contact: label and unit."""
 
 FRICTIONS = (0.461, 0.47, 0.5, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
 IMPACT_ANGLES_DEG = (5.0, 10.0, 15.0, 20.0, 23.4)
@@ -95,53 +92,59 @@ def crater_study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings)
         ValueError: if the parameters leave a formula's range, or the contact of a tip that strikes cannot be simulated.
     """
     speed = float(tip_speed(bristle.length, hub.radius, hub.speed, crater.speed_ratio))
-    study = _study(hub, bristle, crater, settings, speed)
+    study, printed = _study(hub, bristle, crater, settings, speed), dict[str, float]()
+    if crater == Crater():  # 300 plies are called converged
+        plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
+        energy = printed_number("fig. 4.19: crater depth by work and energy")
+        printed = dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
+    cut, gamma, time = cut_of(crater), study.impact_angle, crater.compression_time
+    depths = {"energy_crater_depth": float(energy_crater_depth(int(crater.plies), gamma, compression_time=time))}
+    if not study.no_chip:
+        depths["merchant_crater_depth"] = float(merchant_crater_depth(plies=crater.plies, **cut))
+        depths["merchant_crater_depth_limit"] = float(merchant_crater_depth_limit(**cut))
     simulated, theory = _contact_depths(study, bristle, speed)
-    depths = _formula_depths(study)
-    formulas = rows(FORMULA_DEPTHS, {}, depths, printed=_printed(crater))
-    contact = rows(CONTACT_DEPTHS, simulated, theory)
-    constant = Quantity(
-        "constant_for_measured_depth_deg",
-        "deg",
-        None,
-        _closed_form_deg(crater, MEASURED),
-        label="C for the measured depth",
-    )
-    works = () if study.contact is None else (work_row(study.contact),)
+    words, constant = "C for the measured depth", _constant_deg(crater, MEASURED)
+    remarks = [
+        f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
+        "energy_crater_depth grows with the plies, since the force begins near zero; (4.66) reads it as a ratio of two sums",
+        *([f"no chip by (4.35): {study.no_chip}"] if study.no_chip else []),
+        f"no contact simulated: {study.no_contact}"
+        if study.no_contact
+        else "contact depths: all of its force, or all of its energy, cuts a chip by Merchant's relation on a straight path,"
+        " its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it",
+    ]
     return Report(
         **contact_fields(study.contact),
-        quantities=(*formulas, *works, *contact, constant),
-        remarks=_remarks(study),
+        quantities=(
+            *rows(FORMULA_DEPTHS, {}, depths, printed=printed),
+            *(() if study.contact is None else (work_row(study.contact),)),
+            *rows(CONTACT_DEPTHS, simulated, theory),
+            Quantity("constant_for_measured_depth_deg", "deg", None, constant, label=words),
+        ),
+        remarks=tuple(remarks),
         extra={"measured_crater_depth": MEASURED, "shear_constants": constants_over(crater, MEASURED)},
         subject=study,
-        answer=_answer(study, depths, simulated),
+        answer=_answer(study, depths, simulated, printed),
     )
 
 
-def _printed(crater: Crater) -> Values:
-    """Return the printed depths, m, where 300 plies are called converged; none for another crater."""
-    if crater != Crater():
-        return {}
-    plies = 1e-6 * printed_number("fig. 4.13: crater depth with 300 plies")
-    energy = printed_number("fig. 4.19: crater depth by work and energy")
-    return dict(zip(FORMULA_DEPTHS, (plies, plies, energy), strict=True))
-
-
-def _answer(study: CraterStudy, depths: Values, simulated: Values) -> str:
+def _answer(study: CraterStudy, depths: Values, simulated: Values, printed: Values) -> str:
     """Return the depths by plies, by energy and by the simulated contact beside the measured one."""
-    shown = {name: amount(value, "m") for name, value in {**depths, **simulated}.items() if value is not None}
-    printed = {name: f" (printed {amount(value or 0.0, 'm')})" for name, value in _printed(study.crater).items()}
-    by_plies, by_energy = "merchant_crater_depth", "energy_crater_depth"
+
+    def shown(name: str) -> str:
+        beside = f" (printed {amount(printed[name] or 0.0, 'm')})" if name in printed else ""
+        return f"{amount(depths[name] or 0.0, 'm')}{beside}"
+
     found = "Merchant's plies cut no chip"
-    if by_plies in shown:
-        found = f"Merchant's plies cut {shown[by_plies]}{printed.get(by_plies, '')}"
-    found += f", work and energy {shown[by_energy]}{printed.get(by_energy, '')}"
+    if "merchant_crater_depth" in depths:
+        found = f"Merchant's plies cut {shown('merchant_crater_depth')}"
     own = [value for value in simulated.values() if value is not None]
     contact = f"there is no simulated contact ({study.no_contact})"
     if own:
-        depths_in_words = dict.fromkeys(amount(each, "m") for each in (min(own), max(own)))
-        contact = f"the simulated contact {' to '.join(depths_in_words)}"
-    return f"{found}, {contact}; measured {amount(MEASURED, 'm')}."
+        contact = (
+            f"the simulated contact {' to '.join(dict.fromkeys(amount(each, 'm') for each in (min(own), max(own))))}"
+        )
+    return f"{found}, work and energy {shown('energy_crater_depth')}, {contact}; measured {amount(MEASURED, 'm')}."
 
 
 def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed: float) -> CraterStudy:
@@ -159,28 +162,10 @@ def _study(hub: Hub, bristle: Bristle, crater: Crater, settings: Settings, speed
         if speed > 0.0:
             raise
         return CraterStudy(crater, angles, no_chip, no_contact=str(error))
-    craters = (
-        crater_depth_from_contact(
-            *contact.history.columns().values(),
-            impact_angle=gamma,
-            shear_yield_stress=crater.shear_yield_stress,
-            friction=crater.friction,
-            surface=kind,
-        )
-        for kind in ("parallel", "inclined")
-    )
+    cut = {name: value for name, value in cut_of(crater).items() if name != "compression_time"}
+    columns = contact.history.columns().values()
+    craters = (crater_depth_from_contact(*columns, **cut, surface=kind) for kind in ("parallel", "inclined"))
     return CraterStudy(crater, angles, no_chip, contact, "", *craters)
-
-
-def _formula_depths(study: CraterStudy) -> dict[str, float | None]:
-    """Return chapter 4's depths; none by Merchant's circle where there is no chip."""
-    crater, time = study.crater, study.crater.compression_time
-    energy = float(energy_crater_depth(int(crater.plies), study.impact_angle, compression_time=time))
-    if study.no_chip:
-        return {"energy_crater_depth": energy}
-    cut = cut_of(crater)
-    depths = (merchant_crater_depth(plies=crater.plies, **cut), merchant_crater_depth_limit(**cut), energy)
-    return dict(zip(FORMULA_DEPTHS, map(float, depths), strict=True))
 
 
 def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple[Values, Values]:
@@ -195,42 +180,19 @@ def _contact_depths(study: CraterStudy, bristle: Bristle, speed: float) -> tuple
     energy = bristle.mass * speed**2 / 6.0
     cut = (crater.friction, gamma, crater.shear_yield_stress)
     straight, leaning = (specific_cutting_energy(*cut, kind) for kind in ("parallel", "inclined"))
-    simulated = (parallel.depth_from_force, parallel.depth_from_energy, inclined.depth_from_energy)
-    theory = (
-        float(depth_from_force(force, straight, gamma)),
-        float(depth_from_energy(energy, straight, gamma)),
-        float(depth_from_energy(energy, leaning, gamma)),
+    pairs = (
+        (parallel.depth_from_force, float(depth_from_force(force, straight, gamma))),
+        (parallel.depth_from_energy, float(depth_from_energy(energy, straight, gamma))),
+        (inclined.depth_from_energy, float(depth_from_energy(energy, leaning, gamma))),
     )
-    shown = slice(None) if parallel.shear_plane_emerges else slice(2, None)
-    first, second = (dict([*zip(CONTACT_DEPTHS, side, strict=True)][shown]) for side in (simulated, theory))
-    return first, second
-
-
-def _remarks(study: CraterStudy) -> tuple[str, ...]:
-    """Sentences on the parts that are missing, with the reason, and on the meaning of the contact's depths."""
-    lines = [
-        f"measured: {1e6 * MEASURED:.0f} um (fig. 4.13)",
-        "energy_crater_depth grows with the plies, since the force begins near zero; (4.66) reads it as a ratio of two sums",
-    ]
-    if study.no_chip:
-        lines.append(f"no chip by (4.35): {study.no_chip}")
-    lines.append(
-        f"no contact simulated: {study.no_contact}"
-        if study.no_contact
-        else "contact depths: all of its force, or all of its energy, cuts a chip by Merchant's relation on a straight path,"
-        " its shear plane ending at a surface parallel to the path as in (4.28), or at the real one, inclined to it"
-    )
-    return tuple(lines)
+    named = dict(list(zip(CONTACT_DEPTHS, pairs, strict=True))[0 if parallel.shear_plane_emerges else 2 :])
+    return {name: each[0] for name, each in named.items()}, {name: each[1] for name, each in named.items()}
 
 
 def cut_of(crater: Crater) -> dict[str, Any]:
-    """Arguments of the theory's functions of the crater by their names; SI and rad."""
-    return {
-        "friction": crater.friction,
-        "impact_angle": math.radians(crater.impact_angle_deg),
-        "shear_yield_stress": crater.shear_yield_stress,
-        "compression_time": crater.compression_time,
-    }
+    """Return arguments of the theory's functions of the crater by their names; SI and rad."""
+    names = ("friction", "shear_yield_stress", "compression_time")
+    return {name: getattr(crater, name) for name in names} | {"impact_angle": math.radians(crater.impact_angle_deg)}
 
 
 def merchant_depth_course(crater: Crater) -> Array:
@@ -268,19 +230,19 @@ def constants_over(
     impact_angles_deg: Iterable[float] = IMPACT_ANGLES_DEG,
 ) -> list[dict[str, Any]]:
     """Return C and shear angle over friction and impact angle, degrees; None where no C gives the depth."""
-    rows = []
+    found = []
     for gamma, friction in product(impact_angles_deg, frictions):
         tried = dataclasses.replace(crater, friction=friction, impact_angle_deg=gamma)
         row: dict[str, Any] = {"friction": friction, "impact_angle_deg": gamma}
-        constant, shear = _closed_form_deg(tried, depth), None
+        constant, shear = _constant_deg(tried, depth), None
         if constant is not None:  # C = 2 eta + beta - alpha
             shear = 0.5 * (constant - math.degrees(math.atan2(1.0, friction) - math.radians(gamma)))
         emerges = None if shear is None else shear >= gamma - 1e-9  # (4.35)
-        rows.append(row | {"constant_deg": constant, "shear_angle_deg": shear, "shear_plane_emerges": emerges})
-    return rows
+        found.append(row | {"constant_deg": constant, "shear_angle_deg": shear, "shear_plane_emerges": emerges})
+    return found
 
 
-def _closed_form_deg(crater: Crater, depth: float) -> float | None:
+def _constant_deg(crater: Crater, depth: float) -> float | None:
     """Return C, degrees; None where there is none."""
     try:
         return math.degrees(float(constant_for_crater_depth(depth, plies=int(crater.plies), **cut_of(crater))))

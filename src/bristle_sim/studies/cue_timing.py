@@ -74,18 +74,17 @@ class CueTiming:
         return self.trajectory.time, -self.trajectory.relative_angle, self.trajectory.relative_rate
 
     @property
-    def wires(self) -> tuple[Array, Array]:
+    def wires(self) -> Array:
         """Return the simulated wire as released and when fastest, turned to where it then strikes radially.
 
-        Centre lines of shape (corners, 2), m. Hub and belt have no preferred direction, so the run may be turned about the
+        Two centre lines, shape (2, corners, 2), m. Hub and belt have no preferred direction, so the run may be turned about the
         hub's centre: until the root stands at the impact angle gamma before the workpart's normal when the speed is highest.
         """
         assert self.tool.workpart is not None
         geometry = (self.tool.hub.radius, self.tool.bristle.length, self.tool.workpart.penetration)
         turn = np.exp(1j * (-float(cueing.impact_angle(*geometry)) - self.trajectory.hub_angle[-1]))
         points = (self.trajectory.centre_line[[0, -1]] @ np.array([1.0, 1j])) * turn
-        released, fastest = np.stack([points.real, points.imag], axis=-1)
-        return released, fastest
+        return np.stack([points.real, points.imag], axis=-1)
 
 
 def unplaced(bar: Bar, hub: Hub, bristle: Bristle) -> Bar:
@@ -144,14 +143,13 @@ def _answer(own: CueTiming, direction: Quantity) -> str:
     """Return where the release needs the bar, by how much the formula misses that, and what a pass with the bar there gives."""
     if direction.simulated is None:
         return "No bar cues this bristle: its relative speed has no maximum."
-    formula = (
-        ""
-        if direction.theory is None
-        else (
-            f", {amount(abs(direction.theory - direction.simulated), 'deg')}"
-            f" {'less' if direction.simulated < direction.theory else 'more'} than the formula's {direction.theory:.2f}°"
+    formula = ""
+    if direction.theory is not None:
+        missed, word = (
+            direction.theory - direction.simulated,
+            "less" if direction.simulated < direction.theory else "more",
         )
-    )
+        formula = f", {amount(abs(missed), 'deg')} {word} than the formula's {direction.theory:.2f}°"
     printed = "" if direction.printed is None else f" (printed: {direction.printed:.2f}°)"
     there = own.passes[0]["lag_deg_at_contact"]
     strike = "has no cued strike" if there is None else f"strikes {beside_radial(there)}"
@@ -161,14 +159,11 @@ def _answer(own: CueTiming, direction: Quantity) -> str:
 def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
     """Return where each belt stiffness needs the bar, and the lag at the strike of whole passes with it there and as given."""
     rows = []
-    for name, timing in readings.items():
-        cues = [
-            "none" if cue is None else f"{math.degrees(cue.bar_direction):.2f}"
-            for cue in (timing.simulated, timing.formula)
-        ]
-        lags = [None, *(row["lag_deg_at_contact"] for row in timing.passes)][-2:]
+    for name, each in readings.items():
+        cues = (cue and f"{math.degrees(cue.bar_direction):.2f}" for cue in (each.simulated, each.formula))
+        lags = [None, *(row["lag_deg_at_contact"] for row in each.passes)][-2:]
         strikes = ("no strike" if lag is None else f"{lag:.2f}" for lag in lags)
-        rows.append((name, f"{timing.tool.belt.stiffness:.5g}", *cues, *strikes))
+        rows.append((name, f"{each.tool.belt.stiffness:.5g}", *(cue or "none" for cue in cues), *strikes))
     stands = f"{next(iter(readings.values())).passes[-1]['bar_direction_deg']:.2f}"
     head = ("belt stiffness", "N m/rad", "bar at, deg", "formula, deg", "lag there, deg", f"lag at {stands} deg, deg")
     return Table("the bar for each reading of the printed belt stiffness", head, tuple(rows))
@@ -176,15 +171,17 @@ def _readings_table(readings: Mapping[str, CueTiming]) -> Table:
 
 def _timed(tool: Tool, retraction: float, settings: Settings, bar: Bar, *, with_reference: bool) -> CueTiming:
     """Release the bristle, and simulate whole passes with the bar where the release needs it and where it stands."""
-    run = _release(tool, retraction, settings)
+    if tool.bar is None or tool.workpart is None:
+        raise ValueError("bar, workpart: must both be parts of the tool")
+    start: dict[str, Any] = {"start_relative_angle": -retraction, "stop_after": "highest relative speed"}
+    bare = dataclasses.replace(tool, bar=None, workpart=None)
+    run = _release(bare, settings, start)
     found, referred = _cue(tool, retraction, run), None
     if with_reference and found is not None:
         from bristle_sim.reference import simulate_reference
 
-        options = {"accuracy": 1e-10, "duration": 2.0 * found.cue_time}
-        stop = "highest relative speed"
-        bare = simulate_reference(_bare(tool), start_relative_angle=-retraction, stop_after=stop, **options)
-        referred = _cue(tool, retraction, bare)
+        reference = simulate_reference(bare, accuracy=1e-10, duration=2.0 * found.cue_time, **start)
+        referred = _cue(tool, retraction, reference)
     formula = cueing.cue(tool, retraction) if tool.belt.stiffness else None
     places = [(found.bar_horizontal, found.bar_vertical)] if found is not None else []
     bars = [dataclasses.replace(bar, horizontal=x, vertical=y) for x, y in (*places, (bar.horizontal, bar.vertical))]
@@ -212,24 +209,17 @@ def _rows(
     return [dataclasses.replace(each, name=each.name + suffix, label=f"{each.label}, {reading}") for each in found]
 
 
-def _bare(tool: Tool) -> Tool:
-    """Return the tool without the bar and the workpart that it must have."""
-    if tool.bar is None or tool.workpart is None:
-        raise ValueError("bar, workpart: must both be parts of the tool")
-    return dataclasses.replace(tool, bar=None, workpart=None)
-
-
-def _release(tool: Tool, retraction: float, settings: Settings) -> Trajectory:
+def _release(bare: Tool, settings: Settings, start: dict[str, Any]) -> Trajectory:
     # An overdamped release is over in a small part of the period that samples are counted in.
-    samples = math.ceil(settings.samples * min(max(1.0, 2.0 * tool.belt.damping_ratio), MOST_DAMPED))
+    samples = math.ceil(settings.samples * min(max(1.0, 2.0 * bare.belt.damping_ratio), MOST_DAMPED))
     turning = dataclasses.replace(settings, hub_turn=FULL_TURNS * 2.0 * math.pi, samples_per_period=samples)
-    run = simulate(_bare(tool), turning, start_relative_angle=-retraction, stop_after="highest relative speed")
+    run = simulate(bare, turning, **start)
     require_result(run, settings)
     estimate = run.cost.error_estimate
     if estimate is not None and estimate > _tolerance(settings):
         raise ValueError(
             f"accuracy = {settings.accuracy:g}: must be at least {0.1 * estimate:.2g} for this release, in whose"
-            f" {math.degrees(tool.hub.speed * run.time[-1]):.3g} deg of hub turn errors of {estimate:.2g} add up"
+            f" {math.degrees(bare.hub.speed * run.time[-1]):.3g} deg of hub turn errors of {estimate:.2g} add up"
             " (dimensionless)"
         )
     return run
@@ -251,11 +241,9 @@ def _cue(tool: Tool, retraction: float, run: Trajectory) -> Cue | None:
 def _values(cue: Cue | None) -> Values:
     if cue is None:
         return dict.fromkeys(QUANTITIES)
-    degrees = (math.degrees(cue.hub_turn), math.degrees(cue.bar_direction))
-    place = (cue.bar_horizontal, cue.bar_vertical)
-    return dict(
-        zip(QUANTITIES, (cue.cue_time, degrees[0], cue.highest_relative_speed, degrees[1], *place), strict=True)
-    )
+    turn, direction = math.degrees(cue.hub_turn), math.degrees(cue.bar_direction)
+    values = (cue.cue_time, turn, cue.highest_relative_speed, direction, cue.bar_horizontal, cue.bar_vertical)
+    return dict(zip(QUANTITIES, values, strict=True))
 
 
 def _conditioning(name: str, values: Values, tool: Tool) -> float:

@@ -14,17 +14,17 @@ from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, rows
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.wire_contact import corners, cross, levers, nearest, touched, turned
+from bristle_sim.studies.wire_contact import complex_points, levers, nearest, touched, wire_lines
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 MAGNIFIED = 10.0
 """Errors of the invariants over the requested accuracy: a squared rate doubles an error, and two contacts and two
 flights add up theirs."""
 
-ROUNDING = 1e-9
+LEAST_TOLERANCE = 1e-9
 """Least tolerance, relative: differences of energies that are summed up in some hundred intervals of 1e-13 each."""
 
-NEAREST = 1e-5
+LEAST_COMPLIANT_TOLERANCE = 1e-5
 """Least tolerance with contacts resolved in time: rounding of the penetration lets them be no shorter than some 1e-6 of
 the motion's time scale, and that far from the rigid-body limit."""
 
@@ -51,15 +51,18 @@ def invariant_rows(tool: Tool, settings: Settings, run: Trajectory) -> tuple[Qua
     ``friction_work``: largest work that friction does in a contact, of the largest kinetic energy.
     Energy balance and impulse-momentum error are those of a rigid bristle, and None for a wire of several links.
     """
-    tolerance = max(NEAREST if tool.contact.law == "compliant" else ROUNDING, MAGNIFIED * settings.accuracy)
+    compliant, bristle = tool.contact.law == "compliant", tool.bristle
+    tolerance = max(LEAST_COMPLIANT_TOLERANCE if compliant else LEAST_TOLERANCE, MAGNIFIED * settings.accuracy)
     found = dict.fromkeys(name for names in GROUPS.values() for name in names) | _strike_errors(tool, run)
     found["deepest_overlap"] = _deepest_overlap(tool, run)
     # A bristle at rest moves by rounding alone, whose energy balances with nothing.
-    size, uncertainty = max(float(run.kinetic_energy.max()), ROUNDING * _field(tool)), 0.0
+    static = bristle.mass * math.hypot(*bristle.centre)
+    field = tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
+    size, uncertainty = max(float(run.kinetic_energy.max()), LEAST_TOLERANCE * field), 0.0
     if size > 0.0:
         works = (sum(each[1] for each in (c.compressive_work, c.restitutive_work) if each) for c in run.contacts)
         found["friction_work"] = max(0.0, *works, 0.0) / size
-        if tool.bristle.links == 1:
+        if bristle.links == 1:
             energy, uncertainty = _energy_imbalance(tool, run)
             found["energy_balance"], uncertainty = energy / size, uncertainty / size
     theory = {name: None if value is None else 0.0 for name, value in found.items()}
@@ -74,62 +77,48 @@ def invariants_in_words(invariants: Sequence[Quantity]) -> str:
     return f"{' and '.join(filter(None, [', '.join(kept[:-1]), kept[-1]]))} hold to {max(errors.values()):.0e}"
 
 
-def _field(tool: Tool) -> float:
-    """Torsional stiffness of belt, hub's turning and gravity together, N m/rad."""
-    static = tool.bristle.mass * math.hypot(*tool.bristle.centre)
-    return tool.belt.stiffness + static * (tool.hub.radius * tool.hub.speed**2 + tool.gravity)
-
-
-def _arms(tool: Tool, hub_angle: Array, angle: Array) -> tuple[Array, Array]:
-    """Return the arms to the root and from there to the mass centre, each of shape (n, 2), m."""
-    return turned((0.0, -tool.hub.radius), hub_angle), turned(tool.bristle.centre, angle)
-
-
-def _jacobi(tool: Tool, run: Trajectory) -> Array:
-    """Jacobi's integral, the energy in the frame that turns with the hub: kinetic, belt, centrifugal and gravity, J.
-
-    It changes by known terms alone: work of contacts in that frame, damping's loss, and that of gravity, which turns there.
-    """
-    bristle, omega = tool.bristle, tool.hub.speed
-    place = np.add(*_arms(tool, run.hub_angle, run.angles[:, 0]))
-    energy = 0.5 * bristle.inertia_about_root * run.relative_rate**2 + 0.5 * tool.belt.stiffness * run.relative_angle**2
-    return np.asarray(energy + bristle.mass * (tool.gravity * place[:, 1] - 0.5 * omega**2 * (place**2).sum(axis=-1)))
-
-
-def _power(tool: Tool, run: Trajectory) -> tuple[Array, Array]:
-    """Rate at which the Jacobi integral falls in flight, c alpha'^2 - omega m g x, and its derivative."""
-    bristle, omega, damping, relative = tool.bristle, tool.hub.speed, tool.belt_damping, run.relative_rate
-    weight, (root, arm) = bristle.mass * tool.gravity, _arms(tool, run.hub_angle, run.angles[:, 0])
-    torque = -tool.belt.stiffness * run.relative_angle - damping * relative - weight * arm[:, 0]
-    acceleration = (torque + bristle.mass * omega**2 * cross(arm, root)) / bristle.inertia_about_root
-    power = damping * relative**2 - omega * weight * (root + arm)[:, 0]
-    forward = -omega * root[:, 1] - run.rates[:, 0] * arm[:, 1]
-    return power, 2.0 * damping * relative * acceleration - omega * weight * forward
-
-
 def _energy_imbalance(tool: Tool, run: Trajectory) -> tuple[float, float]:
     """Return the largest imbalance of a flight or an impact, and how uncertain its quadrature makes it, J.
 
-    Sustained contacts are left out: the obstacle's shape prescribes their motion.
+    The balance is that of Jacobi's integral, the energy in the frame that turns with the hub: kinetic, belt, centrifugal
+    and gravity. In flight it falls at the rate c alpha'^2 - omega m g x; an impact changes it by its impulse's work less
+    omega times its moment. Sustained contacts are left out: the obstacle's shape prescribes their motion.
     """
-    jacobi, (power, slope), found, uncertain = _jacobi(tool, run), _power(tool, run), [0.0], [0.0]
+    bristle, omega, damping, weight = tool.bristle, tool.hub.speed, tool.belt_damping, tool.bristle.mass * tool.gravity
+    relative, inertia = run.relative_rate, bristle.inertia_about_root
+    root = wire_lines(tool, run.hub_angle, run.angles[:, 0])[:, 0]
+    arm = complex(*bristle.centre) * np.exp(1j * run.angles[:, 0])
+    place = root + arm
+    energy = 0.5 * inertia * relative**2 + 0.5 * tool.belt.stiffness * run.relative_angle**2
+    jacobi = energy + bristle.mass * (tool.gravity * place.imag - 0.5 * omega**2 * abs(place) ** 2)
+    torque = -tool.belt.stiffness * run.relative_angle - damping * relative - weight * arm.real
+    acceleration = (torque + bristle.mass * omega**2 * (np.conj(arm) * root).imag) / inertia
+    power = damping * relative**2 - omega * weight * place.real
+    forward = -omega * root.imag - run.rates[:, 0] * arm.imag
+    slope = 2.0 * damping * relative * acceleration - omega * weight * forward
+    found, uncertain = [0.0], [0.0]
     for flight in _flights(run):
-        fine = _hermite(run.time, power, slope, flight)
-        coarse = _hermite(run.time, power, slope, np.unique(np.append(flight[::2], flight[-1])))
+        # The trapezoidal rule, corrected by the slopes at both ends, is of fourth order.
+        fine, coarse = (
+            float((0.5 * step * (power[at][1:] + power[at][:-1]) + step**2 / 12.0 * -np.diff(slope[at])).sum())
+            for at in (flight, np.unique(np.append(flight[::2], flight[-1])))
+            for step in (np.diff(run.time[at]),)
+        )
         found.append(abs(float(jacobi[flight[-1]] - jacobi[flight[0]]) + fine))
         uncertain.append(abs(fine - coarse))
-    found += [abs(_impact_imbalance(tool, run, each)) for each in run.contacts if _is_rigid(tool, each)]
+    for each in run.contacts:
+        if _is_rigid(tool, each):
+            before, after = each.rates_before[0] - omega, each.rates_after[0] - omega
+            work = float(np.dot(each.impulse, np.add(each.velocity_before, each.velocity_after) / 2.0))
+            if each.compressive_work is not None and each.restitutive_work is not None:
+                work = sum(each.compressive_work) + sum(each.restitutive_work)
+            moment = float(_arms_at(tool, run, each) @ each.impulse)
+            found.append(abs(0.5 * inertia * (after**2 - before**2) - work + omega * moment))
     return max(found), max(uncertain)
 
 
-def _hermite(time: Array, values: Array, slopes: Array, at: Array) -> float:
-    """Integrate the cubics through samples: the trapezoidal rule corrected by the slopes at both ends, of fourth order."""
-    values, slopes, step = values[at], slopes[at], np.diff(time[at])
-    return float((0.5 * step * (values[1:] + values[:-1]) + step**2 / 12.0 * (slopes[:-1] - slopes[1:])).sum())
-
-
 def _flights(run: Trajectory) -> list[Array]:
-    """Rows of the samples of each flight, from one contact to the next."""
+    """Return the rows of the samples of each flight, from one contact to the next."""
     middle = 0.5 * (run.time[1:] + run.time[:-1])
     free = np.diff(run.time) > 0.0
     for each in run.contacts:
@@ -147,20 +136,9 @@ def _is_rigid(tool: Tool, contact: ContactRecord) -> bool:
 def _arms_at(tool: Tool, run: Trajectory, contact: ContactRecord, *, of_root: bool = False) -> Array:
     """Return the moments of unit normal and tangential forces at a contact about the hub's centre, or the root; shape (2,), m."""
     hub_angle = np.array([run.hub_angle[0] + run.hub_speed * contact.time])
-    lines = corners(tool, hub_angle, np.array(contact.angles))
+    lines = wire_lines(tool, hub_angle, np.array(contact.angles))
     normal, point = touched(tool, contact.obstacle, lines)
     return np.asarray(levers(normal, point - lines[:, 0] if of_root else point)[0])
-
-
-def _impact_imbalance(tool: Tool, run: Trajectory, contact: ContactRecord) -> float:
-    """Return the change of the Jacobi integral in an impact less its impulse's work and omega times its moment, J."""
-    before, after = (rates[0] - tool.hub.speed for rates in (contact.rates_before, contact.rates_after))
-    change = 0.5 * tool.bristle.inertia_about_root * (after**2 - before**2)
-    velocity = np.add(contact.velocity_before, contact.velocity_after) / 2.0
-    work = float(np.dot(contact.impulse, velocity))
-    if contact.compressive_work is not None and contact.restitutive_work is not None:
-        work = sum(contact.compressive_work) + sum(contact.restitutive_work)
-    return change - work + tool.hub.speed * float(_arms_at(tool, run, contact) @ contact.impulse)
 
 
 def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
@@ -172,8 +150,8 @@ def _deepest_overlap(tool: Tool, run: Trajectory) -> float:
     if tool.workpart is not None and (tool.contact.law != "compliant" or tool.contact.duration is None):
         deepest = max(deepest, float((-tool.workpart_depth - run.tip[:, 1]).max()))
     if tool.bar is not None:
-        distance = np.linalg.norm(nearest(tool, run.centre_line)[2] - np.array(tool.bar.centre), axis=-1)
-        deepest = max(deepest, float((tool.bar_reach - distance).max()))
+        point = nearest(tool, complex_points(run.centre_line))[2]
+        deepest = max(deepest, float((tool.bar_reach - abs(point - complex(*tool.bar.centre))).max()))
     return deepest / tool.bristle.length
 
 
@@ -188,22 +166,15 @@ def _strike_errors(tool: Tool, run: Trajectory) -> dict[str, float | None]:
     pushed, part, errors = strike.impulse[0], tool.workpart, dict[str, float | None]()
     speed = math.hypot(*strike.velocity_before)
     if speed and tool.bristle.links == 1:
-        errors["impulse_momentum_error"] = _momentum_error(tool, run, strike) / speed
+        arms = _arms_at(tool, run, strike, of_root=True)
+        gain = arms * (arms @ strike.impulse) / tool.bristle.inertia_about_root
+        change = np.subtract(strike.velocity_after, strike.velocity_before)
+        errors["impulse_momentum_error"] = float(np.abs(change - gain).max()) / speed
     if pushed > 0.0:
         compressive = pushed if strike.compressive_impulse is None else strike.compressive_impulse[0]
         cone = part.friction * compressive + part.friction_in_restitution * (pushed - compressive)
         errors["friction_cone_excess"] = max(abs(strike.impulse[1]) - cone, 0.0) / pushed
-    # Stiction leaves no restitution.
-    if strike.outcome == "stiction":
-        return errors
-    if strike.compressive_work and strike.restitutive_work and strike.compressive_work[0]:
-        taken, returned = strike.compressive_work[0], strike.restitutive_work[0]
-        errors["restitution_work_error"] = abs(returned + part.restitution**2 * taken) / abs(taken)
+    works = strike.compressive_work, strike.restitutive_work
+    if strike.outcome != "stiction" and works[0] and works[1] and works[0][0]:  # stiction leaves no restitution
+        errors["restitution_work_error"] = abs(works[1][0] + part.restitution**2 * works[0][0]) / abs(works[0][0])
     return errors
-
-
-def _momentum_error(tool: Tool, run: Trajectory, strike: ContactRecord) -> float:
-    """Return the largest component of (v' - v) - K p, m/s."""
-    arms = _arms_at(tool, run, strike, of_root=True)
-    change = np.subtract(strike.velocity_after, strike.velocity_before)
-    return float(np.abs(change - arms * (arms @ strike.impulse) / tool.bristle.inertia_about_root).max())

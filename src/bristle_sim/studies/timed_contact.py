@@ -17,7 +17,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity
 from bristle_sim.parameters import Bristle, Contact, Hub, Surface
-from bristle_sim.scene.strike import Chain, ChainStrike, strike
+from bristle_sim.scene.strike import ChainStrike, strike
 from bristle_sim.settings import Settings
 from bristle_sim.studies.contact_course import TimedContact, compression_end
 from bristle_sim.studies.impacts import Impacts, radial_chain
@@ -26,13 +26,16 @@ from bristle_sim.theory.monofilament import normal_compressive_impulse
 
 Result = TypeVar("Result")
 
-CLOSE = 1e-6
+REQUEST_TOLERANCE = 1e-6
 """Least relative difference from the request at which the adjustment ends, or the accuracy if that is coarser."""
 
-ROUNDS = 30
+MOST_ROUNDS = 30
 """Rounds of adjustment; five to ten are usual."""
 
-BALANCE = 1e-4
+LARGEST_STEP = 0.5
+"""Largest change of the logarithm of speed or duration in a round."""
+
+WORK_TOLERANCE = 1e-4
 """Relative difference between the work of the force and the energy given up: cubics through some thirty samples of a half wave
 leave (pi/30)^4/180 = 7e-7 of a work, more where the hub turns by degrees meanwhile or the last piece is short; six samples of
 its velocities leave 5e-5."""
@@ -40,14 +43,10 @@ its velocities leave 5e-5."""
 PRINTED_COMPRESSION = 5e-5
 """Compression time of a bristle's strike, s (Zhang 2020, sec. 3.3)."""
 
-LARGEST_STEP = 0.5
-"""Largest change of the logarithm of speed or duration in a round."""
-
 
 def resultant_impulse(mass: float, tip_speed: float, impact_angle: float, friction: float) -> float:
-    """Impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
-    pressed = float(normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
-    return math.hypot(pressed, friction * pressed)
+    """Return the impulse p_c of the rigid-body impact (Zhang 2020, eqs. 2.37, 2.56 and 3.8), N s."""
+    return math.hypot(1.0, friction) * float(normal_compressive_impulse(mass, tip_speed, impact_angle, friction))
 
 
 def timed_contact(
@@ -69,25 +68,40 @@ def timed_contact(
     Raises:
         ValueError: if there is no such contact.
     """
-    if rate is not None and impulse is None:
-        requested, speed = [compression_time], bristle.length * rate + hub.radius * hub.speed
-    elif impulse is not None and rate is None:
+    if (rate is None) == (impulse is None):
+        raise ValueError("rate, impulse: must be exactly one of the two")
+    requested, speed = [compression_time], bristle.length * (rate or 0.0) + hub.radius * hub.speed
+    if impulse is not None:
         requested = [compression_time, impulse]
         speed = impulse / resultant_impulse(bristle.mass, 1.0, impact_angle, surface.friction)
-    else:
-        raise ValueError("rate, impulse: must be exactly one of the two")
 
     def struck(duration: float, speed: float) -> tuple[TimedContact, tuple[float, float]]:
+        if not duration * max(speed, hub.speed * hub.radius, hub.speed * bristle.length) <= bristle.length:
+            raise ValueError(
+                f"compression_time: must be shorter; in {duration:g} s of contact tip or hub move by more than"
+                " the bristle's length"
+            )
         chain = radial_chain(hub, bristle, impact_angle, (speed - hub.radius * hub.speed) / bristle.length)
-        found = _struck(bristle, surface, chain, settings, duration, speed)
-        return found, (found.compression_time, found.compressive_impulse)
+        found = strike(chain, surface, Contact("compliant", duration), settings)
+        record, values = found.contact, (0.0, 0.0)
+        contact = TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)
+        if record.history is not None and record.history.normal_force.max() > 0.0:
+            values = contact.compression_time, contact.compressive_impulse
+        if not min(values) > 0.0:
+            raise ValueError(f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s")
+        return contact, values
 
-    duration = compression_time * _whole_over_compression(surface, impact_angle)
-    return _adjusted(struck, np.array([duration, speed]), np.array(requested), max(CLOSE, settings.accuracy))
+    # The spring is 1/e*^2 stiffer in restitution, and the tip yields to it in proportion to s_2 instead of s_1.
+    cosine, sine = math.cos(impact_angle), math.sin(impact_angle)
+    leaving, whole = sine - surface.friction_in_restitution * cosine, 1.0
+    if leaving > 0.0:
+        whole += surface.restitution * math.sqrt((sine + surface.friction * cosine) / leaving)
+    given = np.array([compression_time * whole, speed])
+    return _adjusted(struck, given, np.array(requested), max(REQUEST_TOLERANCE, settings.accuracy))
 
 
 def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, Any]:
-    """Outcome, phases, cost and events of a report on a contact, and later events by name, s."""
+    """Return outcome, phases, cost and events of a report on a contact, and later events by name, s."""
     if contact is None:
         return {"outcome": "no contact"}
     return {
@@ -101,9 +115,8 @@ def contact_fields(contact: TimedContact | None, **later: float) -> dict[str, An
 
 def work_row(contact: TimedContact) -> Quantity:
     """Compare the work of the force over the path with the energy given up."""
-    return Quantity(
-        "contact_work", "J", -contact.work, contact.energy_given_up, tolerance=BALANCE, label="work of the force"
-    )
+    words, given = "work of the force", contact.energy_given_up
+    return Quantity("contact_work", "J", -contact.work, given, tolerance=WORK_TOLERANCE, label=words)
 
 
 def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> Impacts:
@@ -114,75 +127,38 @@ def with_visible_contact(impacts: Impacts, settings: Settings | None = None) -> 
     """
     if impacts.contact_duration is not None and impacts.law == "compliant":
         return dataclasses.replace(impacts, timing="contact_duration as requested")
-    found = _visible(impacts, settings or Settings())
-    if found is None:
-        return dataclasses.replace(impacts, timing="rigid-body limit")
-    strikes = {**impacts.strikes, "compliant": found}
-    return dataclasses.replace(impacts, strikes=strikes, timing="as printed, for the film")
-
-
-def _visible(impacts: Impacts, settings: Settings) -> ChainStrike | None:
-    """The impact with the printed compression time; None where that is none for these rods."""
+    limit = dataclasses.replace(impacts, timing="rigid-body limit")
     found, duration = impacts.strikes.get("compliant"), 2.0 * PRINTED_COMPRESSION
     if found is None or math.hypot(*found.contact.velocity_before) * duration > min(impacts.chain.lengths):
-        return None
+        return limit
 
     def struck(duration: float) -> tuple[ChainStrike, tuple[float]]:
-        found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings)
+        found = strike(impacts.chain, impacts.surface, Contact("compliant", duration), settings or Settings())
         if found.contact.history is None:
             raise ValueError("contact: must be resolved in time")
         return found, (compression_end(found.contact.history),)
 
     try:
-        return _adjusted(struck, np.array([duration]), np.array([PRINTED_COMPRESSION]), CLOSE)
+        visible = _adjusted(struck, np.array([duration]), np.array([PRINTED_COMPRESSION]), REQUEST_TOLERANCE)
     except ValueError:
-        return None
+        return limit
+    strikes = {**impacts.strikes, "compliant": visible}
+    return dataclasses.replace(impacts, strikes=strikes, timing="as printed, for the film")
 
 
 def _adjusted(
-    struck: Callable[..., tuple[Result, tuple[float, ...]]], given: Array, wanted: Array, close: float
+    struck: Callable[..., tuple[Result, tuple[float, ...]]], given: Array, wanted: Array, tolerance: float
 ) -> Result:
-    """The result whose values are those wanted, by Broyden's method in the logarithms of as many of the numbers given."""
+    """Return the result whose values are those wanted, by Broyden's method in the logarithms of as many numbers given."""
     free, slopes = len(wanted), np.eye(len(wanted))
     step = before = np.zeros(free)
-    for _ in range(ROUNDS):
+    for _ in range(MOST_ROUNDS):
         found, values = struck(*given.tolist())
         missing = np.log(wanted / np.array(values[:free]))
-        if np.all(np.abs(missing) <= close):
+        if np.all(np.abs(missing) <= tolerance):
             return found
         if step.any():
             slopes += np.outer(before - missing - slopes @ step, step) / float(step @ step)
         step, before = np.clip(np.linalg.solve(slopes, missing), -LARGEST_STEP, LARGEST_STEP), missing
         given[:free] *= np.exp(step)
     raise ValueError(f"compression_time = {wanted[0]:g}: must be shorter, as the hub turns too far meanwhile (in s)")
-
-
-def _whole_over_compression(surface: Surface, impact_angle: float) -> float:
-    """Duration of a short contact over that of its compression, 1 + e* sqrt(s_1/s_2).
-
-    The spring is 1/e*^2 stiffer in restitution, and the tip yields to it in proportion to s_2 instead of s_1.
-    """
-    cosine, sine = math.cos(impact_angle), math.sin(impact_angle)
-    leaving = sine - surface.friction_in_restitution * cosine
-    if leaving <= 0.0:
-        return 1.0
-    return 1.0 + surface.restitution * math.sqrt((sine + surface.friction * cosine) / leaving)
-
-
-def _struck(
-    bristle: Bristle, surface: Surface, chain: Chain, settings: Settings, duration: float, speed: float
-) -> TimedContact:
-    hub_speed = chain.hub_speed
-    if not duration * max(speed, hub_speed * chain.hub_radius, hub_speed * bristle.length) <= bristle.length:
-        raise ValueError(
-            f"compression_time: must be shorter; in {duration:g} s of contact tip or hub move by more than"
-            " the bristle's length"
-        )
-    found = strike(chain, surface, Contact("compliant", duration), settings)
-    record = found.contact
-    if record.history is None or record.compressive_impulse is None or not record.history.normal_force.max() > 0.0:
-        raise ValueError(f"speed_ratio: must let the tip strike; this one approaches at {speed:g} m/s")
-    contact = TimedContact(bristle, surface, chain, record, found.steps, found.wall_s)
-    if not (contact.compression_time > 0.0 and contact.compressive_impulse > 0.0):
-        raise ValueError(f"speed_ratio: must let the tip strike; this one barely touches at {speed:g} m/s")
-    return contact

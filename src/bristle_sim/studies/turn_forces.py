@@ -20,7 +20,7 @@ from scipy.interpolate import CubicSpline
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
-from bristle_sim.studies.wire_contact import corners, levers, nearest, right, touched
+from bristle_sim.studies.wire_contact import complex_points, levers, nearest, touched, wire_lines
 from bristle_sim.trajectory import ContactRecord, Trajectory
 
 Impact = tuple[float, float]
@@ -67,7 +67,7 @@ def _weighed(force: Callable[[Array], Array], start: Array, length: Array, pole:
     return np.asarray(0.5 * length * ((values * np.exp(pole * (length[:, np.newaxis] - offset))) @ WEIGHTS))
 
 
-CLOSEST = 0.05
+CLOSEST_NODES = 0.05
 """Least distance of a spline's nodes, of their largest: where the scene closes in on a release its samples are so close that a
 spline through them would follow their rounding."""
 
@@ -89,9 +89,15 @@ class Force:
 
 def turn_forces(tool: Tool, run: Trajectory) -> tuple[Force, ...]:
     """Return all forces of bar and workpart on a rigid bristle in a turn, in order of time."""
-    found: list[Force] = []
+    found = list[Force]()
     for contact in run.contacts:
-        found += _sustained(tool, run, contact) if contact.law == "sustained" else [_impulse(tool, run, contact)]
+        if contact.law == "sustained":
+            found += _sustained(tool, run, contact)
+            continue
+        line = complex_points(run.centre_line[[int(abs(run.time - contact.time).argmin())]])
+        (arms,) = levers(*touched(tool, contact.obstacle, line))
+        integral = np.array([*contact.impulse, arms @ contact.impulse])
+        found.append(Force(contact.obstacle, contact.time, contact.time, integral))
     return tuple(found)
 
 
@@ -114,13 +120,6 @@ def dissipated(tool: Tool, run: Trajectory) -> float:
     return lost
 
 
-def _impulse(tool: Tool, run: Trajectory, contact: ContactRecord) -> Force:
-    hub_angle = np.array([run.hub_angle[0] + run.hub_speed * contact.time])
-    (arms,) = levers(*touched(tool, contact.obstacle, corners(tool, hub_angle, np.array(contact.angles))))
-    integral = np.array([*contact.impulse, arms @ contact.impulse])
-    return Force(contact.obstacle, contact.time, contact.time, integral)
-
-
 def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Force]:
     """Split a sustained contact where its force jumps: where the bar reaches the wire's end, and where slip reverses.
 
@@ -131,24 +130,22 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
     end = (contact.time + contact.duration) * (1.0 - 1e-15)
     rows = np.arange(np.searchsorted(run.time, contact.time, "right") - 1, np.searchsorted(run.time, end, "left") + 1)
     rows = rows[rows < len(run.time)]
-    time, hub_angle, angle, rate = run.time[rows], run.hub_angle[rows], run.angles[rows, -1], run.rates[rows, -1]
-    middle = [0.5 * (each[1:] + each[:-1]) for each in (hub_angle, angle, rate)]
-    slips = np.sign(_slip(tool, contact.obstacle, *middle))
-    states = np.stack([slips, _at_corner(tool, contact.obstacle, corners(tool, *middle[:2]))])
+    time, force, lines = run.time[rows], run.normal_force[rows], complex_points(run.centre_line[rows])
+    states = _slip_and_place(tool, run, contact.obstacle, rows)
     jumps = np.flatnonzero((states[:, 1:] != states[:, :-1]).any(axis=0)) + 1
-    lines, force = corners(tool, hub_angle, angle), run.normal_force[rows]
     part = tool.workpart if contact.obstacle == "workpart" else tool.bar
     assert part is not None
-    rubs = -part.friction * slips
     arms = levers(*touched(tool, contact.obstacle, lines))
     if contact.outcome == "release":
         force[-1] = 0.0
     found = []
     for first, last in itertools.pairwise([0, *jumps, len(rows) - 1]):
         own = _spaced(time, first, last)
-        forces = np.stack([force[own], rubs[first] * force[own]], axis=-1)
-        values = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)])
-        course, begin, end = _course(time[own], values), float(time[first]), float(time[last])
+        forces = np.stack([force[own], -part.friction * states[0, first] * force[own]], axis=-1)
+        values, nodes = np.column_stack([forces, (arms[own] * forces).sum(axis=-1)]), time[own]
+        if len(own) == 1:
+            nodes, values = np.array([nodes[0] - 1.0, nodes[0]]), np.repeat(values, 2, axis=0)
+        course, begin, end = CubicSpline(nodes, values), float(time[first]), float(time[last])
         found.append(Force(contact.obstacle, begin, end, np.asarray(course.integrate(begin, end)), course))
     # Where a force falls to 0 within the last interval, no spline follows it; the lever hardly changes there.
     short = np.subtract(contact.impulse, np.sum([each.integral[:2] for each in found], axis=0))
@@ -158,30 +155,24 @@ def _sustained(tool: Tool, run: Trajectory, contact: ContactRecord) -> list[Forc
 
 def _spaced(time: Array, first: int, last: int) -> list[int]:
     """Return the samples after the first up to the last, without those that are too close to the next that is kept."""
-    kept, closest = [last], CLOSEST * np.diff(time[first : last + 1]).max()
+    kept, closest = [last], CLOSEST_NODES * np.diff(time[first : last + 1]).max()
     for row in range(last - 1, first, -1):
         if time[kept[-1]] - time[row] >= closest:
             kept.append(row)
     return kept[::-1]
 
 
-def _course(time: Array, values: Array) -> Any:
-    if len(time) == 1:
-        time, values = np.array([time[0] - 1.0, time[0]]), np.repeat(values, 2, axis=0)
-    return CubicSpline(time, values)
-
-
-def _slip(tool: Tool, obstacle: str, hub_angle: Array, angle: Array, rate: Array) -> Array:
-    """Return the tangential velocity of the wire's material point at the contact, m/s."""
-    lines = corners(tool, hub_angle, angle)
+def _slip_and_place(tool: Tool, run: Trajectory, obstacle: str, rows: Any) -> Array:
+    """Return the sense of slip between samples, and the wire's piece at the bar, with a half at the corner of its end."""
+    hub, angle, rate = (
+        0.5 * (each[rows][1:] + each[rows][:-1]) for each in (run.hub_angle, run.angles[:, -1], run.rates[:, -1])
+    )
+    lines = wire_lines(tool, hub, angle)
+    root = lines[:, 0]
     normal, point = touched(tool, obstacle, lines)
-    velocity = -right(tool.hub.speed * lines[:, 0] + rate[:, np.newaxis] * (point - lines[:, 0]))
-    return np.asarray((velocity * right(normal)).sum(axis=-1))
-
-
-def _at_corner(tool: Tool, obstacle: str, lines: Array) -> Array:
-    """Return where on the wire the bar is: the piece, with a half where it is the corner at that piece's end."""
+    velocity = 1j * (tool.hub.speed * root + rate * (point - root))
+    slips = np.sign((np.conj(velocity) * normal).imag)
     if obstacle == "workpart":
-        return np.zeros(len(lines))
+        return np.stack([slips, 0.0 * slips])
     piece, fraction, _ = nearest(tool, lines)
-    return np.asarray(piece + 0.5 * (fraction >= 1.0) - 0.5 * (fraction <= 0.0) * (piece > 0))
+    return np.stack([slips, piece + 0.5 * (fraction >= 1.0) - 0.5 * (fraction <= 0.0) * (piece > 0)])
