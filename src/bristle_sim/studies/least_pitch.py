@@ -17,6 +17,7 @@ from scipy.optimize import brentq, minimize_scalar
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Tool
 from bristle_sim.studies.contact_course import cubics
+from bristle_sim.studies.wire_contact import complex_points
 from bristle_sim.trajectory import Trajectory
 
 PITCH_STEP = math.radians(0.25)
@@ -28,18 +29,17 @@ PITCH_TOLERANCE = 1e-9
 INSTANTS = 1500
 """Even instants of a pass at which the distance is looked at, besides the samples; 0.2 deg of the hub's turn in a pass."""
 
-DEEPEST = 2
+MINIMA_REFINED = 2
 """Local minima of the distance over time that are refined, beginning with the least."""
-
 
 MOST_SAMPLES = 5000
 """Samples of a lone pass, eight times those of the operating point, beyond which no least pitch is searched."""
 
-LARGEST = math.pi / 2.0
+LARGEST_PITCH = math.pi / 2.0
 """Pitch from which the search goes down, rad."""
 
-BEYOND = 1e-6
-"""How far above a least pitch the search for a smaller one begins, rad: a thousand times what it is good to."""
+NEXT_SEARCH = 1e-6
+"""How far above a least pitch the search for a smaller one begins, rad: a thousand times its tolerance."""
 
 
 class LonePass:
@@ -55,55 +55,44 @@ class LonePass:
     def centre_line(self, time: Array) -> Array:
         """Root, corners and tip from the hub's centre at instants up to the run's end, shape (n, corners, 2), m."""
         within = np.maximum(time, self.trajectory.time[0])
-        line = self._lines(within)
-        turned = self.trajectory.hub_speed * (time - within)
-        cos, sin = np.cos(turned)[:, np.newaxis], np.sin(turned)[:, np.newaxis]
-        x, y = line[..., 0], line[..., 1]
-        return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)
+        turned = np.exp(1j * self.trajectory.hub_speed * (time - within))
+        line = complex_points(self._lines(within)) * turned[:, np.newaxis]
+        return np.stack([line.real, line.imag], axis=-1)
 
 
 def polyline_distance(first: Array, second: Array) -> Array:
     """Return the least distance of two polylines, 0 where they cross; shapes (n, corners, 2) to (n,)."""
-    found = np.full(len(first), np.inf)
-    for i in range(first.shape[1] - 1):
-        for j in range(second.shape[1] - 1):
-            found = np.minimum(found, _segment_distance(first[:, i : i + 2], second[:, j : j + 2]))
+    one, two, found = complex_points(first), complex_points(second), np.full(len(first), np.inf)
+    for i in range(one.shape[1] - 1):
+        for j in range(two.shape[1] - 1):
+            pair, crossing = (one[:, i : i + 2], two[:, j : j + 2]), np.full(len(first), True)
+            for points, segment in (pair, pair[::-1]):
+                along = (segment[:, 1] - segment[:, 0])[:, np.newaxis]
+                seen = np.conj(along) * (points - segment[:, :1]) / abs(along) ** 2  # from the segment, over its length
+                away = abs(seen - np.clip(seen.real, 0.0, 1.0)) * abs(along)
+                found = np.minimum(found, away.min(axis=1))
+                crossing &= np.prod(seen.imag, axis=1) < 0.0
+            found[crossing] = 0.0
     return found
-
-
-def _segment_distance(first: Array, second: Array) -> Array:
-    """Return the least distance of two segments: of an end from the other one, unless they cross; shape (n,)."""
-    ends, sides = [], []
-    for points, segment in ((first, second), (second, first)):
-        along = segment[:, 1] - segment[:, 0]
-        to_points = [points[:, end] - segment[:, 0] for end in (0, 1)]
-        for to_point in to_points:
-            fraction = np.clip((along * to_point).sum(axis=-1) / (along**2).sum(axis=-1), 0.0, 1.0)
-            ends.append(np.linalg.norm(to_point - fraction[:, np.newaxis] * along, axis=-1))
-        sides.append(np.prod([along[:, 0] * each[:, 1] - along[:, 1] * each[:, 0] for each in to_points], axis=0))
-    return np.where((sides[0] < 0.0) & (sides[1] < 0.0), 0.0, np.min(ends, axis=0))
 
 
 def nearest_approach(lone: LonePass, pitch: float, until: float) -> tuple[float, float]:
     """Return the least distance of the centre lines of a bristle and its follower up to an instant, and when; m and s."""
-    run = lone.trajectory
-    delay = pitch / run.hub_speed
-    begin = float(run.time[0])
+    run, delay = lone.trajectory, pitch / lone.trajectory.hub_speed
 
     def distance(time: Array) -> Array:
         return polyline_distance(lone.centre_line(time), lone.centre_line(time - delay))
 
-    samples = np.concatenate([run.time, run.time + delay])
+    begin, samples = float(run.time[0]), np.concatenate([run.time, run.time + delay])
     even = np.linspace(begin, until, INSTANTS)
     instants = np.unique(np.concatenate([even, samples[(samples > begin) & (samples < until)]]))
     values = distance(instants)
     best = int(values.argmin())
     least, when = float(values[best]), float(instants[best])
     inner = np.flatnonzero((values[1:-1] <= values[:-2]) & (values[1:-1] <= values[2:])) + 1
-    for at in inner[np.argsort(values[inner])][:DEEPEST]:
+    for at in inner[np.argsort(values[inner])][:MINIMA_REFINED]:
         found = _minimum(lambda time: float(distance(np.array([time]))[0]), instants[at - 1], instants[at + 1])
-        if found[0] < least:
-            least, when = found
+        least, when = min((least, when), found, key=lambda pair: pair[0])
     return least, when
 
 
@@ -119,7 +108,7 @@ def least_pitch(
     *,
     until: float | None = None,
     of_follower: bool = False,
-    largest: float = math.pi / 2.0,
+    largest: float = LARGEST_PITCH,
 ) -> float:
     """Return the pitch above which no wire touches its neighbour, by the motion of a lone bristle, rad.
 
@@ -150,16 +139,15 @@ def least_pitch(
         raise ValueError(
             f"largest = {largest:g}: must be a pitch at which wires do not touch; they overlap by {-open_gap:g} m (in rad)"
         )
-    # Ends at the latest where the next wire would stand in this one.
-    while True:
+    while True:  # ends at the latest where the next wire would stand in this one
         narrower = max(pitch - max(PITCH_STEP, open_gap / steepest), 0.0)
         closed = gap(narrower)
-        if closed > 0.0 and wider > open_gap < closed:
+        if closed <= 0.0:
+            return float(brentq(gap, narrower, pitch, xtol=PITCH_TOLERANCE))
+        if wider > open_gap < closed:
             depth, deepest = _minimum(gap, narrower, before)
             if depth <= 0.0:
                 return float(brentq(gap, deepest, before, xtol=PITCH_TOLERANCE))
-        if closed <= 0.0:
-            return float(brentq(gap, narrower, pitch, xtol=PITCH_TOLERANCE))
         pitch, before, wider, open_gap = narrower, pitch, open_gap, closed
 
 
@@ -179,20 +167,19 @@ class LeastPitch:
 
 def least_pitches_of(tool: Tool, lone: Trajectory) -> tuple[LeastPitch, ...]:
     """Return the theoretical least pitches, from the narrowest; none where ``unsearched`` says why."""
-    contact = lone.first_contact("workpart")
-    strike = None if contact is None else contact.time
-    found, largest, searched = [], LARGEST, not unsearched(tool, lone)
-    # Each counts fewer touches than the one before, so that its pitch is smaller.
-    for words, until, own in (
+    contact, found, largest = lone.first_contact("workpart"), list[LeastPitch](), LARGEST_PITCH
+    strike, searched = None if contact is None else contact.time, not unsearched(tool, lone)
+    instants = (
         ("whole_pass", float(lone.time[-1]), False),
         ("to_own_strike", strike, True),
         ("to_strike", strike, False),
-    ):
+    )
+    for words, until, own in instants:  # each counts fewer touches than the one before, so that its pitch is smaller
         theory = None
         if until is not None and searched:
             largest = least_pitch(lone, tool.bristle.wire_diameter, until=until, of_follower=own, largest=largest)
             theory = math.degrees(largest)
-            largest += BEYOND
+            largest += NEXT_SEARCH
         found.append(LeastPitch(f"least_pitch_{words}_deg", until, own, theory))
     return tuple(reversed(found))
 
@@ -201,6 +188,6 @@ def unsearched(tool: Tool, lone: Trajectory) -> str:
     """Return the reason why no least pitch is searched; empty if it is."""
     if lone.time.size > MOST_SAMPLES:
         return "the pass has too many oscillations of the bristle on its belt"
-    if nearest_approach(LonePass(lone), LARGEST, float(lone.time[-1]))[0] <= tool.bristle.wire_diameter:
-        return f"wires touch each other even {math.degrees(LARGEST):g} deg apart"
+    if nearest_approach(LonePass(lone), LARGEST_PITCH, float(lone.time[-1]))[0] <= tool.bristle.wire_diameter:
+        return f"wires touch each other even {math.degrees(LARGEST_PITCH):g} deg apart"
     return ""

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.comparison import Quantity, Report, Table, rows
+from bristle_sim.comparison import Quantity, Report, Table, Values, rows
 from bristle_sim.parameters import Neighbours, Tool
 from bristle_sim.scene.tool import simulate, simulate_row
 from bristle_sim.settings import Settings
@@ -103,76 +103,70 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
 
         options: Any = {"hub_turn": settings.hub_turn, "accuracy": reference_accuracy(settings)}
         reference = simulate_row_reference(tool, **_placed(row, row.pitch_deg), **options)[-1]
-        alone = simulate_reference(tool, **options)
-        least = {each.name: each.by_theory for each in least_pitches_of(tool, alone)}
-    contact, each_bristle = bristles[-1].first_contact("workpart"), _each_bristle(found)
+        least = {each.name: each.by_theory for each in least_pitches_of(tool, simulate_reference(tool, **options))}
+    last, strikes = bristles[-1], [_strike_of(tool, number, run) for number, run in enumerate(bristles, 1)]
+    contact, reason = last.first_contact("workpart"), unsearched(tool, lone)
     least_pitches = [_searched(found, each, least.get(each.name)) for each in found.least]
+    stops = f"the row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
+    counted = f"not searched, as {reason}" if reason else "theory by the motion of one bristle alone"
     return Report(
         outcome=outcome_of(contact),
         quantities=(*least_pitches, *_strike_quantities(found, reference)),
         phases=() if contact is None else contact.phases,
-        **ran(bristles[-1]),
-        remarks=_remarks(found),
-        tables=(_bristles_table(each_bristle),),
-        extra={"bristles": each_bristle},
+        **ran(last),
+        remarks=(
+            f"theory of bristle {row.bristles}'s strike: a bristle alone; {stops}",
+            f"least pitches: {counted}",
+        ),
+        tables=(_bristles_table(strikes),),
+        extra={"bristles": strikes},
         subject=found,
-        answer=_answer(found, least_pitches, each_bristle[-1]),
+        answer=_answer(found, least_pitches, strikes[-1]),
     )
 
 
-def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Mapping[str, float | None]) -> str:
+def _answer(row: NeighbourRow, least: Sequence[Quantity], last: Values) -> str:
     """Return from what pitch on wires do not touch, and what a touch does at the row's pitch."""
     known = {each.name: each.theory if each.simulated is None else each.simulated for each in least}
     whole, own = known["least_pitch_whole_pass_deg"], known["least_pitch_to_own_strike_deg"]
-    found = []
-    if whole is not None:
-        found.append(f"Wires of one plane touch each other if they are less than {whole:.2f}° apart")
-    if own is not None:
-        found.append(f"a touch spoils the next strike below {own:.2f}°")
+    found = [] if whole is None else [f"Wires of one plane touch each other if they are less than {whole:.2f}° apart"]
+    found += [] if own is None else [f"a touch spoils the next strike below {own:.2f}°"]
     apart = " and ".join(found) + ". " if found else ""
-    number, pitch = row.neighbours.bristles, f"{row.neighbours.pitch_deg:g}°"
-    if last["normal_final_impulse"] is None:
+    number, pitch, struck = row.neighbours.bristles, f"{row.neighbours.pitch_deg:g}°", last["normal_final_impulse"]
+    if struck is None:
         return f"{apart}At {pitch} bristle {number} does not strike: {row.bristles[-1].stop_reason}."
-    alone, struck = strike_values(row.tool, row.lone)["normal_final_impulse"], last["normal_final_impulse"]
-    strike = f"bristle {number} strikes with {amount(struck, 'N s')}"
+    alone = strike_values(row.tool, row.lone)["normal_final_impulse"]
     touched = "after a touch" if last["touches_before_strike"] else "untouched until then"
     compared = "" if alone is None else f" a bristle alone has {amount(alone, 'N s')}"
-    return f"{apart}At {pitch} {strike}, {touched};{compared}."
+    return f"{apart}At {pitch} bristle {number} strikes with {amount(struck, 'N s')}, {touched};{compared}."
 
 
-def _each_bristle(row: NeighbourRow) -> list[dict[str, float | None]]:
-    """Return number, touches before the strike, instant and measures of the strike of each bristle, the foremost first."""
-    found = []
-    for number, run in enumerate(row.bristles, 1):
-        time = run.event_time("strike")
-        before = sum(time is None or each < time for each in _touches(run))
-        measures = {"bristle": number, "touches_before_strike": before, "contact_time": time}
-        found.append(measures | strike_values(row.tool, run))
-    return found
+def _strike_of(tool: Tool, number: int, run: Trajectory) -> dict[str, float | None]:
+    """Return number, touches before the strike, instant and measures of the strike of a bristle of the row."""
+    time = run.event_time("strike")
+    before = sum(time is None or each < time for each in _touches(run))
+    return {"bristle": number, "touches_before_strike": before, "contact_time": time} | strike_values(tool, run)
 
 
-def _bristles_table(bristles: Sequence[Mapping[str, float | None]]) -> Table:
+def _bristles_table(bristles: Sequence[Values]) -> Table:
     head = ("bristle", "touches before", "strike, ms", "lag, deg", "relative speed, rad/s", "impulse p_fy, mN s")
     names = ("contact_time", "lag_deg_at_contact", "relative_speed_at_contact", "normal_final_impulse")
-    factors = dict(zip(names, (1e3, 1.0, 1.0, 1e3), strict=True))
-    rows = []
+    cells = []
     for each in bristles:
-        values = ((each[name], factor) for name, factor in factors.items())
-        cells = ("-" if value is None else f"{factor * value:.5g}" for value, factor in values)
-        rows.append((str(each["bristle"]), str(each["touches_before_strike"]), *cells))
-    return Table("the strike of each bristle", head, tuple(rows))
+        values = zip(names, (1e3, 1.0, 1.0, 1e3), strict=True)
+        shown = ("-" if (value := each[name]) is None else f"{factor * value:.5g}" for name, factor in values)
+        cells.append((str(each["bristle"]), str(each["touches_before_strike"]), *shown))
+    return Table("the strike of each bristle", head, tuple(cells))
 
 
 def over_pitch(row: NeighbourRow, pitches: Sequence[float]) -> dict[str, Array]:
     """Return the last bristle's state and impulse at its strike over the pitch in degrees; NaN without a run or a strike."""
-    found = []
-    for pitch in pitches:
-        values: list[float | None] = [None] * len(STRIKE)
+    found = np.full((len(STRIKE), len(pitches)), math.nan)
+    for number, pitch in enumerate(pitches):
         with contextlib.suppress(ValueError):  # a pitch at which the row cannot start, or a run that is given up
             run = _simulated(row.tool, row.neighbours, row.settings, pitch, stop_after="strike")[-1]
-            values = list(strike_values(row.tool, run).values())
-        found.append([math.nan if value is None else value for value in values])
-    return dict(zip(STRIKE, np.transpose(found), strict=True))
+            found[:, number] = list(strike_values(row.tool, run).values())
+    return dict(zip(STRIKE, found, strict=True))
 
 
 def row_series(row: NeighbourRow) -> dict[str, Any]:
@@ -183,12 +177,8 @@ def row_series(row: NeighbourRow) -> dict[str, Any]:
 
 def _placed(row: Neighbours, pitch: float) -> dict[str, Any]:
     """Return a row's arguments at a pitch in degrees."""
-    return {
-        "bristles": row.bristles,
-        "pitch": math.radians(pitch),
-        "neighbour_friction": row.friction,
-        "neighbour_restitution": row.restitution,
-    }
+    own = {"neighbour_friction": row.friction, "neighbour_restitution": row.restitution}
+    return {"bristles": row.bristles, "pitch": math.radians(pitch), **own}
 
 
 def _simulated(tool: Tool, row: Neighbours, settings: Settings, pitch: float, **options: Any) -> tuple[Trajectory, ...]:
@@ -208,8 +198,9 @@ def root_pitch(tool: Tool) -> float:
 
 def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> Quantity:
     """Search the pitch from which two simulated wires touch, beside the theoretical one; reference by its lone pass."""
+    compared = Quantity(least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name])
     if least.until is None or least.by_theory is None or row.neighbours.search == "no":
-        return Quantity(least.name, "deg", None, least.by_theory, reference, label=LEAST_PITCHES[least.name])
+        return compared
     pair, end, speed = dataclasses.replace(row.neighbours, bristles=2), least.until, row.tool.hub.speed
 
     def touch(pitch: float) -> bool:
@@ -220,24 +211,18 @@ def _searched(row: NeighbourRow, least: LeastPitch, reference: float | None) -> 
         until = end + turn / speed if least.of_follower else end
         # A row runs until the hub has carried its last root so far.
         brief = dataclasses.replace(row.settings, hub_turn=speed * until - turn)
-        events = _simulated(row.tool, pair, brief, pitch)[0].events
-        return any(each.name == WIRE_TOUCH and each.time <= until for each in events)
+        return any(each <= until for each in _touches(_simulated(row.tool, pair, brief, pitch)[0]))
 
-    found = _edge(touch, least.by_theory)
-    within = AGREEMENT / least.by_theory
-    return Quantity(
-        least.name, "deg", found, least.by_theory, reference, tolerance=within, label=LEAST_PITCHES[least.name]
-    )
+    found, within = _edge(touch, least.by_theory), AGREEMENT / least.by_theory
+    return dataclasses.replace(compared, simulated=found, tolerance=within)
 
 
 def _edge(touch: Callable[[float], bool], near: float) -> float | None:
     """Bisect between a pitch at which wires touch and a larger one at which they do not, deg."""
-    width = FIRST_WIDTH
-    for _ in range(WIDENINGS):
-        low, high = near - 0.5 * width, near + 0.5 * width
+    for width in FIRST_WIDTH * 2.0 ** np.arange(WIDENINGS):
+        low, high = near - 0.5 * float(width), near + 0.5 * float(width)
         if touch(low) and not touch(high):
             break
-        width *= 2.0
     else:
         return None
     while high - low > RESOLUTION:
@@ -247,7 +232,7 @@ def _edge(touch: Callable[[float], bool], near: float) -> float | None:
 
 
 def strike_values(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Measures of a bristle's first strike, in the units of STRIKE; None without one."""
+    """Return measures of a bristle's first strike, in the units of STRIKE; None without one."""
     contact = run.first_contact("workpart")
     impulse = None if contact is None else contact.impulse[0]
     state = state_at_strike(tool, run, contact) | {"normal_final_impulse": impulse}
@@ -261,7 +246,7 @@ def _touches(run: Trajectory) -> list[float]:
 def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple[Quantity, ...]:
     """Return the last bristle's touches and its strike; theory is the lone bristle, from which a touch may differ."""
     last, touches = row.bristles[-1], len(_touches(row.bristles[-1]))
-    judged = reference is not None or not touches
+    judged, ended = reference is not None or not touches, last.stop_reason is StopReason.END
     simulated = {"wire_contacts": float(touches), **strike_values(row.tool, last)}
     theory = {"wire_contacts": None if touches else 0.0, **strike_values(row.tool, row.lone)}
     referred: dict[str, float | None] = {}
@@ -273,25 +258,13 @@ def _strike_quantities(row: NeighbourRow, reference: Trajectory | None) -> tuple
     def tolerance(name: str) -> float | None:
         """Return the relative difference that a quantity may have; None where nothing judges it."""
         if name == "wire_contacts":  # a row ends for all when one bristle jams
-            counted = judged and (reference is not None or last.stop_reason is StopReason.END)
-            return 0.0 if counted else None
+            return 0.0 if judged and (reference is not None or ended) else None
         value = (referred or theory)[name]
         # Another bristle of the row, or this one, may end the run before this one could strike.
-        cut_short = simulated[name] is None and last.stop_reason is not StopReason.END
-        if not judged or not value or cut_short:
+        if not judged or not value or (simulated[name] is None and not ended):
             return None
         size = max(scales.get(name, 0.0), abs(theory[name] or value))
         return 10.0 * row.settings.accuracy * max(1.0, size / abs(value))
 
-    return rows(
-        {"wire_contacts": ("touches of its wire", "1"), **STRIKE}, simulated, theory, referred, tolerance=tolerance
-    )
-
-
-def _remarks(row: NeighbourRow) -> tuple[str, ...]:
-    last = row.bristles[-1]
-    counted = "least pitches: theory by the motion of one bristle alone"
-    if reason := unsearched(row.tool, row.lone):
-        counted = f"least pitches: not searched, as {reason}"
-    stops = f"the row stops at {1e3 * last.time[-1]:.4f} ms ({last.stop_reason})"
-    return f"theory of bristle {row.neighbours.bristles}'s strike: a bristle alone; {stops}", counted
+    units: Mapping[str, tuple[str, str]] = {"wire_contacts": ("touches of its wire", "1"), **STRIKE}
+    return rows(units, simulated, theory, referred, tolerance=tolerance)
