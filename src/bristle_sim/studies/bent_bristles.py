@@ -126,10 +126,7 @@ def bent_bristles(tool: Tool, settings: Settings) -> Report:
         events=tuple(sorted(events, key=lambda event: event[1])),
         wall_s=sum(run.cost.wall_s for run in runs.values()),
         steps=sum(run.cost.steps for run in runs.values()),
-        remarks=(
-            *(f"{shape}: {slide or 'never strikes'}" for shape, slide in slides.items()),
-            against_film(slides),
-        ),
+        remarks=(*(f"{shape}: {slide or 'never strikes'}" for shape, slide in slides.items()), against_film(slides)),
         extra={"stopped": {shape: stopped(run) for shape, run in runs.items()}},
         subject=BentBristles(tools, runs, slides),
         answer=answer(slides),

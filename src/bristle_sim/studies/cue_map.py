@@ -34,14 +34,7 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.strike_point import (
-    STATE,
-    STRIKE_UNITS,
-    keys_of,
-    require_rigid,
-    strike_of_keys,
-    tool_of_keys,
-)
+from bristle_sim.studies.strike_point import STATE, STRIKE_UNITS, keys_of, require_rigid, strike_of_keys, tool_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:

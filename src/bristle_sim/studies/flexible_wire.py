@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +43,7 @@ NO_REFERENCE = (
     " takes it too many steps"
 )
 
-LONGEST = 10.0
+LONGEST_CONTACT = 10.0
 """Times the contact of the rigid bristle that a contact may last."""
 
 FLIGHT = 1.0
@@ -96,7 +96,7 @@ class FlexibleStrike:
         """Strike in the independent solution."""
         from bristle_sim.reference import strike_reference
 
-        longest = LONGEST * self.contact.duration
+        longest = LONGEST_CONTACT * self.contact.duration
         return strike_reference(*self._start(), self.stiffness, longest=longest, accuracy=REFERENCE_ACCURACY)
 
     def _start(self) -> tuple[Tool, float, list[float], list[float]]:
@@ -146,29 +146,30 @@ def flexible_wire(
     for key, value, unit in (("hub_speed", hub.speed, "rad/s"), ("wire_diameter", bristle.wire_diameter, "m")):
         if not value:
             raise ValueError(f"{key} = 0: must be above 0, or no wire strikes that bends back (in {unit})")
-    tool = _tool(hub, belt, bristle, surface, math.radians(strike.impact_angle_deg))
-    struck = FlexibleStrike(
-        tool, math.radians(strike.impact_angle_deg), strike.speed_ratio * hub.speed, contact, settings
-    )
+    gamma = math.radians(strike.impact_angle_deg)
+    tool = tool_at_surface(hub, belt, bristle, surface, gamma)
+    struck = FlexibleStrike(tool, gamma, strike.speed_ratio * hub.speed, contact, settings)
     wire, rigid = (each.run(FLIGHT * contact.duration) for each in (struck, struck.of(1)))
-    own, stiff = (measures(struck, each.contact) for each in (wire, rigid))
+    own, stiff, outcome = measures(struck, wire.contact), measures(struck, rigid.contact), rigid.contact.outcome
     reference: dict[str, float] = {}
     if with_reference and max(surface.friction, surface.friction_in_restitution) <= REFERENCE_FRICTION:
-        reference = _reference(struck, rigid.contact.outcome)
+        reference = _reference(struck, outcome)
     simulated = own | {RATIO: _ratios(own, stiff)["normal_final_impulse"]}
     allowed = max(1e-8, 10.0 * settings.accuracy) if reference else None
-    compared = rows(
-        MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}, simulated, stiff, reference, tolerance=allowed
-    )
+    units = MEASURES | {RATIO: ("impulse over the rigid bristle's", "1")}
+    words = f"the rigid bristle's outcome: {outcome}; its values are those up to the end of compression"
     return Report(
         outcome=outcome_of(wire.contact),
-        quantities=(*_frequencies(tool, with_reference), *compared),
+        quantities=(*_frequencies(tool, with_reference), *rows(units, simulated, stiff, reference, tolerance=allowed)),
         phases=wire.contact.phases,
         events=(("strike", 0.0), ("release", wire.contact.duration)),
         wall_s=wire.wall_s,
         steps=wire.steps,
         remarks=(
-            *_remarks(struck, rigid.contact.outcome),
+            "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
+            f" {struck.stiffness:.4g} N/m",
+            f"crater: of API 5L steel, cut with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression",
+            *([words] if outcome != "rebound" else []),
             *([NO_REFERENCE] if with_reference and not reference else []),
         ),
         subject=FlexibleWire(struck, wire, rigid),
@@ -184,8 +185,11 @@ def _answer(links: int, own: Mapping[str, float], stiff: Mapping[str, float], ag
         f" crater {shown['crater_depth'][0]} deep; the rigid bristle at the same contact stiffness has"
         f" {shown['normal_final_impulse'][1]}, {shown['peak_force'][1]} and {shown['crater_depth'][1]}."
     )
-    late = "" if again is None else f" The wire's end touches again {amount(again, 's')} after the first touch"
-    return f"{found}{late}{late and ', which these numbers leave out.'}"
+    if again is not None:
+        found += (
+            f" The wire's end touches again {amount(again, 's')} after the first touch, which these numbers leave out."
+        )
+    return found
 
 
 def again(wire: WireStrike) -> float | None:
@@ -227,34 +231,34 @@ def measures(strike: FlexibleStrike, contact: ContactRecord) -> dict[str, float]
 
 def wire_study(strike: FlexibleStrike, stiffnesses: Sequence[float] = STIFFNESSES) -> WireStudy:
     """Strike at several contact stiffnesses, and with several numbers of links up to the wire's own or 8 at the requested one."""
-    most = strike.tool.bristle.links
-    counts = [links for links in (2, 4, 8) if links <= most] or [most]
-    durations = strike.contact.duration * np.array(stiffnesses)
-    by_duration = {}
-    for links in counts:
-        found = [_compared(strike.of(links, duration, STUDY_ACCURACY)) for duration in durations.tolist()]
-        by_duration[links] = {name: np.array([each[name] for each in found]) for name in MEASURES}
+    most, durations = strike.tool.bristle.links, strike.contact.duration * np.array(stiffnesses)
+
+    def compared(strikes: Iterable[FlexibleStrike]) -> dict[str, Array]:
+        """Return the measures of strikes over those of the rigid bristle; NaN where the contact comes to no end."""
+        found = []
+        for each in strikes:
+            try:
+                pair = [measures(one, one.run().contact) for one in (each, each.of(1))]
+                found.append(_ratios(*pair))
+            except ValueError:
+                found.append(dict.fromkeys(MEASURES, math.nan))
+        return {name: np.array([each[name] for each in found]) for name in MEASURES}
+
+    by_duration = {
+        links: compared(strike.of(links, duration, STUDY_ACCURACY) for duration in durations.tolist())
+        for links in [links for links in (2, 4, 8) if links <= most] or [most]
+    }
     numbers = np.arange(1.0, max(2, most) + 1.0)
-    found = [_compared(strike.of(int(links), accuracy=STUDY_ACCURACY)) for links in numbers]
-    by_links = {name: np.array([each[name] for each in found]) for name in MEASURES}
+    by_links = compared(strike.of(int(links), accuracy=STUDY_ACCURACY) for links in numbers)
     return WireStudy(durations, by_duration, numbers, by_links)
-
-
-def _compared(strike: FlexibleStrike) -> dict[str, float]:
-    """Return the measures of a strike over those of the rigid bristle; NaN where the contact comes to no end."""
-    rigid = strike.of(1)
-    try:
-        return _ratios(measures(strike, strike.run().contact), measures(rigid, rigid.run().contact))
-    except ValueError:
-        return dict.fromkeys(MEASURES, math.nan)
 
 
 def _ratios(first: dict[str, float], second: dict[str, float]) -> dict[str, float]:
     return {name: first[name] / second[name] if second[name] else math.nan for name in first}
 
 
-def _tool(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float) -> Tool:
-    """Return a tool whose workpart is at the end of the wire that stands radially at the impact angle."""
+def tool_at_surface(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle: float) -> Tool:
+    """Return a tool whose workpart is at the end of the wire that stands radially at the impact angle, rad."""
     reach = hub.radius + bristle.length
     if reach * math.cos(impact_angle) <= hub.radius:
         limit = math.degrees(math.acos(hub.radius / reach))
@@ -269,31 +273,16 @@ def _tool(hub: Hub, belt: Belt, bristle: Bristle, surface: Surface, impact_angle
 
 def _frequencies(tool: Tool, with_reference: bool) -> list[Quantity]:
     """Compare the frequencies of bending in the scene with the beam's and the chain's, which are found apart from the scene."""
-    bristle = tool.bristle
+    bristle, found_rows = tool.bristle, list[Quantity]()
     wire = (bristle.mass, bristle.length, bristle.wire_diameter, bristle.modulus, tool.belt.stiffness)
-    names = ("first_bending_frequency", "second_bending_frequency")
     found, beam, chain = wire_frequencies(tool), beam_frequencies(*wire, 3), chain_frequencies(*wire, bristle.links)
-    found_rows = []
-    for mode, name in enumerate(names, 1):
-        label = f"{name.split('_')[0]} bending frequency"
-        if mode >= bristle.links:
-            found_rows.append(Quantity(name, "Hz", None, float(beam[mode]), label=label))
-            continue
-        reference, within = (float(chain[mode]) if with_reference else None), None
+    for mode, name in enumerate(("first", "second"), 1):
+        simulated = reference = within = None
+        if mode < bristle.links:
+            simulated, reference = float(found[mode]), float(chain[mode]) if with_reference else None
         if reference and (rounding := math.ulp(1.0) * (chain[-1] / reference) ** 2) < 1.0:
             within = max(1e-6, rounding)  # an error of the largest eigenvalue's rounding in the square
-        found_rows.append(
-            Quantity(name, "Hz", float(found[mode]), float(beam[mode]), reference, tolerance=within, label=label)
-        )
+        label, theory = f"{name} bending frequency", float(beam[mode])
+        key = label.replace(" ", "_")
+        found_rows.append(Quantity(key, "Hz", simulated, theory, reference, tolerance=within, label=label))
     return found_rows
-
-
-def _remarks(strike: FlexibleStrike, rigid_outcome: str) -> list[str]:
-    lines = [
-        "theory: the beam's frequencies; all else of the rigid bristle at the same contact stiffness,"
-        f" {strike.stiffness:.4g} N/m",
-        f"crater: of API 5L steel, cut with mu = {CUTTING_FRICTION:g} by the energy that the tip gives up in compression",
-    ]
-    if rigid_outcome != "rebound":
-        lines.append(f"the rigid bristle's outcome: {rigid_outcome}; its values are those up to the end of compression")
-    return lines

@@ -114,10 +114,7 @@ def neighbours(tool: Tool, row: Neighbours, settings: Settings, *, with_referenc
         quantities=(*least_pitches, *_strike_quantities(found, reference)),
         phases=() if contact is None else contact.phases,
         **ran(last),
-        remarks=(
-            f"theory of bristle {row.bristles}'s strike: a bristle alone; {stops}",
-            f"least pitches: {counted}",
-        ),
+        remarks=(f"theory of bristle {row.bristles}'s strike: a bristle alone; {stops}", f"least pitches: {counted}"),
         tables=(_bristles_table(strikes),),
         extra={"bristles": strikes},
         subject=found,

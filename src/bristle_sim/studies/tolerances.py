@@ -202,10 +202,7 @@ def sobol_study(
 
 
 def _swept(
-    function: Callable[..., Measures],
-    inputs: Mapping[str, Array],
-    outputs: Sequence[str],
-    workers: int | None,
+    function: Callable[..., Measures], inputs: Mapping[str, Array], outputs: Sequence[str], workers: int | None
 ) -> Array:
     """Outputs of shape (outputs, points) for inputs of shape (points)."""
     try:
