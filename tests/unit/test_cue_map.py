@@ -26,9 +26,7 @@ from bristle_sim.studies.strike_point import (
     STRIKE_UNITS,
     GivenUpError,
     NotCuedError,
-    keys_of,
     strike_of_keys,
-    tool_of_keys,
 )
 from bristle_sim.theory import cueing
 
@@ -220,10 +218,3 @@ def test_maps_reach_over_their_positions_though_no_lag_is_zero():
     # Each value stands in the middle of a rectangle as wide as the positions are apart.
     assert figure.axes[0].get_xlim() == pytest.approx((46.0, 54.0))
     assert not [axes for axes in figure.axes if "moves" in axes.get_title(loc="left")]
-
-
-def test_a_tool_survives_its_keys():
-    tool = Tool(hub=Hub(speed=200.0), workpart=Workpart(restitution_friction=0.2), gravity=9.81)
-    assert tool_of_keys(**keys_of(tool)) == tool
-    with pytest.raises(ValueError, match="no_such_key: must be keys"):
-        tool_of_keys(no_such_key=1.0)

@@ -10,7 +10,7 @@ pytest.importorskip("zarr", reason="needs the extra sweep")
 
 from bristle_sim.parameters import Tool
 from bristle_sim.settings import Settings
-from bristle_sim.studies.strike_point import keys_of, strike_of_keys
+from bristle_sim.studies.strike_point import strike_of_keys
 from bristle_sim.studies.tolerances import OUTPUTS, Sampling, Spreads, propagated, sobol_study, tolerances
 
 SLOPES = {"a": 3.0, "b": -2.0, "c": 1.0, "d": 0.0}
@@ -86,9 +86,12 @@ def test_small_spreads_of_a_pass_agree_with_error_propagation():
     """Sixteen times smaller than the smallest curvature that shows; the sample of 2 x 32 passes knows a std to some percent."""
     tool, settings = Tool(), Settings(accuracy=1e-8)
     half_widths = {"hub_speed": 0.02, "belt_stiffness": 2e-5, "penetration": 5e-6}
-    values = {key: float(value) for key, value in keys_of(tool).items() if key in half_widths}
-    fixed = {key: value for key, value in keys_of(tool).items() if key not in half_widths}
-    point = partial(strike_of_keys, settings, **fixed)
+    values = {
+        "hub_speed": tool.hub.speed,
+        "belt_stiffness": tool.belt.stiffness,
+        "penetration": tool.workpart.penetration,
+    }
+    point = partial(strike_of_keys, settings, tool)
     intervals = {key: (values[key] - half, values[key] + half) for key, half in half_widths.items()}
     study = sobol_study(point, intervals, OUTPUTS, 16)
     changes = propagated(point, values, half_widths)

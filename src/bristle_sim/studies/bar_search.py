@@ -6,12 +6,12 @@ from the workpart's normal decides when the bristle is released. The lag at the 
 
 from __future__ import annotations
 
-import dataclasses
 import functools
 import itertools
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 from scipy.optimize import minimize_scalar, toms748
 
@@ -20,8 +20,8 @@ from bristle_sim.settings import Settings
 from bristle_sim.studies.strike_point import (
     GivenUpError,
     NotCuedError,
+    cued_strike,
     reference_accuracy,
-    simulated_strike,
     start_angle,
     strike_measures,
 )
@@ -43,7 +43,7 @@ FIRST_STEP, LARGEST_STEP = math.radians(1.0), math.radians(8.0)
 MOST_GIVEN_UP = 3
 """Directions in a row, from the first on, in which a pass may be given up after seconds; then the others would be, too."""
 
-JUMP = 1e-4
+LAG_JUMP = 1e-4
 """Lag in deg at a root, beyond which it is a jump of the lag from one sign to the other: a bar that is just missed."""
 
 SWUNG = 0.01
@@ -62,11 +62,10 @@ class Place:
 
 
 def placed(tool: Tool, direction: float) -> Tool:
-    """The tool with its bar in another direction at the same distance, rad."""
+    """Return the tool with its bar in another direction at the same distance, rad."""
     bar = _bar_of(tool)
-    distance = math.hypot(bar.horizontal, bar.vertical)
-    horizontal, vertical = distance * math.sin(direction), distance * math.cos(direction)
-    return dataclasses.replace(tool, bar=dataclasses.replace(bar, horizontal=horizontal, vertical=vertical))
+    distance = math.hypot(*bar.centre)
+    return tool.replace(bar_horizontal=distance * math.sin(direction), bar_vertical=distance * math.cos(direction))
 
 
 def _bar_of(tool: Tool) -> Bar:
@@ -76,7 +75,7 @@ def _bar_of(tool: Tool) -> Bar:
 
 
 def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Place:
-    """The direction of the bar for which the bristle strikes radially, by toms748 between directions that enclose it.
+    """Return the direction of the bar for which the bristle strikes radially, by toms748 between directions that enclose it.
 
     Raises:
         NotCuedError: if there is none, with what happens instead.
@@ -92,14 +91,15 @@ def radial_place(tool: Tool, strike: Strike, guess: float | None = None) -> Plac
 
     low, high = _enclosed(lag, stiffened_direction(tool) if guess is None else guess)
     direction = float(toms748(lag, low, high, xtol=FINEST_DIRECTION, rtol=4e-15))
-    if abs(lag(direction)) > JUMP:
-        words = f"at {math.degrees(direction):.6g} deg the lag jumps from one sign to the other"
-        raise NotCuedError(f"{NOT_RADIAL}; {words}")
+    if abs(lag(direction)) > LAG_JUMP:
+        raise NotCuedError(
+            f"{NOT_RADIAL}; at {math.degrees(direction):.6g} deg the lag jumps from one sign to the other"
+        )
     return Place(direction, at(direction))
 
 
 def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float]:
-    """Two directions between which the lag falls through zero, the nearest to a guess."""
+    """Return two directions between which the lag falls through zero, the nearest to a guess."""
     lags: dict[float, float] = {}
     reasons: list[ValueError] = []
     tried = [guess, *_outwards(guess, math.pi), *_outwards(guess, 0.0)]
@@ -123,7 +123,7 @@ def _enclosed(lag: Callable[[float], float], guess: float) -> tuple[float, float
 
 
 def _outwards(guess: float, end: float) -> Iterator[float]:
-    """Directions from a guess to an end, near the guess in smaller steps, rad."""
+    """Yield directions from a guess to an end, near the guess in smaller steps, rad."""
     sign, step, offset = math.copysign(1.0, end - guess), FIRST_STEP, FIRST_STEP
     while offset < abs(end - guess):
         yield guess + sign * offset
@@ -133,7 +133,7 @@ def _outwards(guess: float, end: float) -> Iterator[float]:
 
 
 def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
-    """The direction of the bar for which the tip strikes fastest, by Brent's method about a start, rad.
+    """Return the direction of the bar for which the tip strikes fastest, by Brent's method about a start, rad.
 
     Raises:
         NotCuedError: if the bar cues no strike at the start.
@@ -161,17 +161,17 @@ def fastest_place(tool: Tool, strike: Strike, start: float) -> Place:
 
 def simulation(settings: Settings) -> Strike:
     """Return the strike by the simulation."""
-    return lambda tool: strike_measures(tool, simulated_strike(tool, settings))
+    return functools.partial(cued_strike, settings=settings)
 
 
 def reference_solution(settings: Settings) -> Strike:
     """Return the strike by the independent solution."""
     from bristle_sim.reference import simulate_reference
 
+    options: dict[str, Any] = {"accuracy": reference_accuracy(settings), "stop_after": "strike"}
+
     def strike(tool: Tool) -> Measures:
-        """Return the measures of the strike, ten times as accurate as the settings ask of the scene."""
-        accuracy = reference_accuracy(settings)
-        run = simulate_reference(tool, start_hub_angle=start_angle(tool), accuracy=accuracy, stop_after="strike")
+        run = simulate_reference(tool, start_hub_angle=start_angle(tool), **options)
         return strike_measures(tool, run)
 
     return strike

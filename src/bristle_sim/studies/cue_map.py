@@ -12,11 +12,10 @@ import itertools
 import logging
 import math
 import time as clock
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from bristle_sim.comparison import Quantity, Report, Table, Values, rows
+from bristle_sim.comparison import Report, Table, Values, rows
 from bristle_sim.dissertation.printed import printed_cue
 from bristle_sim.parameters import MapGrid, Tool
 from bristle_sim.settings import Settings
@@ -34,7 +33,7 @@ from bristle_sim.studies.bar_search import (
     simulation,
     stiffened_direction,
 )
-from bristle_sim.studies.strike_point import STATE, STRIKE_UNITS, keys_of, require_rigid, strike_of_keys, tool_of_keys
+from bristle_sim.studies.strike_point import STATE, STRIKE_UNITS, require_rigid, strike_of_keys
 from bristle_sim.theory import cueing
 
 if TYPE_CHECKING:
@@ -80,46 +79,44 @@ def cue_map(tool: Tool, settings: Settings, grid: MapGrid | None = None, *, with
     require_rigid(tool)
     started = clock.perf_counter()
     passes = USUAL_PASSES * (2 + sum(map(len, MOVES.values())) + 2 * with_reference)
-    strike = _told(simulation(settings), passes)
+    strike = _logged(simulation(settings), passes)
     radial = radial_place(tool, strike)
-    fastest = fastest_place(tool, strike, radial.direction)
-    formula = _formula(tool)
-    moves = _moves(tool, strike, radial.direction)
-    referred: Values = {}
+    fastest, formula = fastest_place(tool, strike, radial.direction), _formula(tool)
+    moves, simulated = _moves(tool, strike, radial.direction), _named(tool, radial, fastest)
+    referred, printed, within = dict[str, float | None](), dict[str, float](), dict[str, float]()
     if with_reference:
-        independent = _told(reference_solution(settings), 2 * USUAL_PASSES)
+        independent = _logged(reference_solution(settings), 2 * USUAL_PASSES)
         found = radial_place(tool, independent, radial.direction)
         referred = _named(tool, found, fastest_place(tool, independent, radial.direction))
-    # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
-    tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
-    widened = {
-        "bar_vertical": max(1.0, steep),
-        "bar_horizontal": max(1.0, 1.0 / max(steep, 1e-300)),
-        "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction / tolerance,
-    }
-    quantities = rows(
-        QUANTITIES,
-        _named(tool, radial, fastest),
-        {} if formula is None else _by_formula(tool, formula),
-        referred,
-        _printed() if tool == Tool() else {},
-        lambda name: tolerance * widened.get(name, 1.0) if referred else None,
-    )
+        # An error of the motion turns the bar by about as much; S_V magnifies that by S_H/S_V.
+        tolerance, steep = 10.0 * max(1e-8, settings.accuracy), abs(math.tan(radial.direction))
+        within = dict.fromkeys(QUANTITIES, tolerance) | {
+            "bar_vertical": tolerance * max(1.0, steep),
+            "bar_horizontal": tolerance * max(1.0, 1.0 / max(steep, 1e-300)),
+            "bar_direction_for_highest_tip_speed_deg": 4.0 * FINEST_MAXIMUM / fastest.direction,
+        }
+    if tool == Tool():
+        names = ("relative_speed_at_contact", "bar_direction_for_radial_strike_deg", "bar_horizontal", "bar_vertical")
+        printed = dict(zip(names, printed_cue().values(), strict=True))
+    theory = {} if formula is None else _by_formula(tool, formula)
+    quantities = rows(QUANTITIES, simulated, theory, referred, printed, within.get)
+    head = ("another", "value", "radial strike, deg", "formula, deg", "relative speed, rad/s")
+    cells = [[f"{each:.5g}" if isinstance(each, float) else each or "none" for each in row.values()] for row in moves]
     now = _where_it_stands(tool, strike)
     return Report(
         outcome=None,
         quantities=quantities,
         wall_s=clock.perf_counter() - started,
         remarks=(f"the formula with centrifugal stiffening: {math.degrees(stiffened_direction(tool)):.3f} deg",),
-        tables=(_moves_table(moves),),
+        tables=(Table("how the direction moves", head, tuple(map(tuple, cells))),),
         extra={"moves": list(moves)},
         subject=CueMap(tool, settings, grid or MapGrid(), radial, fastest, formula, moves),
-        answer=_answer(quantities, now),
+        answer=_answer(simulated, now),
     )
 
 
-def _answer(quantities: Sequence[Quantity], now: str) -> str:
-    found = {each.name: each.simulated or 0.0 for each in quantities}
+def _answer(simulated: Values, now: str) -> str:
+    found = {name: value or 0.0 for name, value in simulated.items()}
     direction = found["bar_direction_for_radial_strike_deg"]
     apart = found["bar_direction_for_highest_tip_speed_deg"] - direction
     fastest = "there the tip is also fastest" if abs(apart) < 0.05 else f"the tip is fastest {apart:+.2f}° from there"
@@ -142,32 +139,22 @@ def _where_it_stands(tool: Tool, strike: Strike) -> str:
     return f"Where it stands, at {stands:.2f}°{' as printed' if tool == Tool() else ''}, the strike is {beside_radial(lag)}."
 
 
-def _printed() -> Values:
-    cue, names = printed_cue(), ("relative_speed_at_contact", "bar_direction_for_radial_strike_deg")
-    return {
-        **dict(zip(names, cue.values(), strict=False)),
-        "bar_horizontal": cue["horizontal"],
-        "bar_vertical": cue["vertical"],
-    }
-
-
-def _told(strike: Strike, usual: int) -> Strike:
+def _logged(strike: Strike, usual: int) -> Strike:
     """Return the strike with each pass logged, and the time left if all the passes that are usual take the mean so far."""
     started, counter = clock.perf_counter(), itertools.count(1)
 
-    def told(tool: Tool) -> Measures:
-        """Return a pass's strike, and log that it is finished."""
+    def logged(tool: Tool) -> Measures:
         measures, finished = strike(tool), next(counter)
-        each = (clock.perf_counter() - started) / finished
+        left = (clock.perf_counter() - started) / finished * max(usual - finished, 1)
         words = "pass %d of some %d finished, about %.0f s left"
-        logging.getLogger(__name__).info(words, finished, max(usual, finished), each * max(usual - finished, 1))
+        logging.getLogger(__name__).info(words, finished, max(usual, finished), left)
         return measures
 
-    return told
+    return logged
 
 
 def _formula(tool: Tool) -> float | None:
-    """The dissertation's direction, rad; None for a belt without stiffness, which it does not cover."""
+    """Return the dissertation's direction, rad; None for a belt without stiffness, which it does not cover."""
     return cueing.cue(tool, retraction(tool)).bar_direction if tool.belt.stiffness else None
 
 
@@ -181,7 +168,7 @@ def _named(tool: Tool, radial: Place, fastest: Place) -> dict[str, float | None]
 
 
 def _by_formula(tool: Tool, direction: float) -> Values:
-    """The dissertation's side: radial and fastest are one."""
+    """Return the dissertation's side: radial and fastest are one."""
     speed = cueing.cue(tool, retraction(tool)).highest_relative_speed
     tip = tool.bristle.length * (tool.hub.speed + speed) + tool.hub.radius * tool.hub.speed
     place = Place(direction, {"relative_speed_at_contact": speed, "tip_speed_at_contact": tip})
@@ -192,29 +179,19 @@ def _moves(tool: Tool, strike: Strike, start: float) -> tuple[dict[str, Any], ..
     """Return the direction for a radial strike and its speed for other hub speeds, stiffnesses and damping ratios."""
     own, found = {"hub_speed": tool.hub.speed, "belt_stiffness": tool.belt.stiffness}, []
     for key, value in ((key, own.get(key, 1.0) * choice) for key, choices in MOVES.items() for choice in choices):
-        other, place = tool_of_keys(**{**keys_of(tool), key: value}), None
+        other, direction, speed = tool.replace(**{key: value}), None, None
         with contextlib.suppress(ValueError):  # the row says so by having no direction
             place = radial_place(other, strike, start)
+            direction, speed = math.degrees(place.direction), place.strike["relative_speed_at_contact"]
         formula = _formula(other)
-        row = {
-            "key": key,
-            "value": value,
-            "bar_direction_for_radial_strike_deg": place and math.degrees(place.direction),
-            "theory": formula and math.degrees(formula),
-            "relative_speed_at_contact": place and place.strike["relative_speed_at_contact"],
-        }
-        found.append(row)
+        names = ("key", "value", "bar_direction_for_radial_strike_deg", "theory", "relative_speed_at_contact")
+        values = (key, value, direction, formula and math.degrees(formula), speed)
+        found.append(dict(zip(names, values, strict=True)))
     return tuple(found)
 
 
-def _moves_table(moves: Sequence[dict[str, Any]]) -> Table:
-    cells = [[f"{each:.5g}" if isinstance(each, float) else each or "none" for each in row.values()] for row in moves]
-    head = ("another", "value", "radial strike, deg", "formula, deg", "relative speed, rad/s")
-    return Table("how the direction moves", head, tuple(map(tuple, cells)))
-
-
 def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
-    """Measures of the strike over the bar's position, NaN where it cues none; needs the extra ``sweep``.
+    """Return measures of the strike over the bar's position, NaN where it cues none; needs the extra ``sweep``.
 
     The maps are centred on the bar's position.
     """
@@ -226,9 +203,8 @@ def position_map(tool: Tool, settings: Settings, grid: MapGrid) -> xr.Dataset:
         raise ValueError(f"maps need the extra sweep: pip install bristle-sim[sweep] ({error})") from error
     assert tool.bar is not None
     offsets = np.linspace(-grid.half_width, grid.half_width, grid.points)
-    fixed = {key: value for key, value in keys_of(tool).items() if key not in ("bar_horizontal", "bar_vertical")}
     horizontal = tool.bar.horizontal + offsets
     space = {"bar_vertical": tool.bar.vertical + offsets, "bar_horizontal": horizontal[horizontal >= 0.0]}
-    point = functools.partial(strike_of_keys, settings, **fixed)
+    point = functools.partial(strike_of_keys, settings, tool)
     units = {**STRIKE_UNITS, "bar_horizontal": "m", "bar_vertical": "m"}
     return sweep(point, space, units=units, workers=None if grid.workers == 1 else grid.workers)

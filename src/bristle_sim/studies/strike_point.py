@@ -1,4 +1,4 @@
-"""Results of a run at its strike, and a pass up to there by the keys of its parameters: a point of maps and sweeps."""
+"""Results of a run at its strike, and a pass up to there at other values of a tool's keys: a point of maps and sweeps."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from bristle_sim.arrays import Array
-from bristle_sim.parameters import PARTS, Bar, Bristle, Tool, tool_keys
+from bristle_sim.parameters import Bar, Bristle, Tool
 from bristle_sim.scene.tool import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
@@ -117,17 +117,16 @@ def stopped(run: Trajectory) -> dict[str, Any]:
     return {"reason": str(reason), "time": time, "complete": not reason.gives_up, "remedy": run.stop_advice}
 
 
-_STRIKE = {**STATE, **IMPACT, "crater_depth": ("crater depth", "m")}
-
 STRIKE_UNITS = {
-    name: _STRIKE[name][1] for name in (*STATE, "normal_final_impulse", "normal_compressive_work", "crater_depth")
+    **{name: (STATE | IMPACT)[name][1] for name in (*STATE, "normal_final_impulse", "normal_compressive_work")},
+    "crater_depth": "m",
 }
 """Units of a cued strike's measures."""
 
 BEFORE_BAR = math.radians(30.0)
 """A whole pass over any bar starts with the radial bristle this far before the bar's direction, clear of the bar, rad."""
 
-MARGIN = math.radians(5.0)
+CLEAR_OF_BAR = math.radians(5.0)
 """Angle by which the bristle starts before the bar if the bar is in its way 90 degrees before the workpart, rad."""
 
 
@@ -135,47 +134,22 @@ class NotCuedError(ValueError):
     """The pass has no strike that the bar has cued."""
 
 
-def tool_of_keys(**values: float | str | None) -> Tool:
-    """Return a tool from the keys of its parameters; those left out have their defaults.
+def strike_of_keys(
+    settings: Settings | None = None, tool: Tool | None = None, /, **values: float
+) -> dict[str, float | None]:
+    """Return lag, speeds, impulse, work and crater depth of a tool's strike at other values of its keys, as STRIKE_UNITS has them."""
+    return cued_strike((tool or Tool()).replace(**values), settings or Settings())
+
+
+def cued_strike(tool: Tool, settings: Settings) -> dict[str, float | None]:
+    """Return the measures of the strike of a pass from 90 degrees before the workpart, or earlier if the bar stands there.
 
     Raises:
-        ValueError: for a key that no part has, or a value out of range.
-    """
-    left, fields = dict(values), dict[str, Any]()
-    for part, keys in tool_keys().items():
-        own = {field: left.pop(key) for key, (field, _) in keys.items() if key in left}
-        fields |= {part: PARTS[part][0](**own)} if part else own
-    if left:
-        raise ValueError(f"{', '.join(left)}: must be keys of hub, belt, bristle, bar, workpart, contact or gravity")
-    return Tool(**fields)
-
-
-def keys_of(tool: Tool) -> dict[str, float | str]:
-    """Return the values of a tool by the keys of its parameters, without those that are None."""
-    owners = {part: getattr(tool, part) if part else tool for part in tool_keys()}
-    found = {
-        key: getattr(owners[part], field, None)
-        for part, keys in tool_keys().items()
-        for key, (field, _) in keys.items()
-    }
-    return {key: value for key, value in found.items() if value is not None}
-
-
-def strike_of_keys(settings: Settings | None = None, **values: float | str | None) -> dict[str, float | None]:
-    """Lag, speeds, impulse, work and crater depth of the strike of a tool given by keys; STRIKE_UNITS has the units."""
-    tool = tool_of_keys(**values)
-    return strike_measures(tool, simulated_strike(tool, settings or Settings()))
-
-
-def simulated_strike(tool: Tool, settings: Settings) -> Trajectory:
-    """Simulate a pass up to its strike, from 90 degrees before the workpart, or earlier if the bar stands there.
-
-    Raises:
-        ValueError: if the run is given up.
+        ValueError: if the run is given up, or has no cued strike.
     """
     run = simulate(tool, settings, start_hub_angle=start_angle(tool), stop_after="strike")
     require_result(run, settings)
-    return run
+    return strike_measures(tool, run)
 
 
 def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
@@ -187,10 +161,9 @@ def full_pass(tool: Tool, bar: Bar, settings: Settings) -> dict[str, Any]:
     try:
         placed = dataclasses.replace(tool, bar=bar)
         run = simulate(placed, turning, start_hub_angle=-direction - BEFORE_BAR, stop_after="strike")
-        found = strike_measures(placed, run)
+        return row | {name: each for name, each in strike_measures(placed, run).items() if name in row}
     except ValueError as error:
         return row | {"no_strike": str(error)}
-    return row | {name: each for name, each in found.items() if name in row}
 
 
 def start_angle(tool: Tool) -> float:
@@ -200,11 +173,11 @@ def start_angle(tool: Tool) -> float:
     distance = math.hypot(*tool.bar.centre)
     direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
     covered = math.asin(min(1.0, tool.bar_reach / distance))
-    return -max(0.5 * math.pi, direction + covered + MARGIN)
+    return -max(0.5 * math.pi, direction + covered + CLEAR_OF_BAR)
 
 
 def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
-    """Return lag, speeds, impulse, work and crater depth of the strike of a bristle that the bar has cued.
+    """Return lag, speeds, impulse, work and crater depth of the strike of a bristle that the bar has cued; None if unknown.
 
     Raises:
         NotCuedError: if the bristle does not strike, or strikes before it has touched the bar or while it does.
@@ -217,17 +190,12 @@ def strike_measures(tool: Tool, run: Trajectory) -> dict[str, float | None]:
         raise NotCuedError("the bristle must touch the bar before it strikes the workpart")
     if max(each.time + each.duration for each in touches) >= strike.time:
         raise NotCuedError("the bristle must have left the bar when it strikes the workpart")
-    found = {**state_at_strike(tool, run, strike), **contact_quantities(strike)}
-    return {name: found[name] for name in STRIKE_UNITS if name in found} | {"crater_depth": _crater_depth(tool, strike)}
-
-
-def _crater_depth(tool: Tool, contact: ContactRecord) -> float | None:
-    """Depth of the crater by ``crater_depth`` with the workpart's friction, m; None if it is not known."""
-    work, workpart = contact.compressive_work, tool.workpart
-    entry = math.atan2(-contact.velocity_before[0], abs(contact.velocity_before[1]))
-    if work is None or workpart is None or workpart.friction <= 0.0 or not 0.0 < entry < 0.5 * math.pi:
-        return None
-    return crater_depth(work, workpart.friction, entry)
+    found = {**state_at_strike(tool, run, strike), **contact_quantities(strike), "crater_depth": None}
+    entry = math.atan2(-strike.velocity_before[0], abs(strike.velocity_before[1]))
+    work, friction = strike.compressive_work, tool.workpart.friction if tool.workpart else 0.0
+    if work is not None and friction > 0.0 and 0.0 < entry < 0.5 * math.pi:
+        found["crater_depth"] = crater_depth(work, friction, entry)
+    return {name: found[name] for name in STRIKE_UNITS}
 
 
 def crater_depth(compressive_work: tuple[float, float], friction: float, entry: float) -> float:

@@ -27,7 +27,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Sampling, Spreads, Tool, tool_keys
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
-from bristle_sim.studies.strike_point import IMPACT, STATE, STRIKE_UNITS, keys_of, strike_of_keys
+from bristle_sim.studies.strike_point import IMPACT, STATE, STRIKE_UNITS, strike_of_keys
 from bristle_sim.units import Range
 
 Measures = Mapping[str, float | None]
@@ -75,27 +75,24 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
     if tool.bar is None or tool.workpart is None:
         raise ValueError("bar, workpart: must both be parts of the tool")
     started = clock.perf_counter()
-    values, intervals = keys_of(tool), _intervals(tool, spreads)
-    fixed = {key: value for key, value in values.items() if key not in intervals}
-    point = functools.partial(strike_of_keys, settings, **fixed)
+    intervals = _intervals(tool, spreads)
+    point = functools.partial(strike_of_keys, settings, tool)
     workers = None if sampling.workers == 1 else sampling.workers
     study = sobol_study(point, intervals, OUTPUTS, sampling.samples, seed=sampling.seed, workers=workers)
     middles = {key: 0.5 * (low + high) for key, (low, high) in intervals.items()}
-    changes = propagated(point, middles, {key: 0.5 * (high - low) for key, (low, high) in intervals.items()})
+    changes = propagated(point, middles, {key: high - middles[key] for key, (_, high) in intervals.items()})
     std = {name: math.sqrt(sum(each**2 for each in parts.values()) / 3.0) for name, parts in changes.items()}
     rows = study.rows(std)
+    quantities = []
+    for row in rows:
+        name, unit = row["output"], STRIKE_UNITS[row["output"]]
+        quantities += [
+            Quantity(f"{name}_mean", unit, row["mean"]),
+            Quantity(f"{name}_std", unit, row["std"], row["std_first_order"]),
+        ]
     return Report(
         outcome=None,
-        quantities=tuple(
-            Quantity(
-                f"{row['output']}_{name}",
-                STRIKE_UNITS[row["output"]],
-                row[name],
-                row["std_first_order"] if name == "std" else None,
-            )
-            for row in rows
-            for name in ("mean", "std")
-        ),
+        quantities=tuple(quantities),
         wall_s=clock.perf_counter() - started,
         remarks=_remarks(rows),
         extra={"rows": rows},
@@ -107,14 +104,14 @@ def tolerances(tool: Tool, spreads: Spreads, sampling: Sampling, settings: Setti
 def answer(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the input that ranks first for most outputs, and by how much speed and impulse of the strike spread."""
     first = {row["output"]: max(row["indices"], key=lambda key: row["indices"][key]["total"]) for row in rows}
-    most = max(first.values(), key=list(first.values()).count)
-    ranks = f"{most} matters most: it ranks first for {list(first.values()).count(most)} of {len(rows)} measures of the strike"
-    spreads = [
-        f"{(STATE | IMPACT)[row['output']][0]} {amount(row['mean'], STRIKE_UNITS[row['output']])} by"
-        f" {amount(row['std'], STRIKE_UNITS[row['output']], 2)} (mostly {first[row['output']]})"
-        for row in rows
-        if row["output"] in STATE or row["output"] in IMPACT
-    ]
+    ranked, spreads = list(first.values()), []
+    most = max(ranked, key=ranked.count)
+    for row in rows:
+        name, unit = row["output"], STRIKE_UNITS[row["output"]]
+        if name in STATE | IMPACT:
+            mean, std = amount(row["mean"], unit), amount(row["std"], unit, 2)
+            spreads.append(f"{(STATE | IMPACT)[name][0]} {mean} by {std} (mostly {first[name]})")
+    ranks = f"{most} matters most: it ranks first for {ranked.count(most)} of {len(rows)} measures of the strike"
     return f"{ranks[0].upper()}{ranks[1:]}. Standard deviations: {'; '.join(spreads)}."
 
 
@@ -129,27 +126,24 @@ def propagated(
     for key, half_width in half_widths.items():
         low, high = (function(**{**values, key: values[key] + sign * half_width}) for sign in (-1.0, 1.0))
         for name, value in high.items():
-            other = low[name]
-            if value is not None and other is not None:
+            if value is not None and (other := low[name]) is not None:
                 changes.setdefault(name, {})[key] = 0.5 * (value - other)
     return changes
 
 
 def _intervals(tool: Tool, spreads: Spreads) -> dict[str, tuple[float, float]]:
-    """Ends of every input's interval, cut off at the bounds of what the input may be."""
-    values, found = keys_of(tool), dict[str, tuple[float, float]]()
-    declared_keys = {key: declared for keys in tool_keys().values() for key, (_, declared) in keys.items()}
-    for each in dataclasses.fields(spreads):
-        half_width = getattr(spreads, each.name)
-        if half_width:
-            declared = declared_keys[each.name]
-            assert isinstance(declared, Range)
-            middle = float(values[each.name])
-            low = max(declared.lowest, middle - half_width)
-            found[each.name] = (low, min(declared.highest, middle + half_width))
+    """Return the ends of every input's interval, cut off at the bounds of what the input may be."""
+    found = dict[str, tuple[float, float]]()
+    for part, keys in tool_keys().items():
+        for key, (name, declared) in keys.items():
+            half_width = getattr(spreads, key, 0.0)
+            if half_width:
+                assert isinstance(declared, Range)
+                middle = float(getattr(getattr(tool, part) if part else tool, name))
+                found[key] = (max(declared.lowest, middle - half_width), min(declared.highest, middle + half_width))
     if not found:
         raise ValueError("spread_...: at least one must be more than 0, or nothing is spread")
-    return found
+    return {each.name: found[each.name] for each in dataclasses.fields(spreads) if each.name in found}
 
 
 def _remarks(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
