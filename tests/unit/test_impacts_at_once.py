@@ -113,6 +113,23 @@ def test_newtons_cradle(count: int) -> None:
     assert len(impacts) == count - 1
 
 
+@pytest.mark.parametrize("ratio", [100.0, 1e3, 1e6])
+def test_a_light_ball_between_two_heavy_ones_throws_them_back(ratio: float) -> None:
+    """Without loss after pi/2 sqrt(M/(2 m)) = 11 bounces off each at 100; if it bounces more often, some energy is lost."""
+    space, impacts = pymunk.Space(), list[LocatedImpact]()
+    _light, left, right = (ball(space, 0.2 * at, 0.0, (-float(at), 0.0)) for at in (0, -1, 1))
+    left.mass = right.mass = ratio
+    contact = EnergeticContact(space, 2, 2, friction=0.0, restitution=1.0, report=impacts.append)
+    for _ in range(20):
+        contact.step(1e-4)
+    assert kinetic_energy(space) <= ratio * (1.0 + 1e-12)
+    assert sum(each.mass * each.velocity.x for each in space.bodies) == pytest.approx(0.0, abs=1e-9 * ratio)
+    assert len(impacts) <= 2 * MOST
+    if ratio == 100.0:
+        assert kinetic_energy(space) == pytest.approx(ratio, rel=1e-12)
+        assert len(impacts) == 22
+
+
 @pytest.mark.parametrize("restitution", [0.0, 0.5, 0.9])
 @pytest.mark.parametrize("count", [10, 20, 40])
 def test_a_row_of_balls_costs_a_bounded_number_of_impacts(count: int, restitution: float) -> None:

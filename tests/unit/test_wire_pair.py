@@ -1,17 +1,12 @@
 """Pairs of links of two wires: distances and velocities by hand, impacts of free chains, and what the engine touches."""
 
-import math
-
 import numpy as np
-import pymunk
 import pytest
 
-from bristle_sim.contact_space.impulse import contact_space
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
 from bristle_sim.scene.contact.obstacles import WirePair, wire_pairs
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.theory.impact import energetic_impact
 
 ROW = Mechanism((Link.rod(1.0, 1.0), Link.rod(1.0, 1.0)), hub_radius=1.0, hub_speed=0.3, wires=2, pitch=0.4)
 PAIR = WirePair(0, 0, 1, 0, 0.05, 0.0, 0.5)
@@ -66,59 +61,3 @@ def test_pairs_are_of_different_wires() -> None:
     # One piece of the straight link and two of the bent one, on either side.
     assert len(pairs) == 9
     assert {(each.link // 2, each.partner // 2) for each in pairs} == {(0, 1)}
-
-
-def free_chain(space: pymunk.Space, rng: np.random.Generator, links: int) -> list[pymunk.Body]:
-    """Rods of random masses and places, hinged end to end, with random velocities that the hinges allow."""
-    bodies: list[pymunk.Body] = []
-    end, velocity = rng.normal(size=2), rng.normal(size=2)
-    for _ in range(links):
-        mass, length, angle, rate = 10.0 ** rng.uniform(-1, 1), rng.uniform(0.2, 2.0), rng.uniform(-3, 3), rng.normal()
-        body = pymunk.Body(mass, mass * length**2 / 12.0)
-        half = 0.5 * length * np.array([math.sin(angle), -math.cos(angle)])
-        turned = np.array([-half[1], half[0]])
-        body.angle, body.position = angle, tuple(end + half)
-        body.velocity, body.angular_velocity = tuple(velocity + rate * turned), float(rate)
-        space.add(body)
-        if bodies:
-            space.add(pymunk.PivotJoint(bodies[-1], body, tuple(end)))
-        bodies.append(body)
-        end, velocity = end + 2.0 * half, velocity + 2.0 * rate * turned
-    return bodies
-
-
-def momenta(bodies: list[pymunk.Body]) -> np.ndarray:
-    """Momentum and angular momentum about the origin."""
-    found = np.zeros(3)
-    for body in bodies:
-        (x, y), (u, v) = body.position, body.velocity
-        found += body.mass * np.array([u, v, x * v - y * u]) + np.array([0.0, 0.0, body.moment * body.angular_velocity])
-    return found
-
-
-def energy(bodies: list[pymunk.Body]) -> float:
-    return sum(0.5 * (b.mass * b.velocity.dot(b.velocity) + b.moment * b.angular_velocity**2) for b in bodies)
-
-
-@pytest.mark.parametrize("seed", range(25))
-def test_free_chains_that_collide_keep_their_momentum(seed: int) -> None:
-    """And never gain energy, with any friction and restitution."""
-    rng = np.random.default_rng(seed)
-    space = pymunk.Space()
-    first, second = (free_chain(space, rng, int(rng.integers(1, 6))) for _ in range(2))
-    angle = rng.uniform(0.0, math.tau)
-    point, normal = tuple(rng.normal(size=2)), (math.cos(angle), math.sin(angle))
-    contact = contact_space(first[-1], point, normal, second[int(rng.integers(len(second)))])
-    if contact.velocity[0] > 0.0:
-        normal = (-normal[0], -normal[1])
-        contact = contact_space(first[-1], point, normal, second[-1])
-    before, kinetic = momenta(first + second), energy(first + second)
-    friction, restitution = rng.uniform(0.0, 1.0, 2)
-    impact = energetic_impact(
-        contact.inverse_mass, contact.velocity, friction, restitution, friction, contact.stick_compliance
-    )
-    contact.apply((impact.impulse_normal, impact.impulse_tangential))
-    size = float(np.abs(before).max()) + abs(impact.impulse_normal) * (1.0 + math.hypot(*point))
-    # Rounding of the sum over up to ten bodies, whose joints' impulses are larger than the contact's by mass ratios up to 100.
-    assert momenta(first + second) == pytest.approx(before, abs=1e-12 * size)
-    assert energy(first + second) <= kinetic * (1.0 + 1e-12)
