@@ -117,20 +117,6 @@ def test_out_of_reach_is_as_good_as_absent(present: dict[str, object]) -> None:
     assert second.contacts == ()
 
 
-def test_workpart_friction_is_not_felt_before_the_strike() -> None:
-    runs = [
-        simulate(Tool(workpart=Workpart(friction=friction, restitution=e)), stop_after="strike")
-        for friction, e in ((0.0, 0.0), (0.31, 0.42))
-    ]
-    before = [run.time < (run.event_time("strike") or 0.0) for run in runs]
-    assert np.array_equal(runs[0].angles[before[0]], runs[1].angles[before[1]])
-
-
-def test_frictionless_bar_rubs_nothing() -> None:
-    run = simulate(Tool(), stop_after="strike")
-    assert [each.impulse[1] for each in run.contacts if each.obstacle == "bar"] == [0.0, 0.0, 0.0]
-
-
 def test_effects_that_are_there_are_felt() -> None:
     """Each of them moves the strike or the bar's contact record, so that none is absent by mistake."""
     tool = Tool()
