@@ -66,11 +66,10 @@ def _answer(given: Sequence[str]) -> int:
 
 def _command(name: str, given: Sequence[str]) -> int:
     """Run a command that is no scenario of its own but serves the whole pass; return the exit status."""
-    from bristle_sim.cli import compare
-    from bristle_sim.cli.explore import command as explore
+    from bristle_sim.cli import compare, explore
 
     try:
-        return {"compare": compare.main, "explore": explore.main}[name](load(scripts()["cue_and_impact"]), given)
+        return {"compare": compare.main, "explore": explore.main}[name](whole_pass(), given)
     except (ValueError, argparse.ArgumentError) as error:
         tell(f"{PROGRAM} {name}: error: {error}")
         return BAD_INPUT
@@ -92,6 +91,11 @@ def load(path: Path) -> Scenario:
     scenario = runpy.run_path(str(path), run_name=f"bristle_sim.scenarios.{path.stem}")["SCENARIO"]
     assert isinstance(scenario, Scenario)
     return scenario
+
+
+def whole_pass() -> Scenario:
+    """Return the scenario that the other commands run."""
+    return load(scripts()["cue_and_impact"])
 
 
 def overview() -> str:

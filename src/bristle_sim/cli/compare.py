@@ -5,11 +5,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from bristle_sim.cli.output import say
+from bristle_sim.cli.output import say, word
 from bristle_sim.cli.scenario import Scenario
-from bristle_sim.comparison import Quantity, Report, readable_unit, side_by_side
+from bristle_sim.comparison import Quantity, readable_unit, side_by_side
 from bristle_sim.files import checked_target
 
 PROGRAM = "bristle-sim compare"
@@ -22,25 +21,26 @@ def main(pass_of: Scenario, arguments: Sequence[str]) -> int:
         ValueError: for bad input.
         OSError: naming the file, if the page cannot be written.
     """
-    parser = argparse.ArgumentParser(
-        prog=PROGRAM, description="Compare the passes of two tools.", allow_abbrev=False, exit_on_error=False
-    )
+    about = "Compare the passes of two tools."
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=about, allow_abbrev=False, exit_on_error=False)
     parser.add_argument("first", metavar="A.toml", help="a tool")
     parser.add_argument("second", metavar="B.toml", help="another tool")
     parser.add_argument("--report", metavar="FILE.html", help="write a page with the numbers and the pictures")
     options = parser.parse_args(arguments)
     target = None if options.report is None else checked_target(options.report, (".html",), option="--report")
     names = (Path(options.first).stem, Path(options.second).stem)
-    values = [pass_of.values_of(pass_of.assignments_from(path)[0]) for path in (options.first, options.second)]
-    reports = [pass_of.answer(each) for each in values]
-    changed = [
-        [key, _word(values[0][key]), _word(values[1][key])] for key in values[0] if values[0][key] != values[1][key]
+    one, two = (pass_of.values_of(pass_of.assignments_from(path)[0]) for path in (options.first, options.second))
+    reports = [pass_of.answer(one), pass_of.answer(two)]
+    changed = [[key, word(one[key]), word(two[key])] for key in one if one[key] != two[key]]
+    others = {each.name: each for each in reports[1].quantities}
+    pairs = [
+        (each, others[each.name]) for each in reports[0].quantities if each.tolerance is None and each.name in others
     ]
-    rows = numbers(reports)
-    lines = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
-    lines += ["", *_table([["key (SI)", *names], *(changed or [["no key differs", "", ""]])])]
-    lines += ["", *_table([["quantity", "unit", *names, "difference"], *rows])]
-    say("\n".join(lines))
+    rows = [_row(*pair) for pair in pairs]
+    answers = [f"{name}: {report.answer}" for name, report in zip(names, reports, strict=True)]
+    keys = _table([["key (SI)", *names], *(changed or [["no key differs", "", ""]])], 1)
+    quantities = _table([["quantity", "unit", *names, "difference"], *rows], 2)
+    say("\n".join([*answers, "", *keys, "", *quantities]))
     if target is not None:
         from bristle_sim.render.comparison_page import write_comparison
 
@@ -49,33 +49,16 @@ def main(pass_of: Scenario, arguments: Sequence[str]) -> int:
     return 0
 
 
-def numbers(reports: Sequence[Report]) -> list[list[str]]:
-    """Return a row for each finding that both reports have: label, unit, both values, and their relative difference."""
-    second = {each.name: each for each in reports[1].quantities}
-    return [
-        _row(each, second[each.name])
-        for each in reports[0].quantities
-        if each.name in second and each.tolerance is None
-    ]
-
-
 def _row(first: Quantity, second: Quantity) -> list[str]:
+    """Return label, unit, both values, and their relative difference."""
     a, b = first.simulated, second.simulated
     unit, size = readable_unit(first.unit, [a, b])
     shown = ["none" if each is None else f"{each / size:.6g}" for each in (a, b)]
-    return [
-        first.label,
-        "" if unit == "1" else unit,
-        *shown,
-        "" if a is None or b is None or not a else f"{100.0 * (b - a) / abs(a):+.3g} %",
-    ]
+    difference = "" if a is None or b is None or not a else f"{100.0 * (b - a) / abs(a):+.3g} %"
+    return [first.label, "" if unit == "1" else unit, *shown, difference]
 
 
-def _table(rows: Sequence[Sequence[str]]) -> list[str]:
+def _table(rows: Sequence[Sequence[str]], words: int) -> list[str]:
+    """Return aligned lines, whose first columns are words and whose others stand at the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    numeric = range(len(widths) - 2 if len(widths) == 3 else 2, len(widths))
-    return [line for row in rows for line in side_by_side([[cell] for cell in row], widths, numeric)]
-
-
-def _word(value: Any) -> str:
-    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    return [line for row in rows for line in side_by_side([[cell] for cell in row], widths, range(words, len(widths)))]

@@ -7,24 +7,25 @@ import os
 import re
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 from warnings import catch_warnings, simplefilter
 
 from bristle_sim.cli.ending import ending_in_order
-from bristle_sim.cli.output import csv_text, document, in_words, progress, say, tell
+from bristle_sim.cli.output import csv_text, document, in_words, progress, say, tell, write_text
 from bristle_sim.cli.scenario import Scenario, Values, tool_of
 from bristle_sim.comparison import Report, Unfinished
-from bristle_sim.files import checked_target, complete_or_absent, is_special
+from bristle_sim.files import checked_target, is_special
 from bristle_sim.tool_file import write_tool
 from bristle_sim.units import UnusualValueWarning
 
 KINDS = {
-    "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "report": (".html",),
-    "write_tool": (".toml",),
+    "json": (), "csv": (".csv",), "plot": (".png", ".svg", ".pdf"), "video": (".mp4", ".gif"), "write_tool": (".toml",),
+    "report": (".html",),
 }  # fmt: skip
-"""Suffixes of the files that an option may name; none admits any."""
+"""Suffixes of the files that an option may name, none admits any."""
 
 ON_STANDARD_OUTPUT = ("json", "csv")  # options that take - for it
 
@@ -44,9 +45,8 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
         try:
             if sys.stdout is None:
                 raise OSError("standard output: must be open")
-            options = _parser(
-                scenario, program, sweeping=any(each.startswith("--sweep") for each in arguments)
-            ).parse_args(arguments)
+            sweeping = any(each.startswith("--sweep") for each in arguments)
+            options = _parser(scenario, program, sweeping=sweeping).parse_args(arguments)
             if options.list_keys:
                 say(scenario.key_list())
                 return 0
@@ -55,7 +55,7 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
                 options.set = [*from_file, *options.set]
             values = scenario.values_of(options.set)
             remarks += scenario.warnings_of(options.set, values)
-            status = _answer(scenario, options, values, command) if not options.sweep else _swept(scenario, options)
+            status = _swept(scenario, options) if options.sweep else _answer(scenario, options, values, command)
         except (ValueError, OSError) as error:
             line = "; ".join([" ".join(str(error).split()), *remarks])
             tell(f"{program}: error: {line}")
@@ -71,16 +71,33 @@ def main(scenario: Scenario, arguments: Sequence[str] | None = None, *, program:
 
 def _answer(scenario: Scenario, options: argparse.Namespace, values: Values, command: str) -> int:
     """Run the scenario, write the requested files, print the answer; return the exit status."""
-    targets = _targets(scenario, options, values)
+    targets, status = _targets(scenario, options, values), 0
     try:
-        report, status = _run(scenario, values, options.set), 0
+        report = scenario.answer(values)
     except Unfinished as interruption:
         report, status = interruption.report, INTERRUPTED
-    text = document(scenario.name, values, report, finished=not status)
-    series = "" if status else _write_files(scenario, report, values, targets, options, command)
-    if (target := targets["json"]) is not None:
-        _written("json", target, lambda: _write_text(target, text + "\n"))
-    say(text if options.json == "-" else series if options.csv == "-" else in_words(report))
+        targets = {"json": targets["json"]}
+    except ArithmeticError as error:
+        if not options.set:
+            raise
+        raise ValueError(f"{', '.join(options.set)}: must be less extreme ({error})") from error
+    # The time series comes first, since it may be refused.
+    texts = {"csv": "", "json": document(scenario.name, values, report, finished=not status)}
+    if scenario.series is not None and options.csv is not None and not status:
+        texts["csv"] = csv_text(scenario.series(report)).removesuffix("\n")
+    for option in [*(each for each in targets if each not in texts), *texts]:
+        if (target := targets.get(option)) is not None:
+            try:
+                if option in texts:
+                    write_text(target, texts[option])
+                else:
+                    _write(option, target, scenario, report, values, options, command, targets["video"])
+            except OSError as error:
+                raise OSError(f"{_flag(option)} = {str(target)!r}: {error.strerror or error}") from error
+            if option != "json":
+                tell(f"{_flag(option)}: wrote {target}")
+    shown = next((option for option in texts if getattr(options, option) == "-"), None)
+    say(in_words(report) if shown is None else texts[shown])
     return status or (MISSED if any(row.ok is False for row in report.quantities) else 0)
 
 
@@ -94,90 +111,47 @@ def _swept(scenario: Scenario, options: argparse.Namespace) -> int:
         raise ValueError(f"--sweep needs the extra sweep: pip install bristle-sim[sweep] ({error})") from error
 
 
-def _run(scenario: Scenario, values: Values, assignments: Sequence[str]) -> Report:
-    try:
-        return scenario.answer(values)
-    except ArithmeticError as error:
-        if not assignments:
-            raise
-        raise ValueError(f"{', '.join(assignments)}: must be less extreme ({error})") from error
-
-
-def _write_files(
+def _write(
+    option: str,
+    target: Path,
     scenario: Scenario,
     report: Report,
     values: Values,
-    targets: dict[str, Path | None],
     options: argparse.Namespace,
     command: str,
-) -> str:
-    """Write all files but the JSON; return the time series, which is computed first, since it may be refused."""
-    series = csv_text(scenario.series(report)) if scenario.series is not None and options.csv is not None else ""
-
-    def make_page(path: Path) -> None:
+    video: Path | None,
+) -> None:
+    """Write the picture, film, tool or page that an option requests."""
+    if option == "plot":
+        _draw(scenario, report, target)
+    elif option == "video" and scenario.film is not None:
+        scenario.film(report, **(options.size or {})).write(target, **({"fps": options.fps} if options.fps else {}))
+    elif option == "write_tool":
+        write_tool(tool_of(values) if scenario.tool is None else scenario.tool(report), target)
+    elif option == "report":
         from bristle_sim.render.report import write_report
 
         write_report(
-            path,
+            target,
             report,
             name=scenario.name,
             question=scenario.question,
             command=command,
             parameters=[(declared, values[key], default) for key, (declared, default) in scenario.keys().items()],
-            plot=_draw(scenario),
+            plot=partial(_draw, scenario) if scenario.plot or scenario.plots else None,
             plot_is_folder=scenario.plots is not None,
-            video=targets["video"],
+            video=video,
         )
 
-    def make_film(path: Path) -> None:
-        if scenario.film is not None:
-            scenario.film(report, **(options.size or {})).write(path, **({"fps": options.fps} if options.fps else {}))
 
-    def make_plot(path: Path) -> None:
-        if (draw := _draw(scenario)) is not None:
-            draw(report, path)
-
-    def make_tool(path: Path) -> None:
-        write_tool(tool_of(values) if scenario.tool is None else scenario.tool(report), path)
-
-    makers: dict[str, Callable[[Path], None]] = {
-        "plot": make_plot,
-        "video": make_film,
-        "csv": lambda path: _write_text(path, series),
-        "write_tool": make_tool,
-        "report": make_page,
-    }
-    for option, make in makers.items():
-        if (target := targets[option]) is not None:
-            _written(option, target, lambda make=make, target=target: make(target))  # type: ignore[misc]
-            tell(f"{_flag(option)}: wrote {target}")
-    return series.removesuffix("\n")
-
-
-def _draw(scenario: Scenario) -> Callable[[Report, Path], None] | None:
-    """Return the function that draws a report's figure, or figures, to a path."""
-    if (plot := scenario.plot) is None:
-        return scenario.plots
-
-    def draw(report: Report, path: Path) -> None:
+def _draw(scenario: Scenario, report: Report, path: Path) -> None:
+    """Draw the report's figure to a file, or its figures to a folder."""
+    if scenario.plot is not None:
         from bristle_sim.render.style import save_figure
 
-        save_figure(plot(report), path)
-
-    return draw
-
-
-def _written(option: str, target: Path, write: Callable[[], None]) -> None:
-    """Write a file; an error names option and file."""
-    try:
-        write()
-    except OSError as error:
-        raise OSError(f"{_flag(option)} = {str(target)!r}: {error.strerror or error}") from error
-
-
-def _write_text(target: Path, text: str) -> None:
-    with complete_or_absent(target) as partial:
-        partial.write_text(text, encoding="utf-8", newline="")
+        save_figure(scenario.plot(report), path)
+    elif scenario.plots is not None:
+        scenario.plots(report, path)
 
 
 def _flag(option: str) -> str:
@@ -189,7 +163,7 @@ def _targets(scenario: Scenario, options: argparse.Namespace, values: Values) ->
 
     A device such as /dev/null may serve several options.
     """
-    found = dict.fromkeys(KINDS, None) | dict[str, Path | None]()
+    found: dict[str, Path | None] = dict.fromkeys(KINDS)
     if options.workers is not None or options.store is not None:
         raise ValueError("--workers, --store: must be given with --sweep")
     if options.json == options.csv == "-":
@@ -233,20 +207,19 @@ class _Parser(argparse.ArgumentParser):
 def _parser(scenario: Scenario, program: str, *, sweeping: bool = False) -> _Parser:
     """Return a parser of the options that the scenario has, or that a sweep of it has; others are as if left out."""
     parser = _Parser(prog=program, description=scenario.question, allow_abbrev=False)
-    words = "override a parameter, in SI units or with a unit (27mm); the last of a key counts"
-    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help=words)
     has_tool, pictures = "hub_speed" in scenario.keys(), scenario.plot or scenario.plots  # noqa: SIM118
-    where = "FOLDER|FILE.pdf" if scenario.plots else "FILE"
+    where, rows = "FOLDER|FILE.pdf" if scenario.plots else "FILE", "write the time series, one row a sample"
     options: tuple[tuple[str, Any, str, str, Any], ...] = (
+        (
+            "set",
+            True,
+            "KEY=VALUE",
+            "override a parameter, in SI units or with a unit (27mm); the last of a key counts",
+            [],
+        ),
         ("parameters", has_tool, "FILE.toml", "read the tool from a file; --set overrides it", str),
         ("json", True, "FILE", "write the results as JSON; - for standard output", str),
-        (
-            "csv",
-            scenario.series or sweeping,
-            "FILE.csv",
-            "write the time series, one row a sample; - for standard output",
-            str,
-        ),
+        ("csv", scenario.series or sweeping, "FILE.csv", f"{rows}; - for standard output", str),
         ("plot", pictures or sweeping, where, "draw a figure (png, svg, pdf)", str),
         ("video", scenario.film, "FILE", "render a video (mp4, gif)", str),
         ("size", scenario.film, "WIDTHxHEIGHT", "of the video, in px", _size),
@@ -255,19 +228,24 @@ def _parser(scenario: Scenario, program: str, *, sweeping: bool = False) -> _Par
         ("write_tool", has_tool, "FILE.toml", "write the tool that was run, or found", str),
         ("workers", True, "N", "processes of a sweep; -1: one a core", int),
         ("store", True, "FOLDER", "keep finished points of a sweep, and go on from them", str),
+        ("sweep", True, "KEY=FROM:TO:N", SWEEP_HELP, []),
     )
-    for name, offered, what, words, kind in options:
+    for name, offered, metavar, words, kind in options:
         if offered:
-            parser.add_argument(_flag(name), metavar=what, help=words, type=kind)
+            how: dict[str, Any] = {"type": kind} if callable(kind) else {"action": "append", "default": kind}
+            parser.add_argument(_flag(name), metavar=metavar, help=words, **how)
         else:
             parser.set_defaults(**{name: None})
-    words = "the quantities over one key, or two by two options, in N steps; with --csv, --json and --plot of the table"
-    parser.add_argument("--sweep", metavar="KEY=FROM:TO:N", action="append", default=[], help=words)
     parser.add_argument("--list-keys", action="store_true", help="list every key and stop")
     for key in scenario.options:
         setting: dict[str, Any] = {"dest": "set", "action": "append", "type": f"{key}={{}}".format}
         parser.add_argument(f"--{key}", metavar="VALUE", help=f"--set {key}=VALUE", **setting)
     return parser
+
+
+SWEEP_HELP = (
+    "the quantities over one key, or two by two options, in N steps; with --csv, --json and --plot of the table"
+)
 
 
 def _size(text: str) -> dict[str, int]:

@@ -15,10 +15,12 @@ import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from bristle_sim import __version__
 from bristle_sim.comparison import WIDTH, Report, finite, table
+from bristle_sim.files import complete_or_absent
 
 SILENCE = 15.0  # longest time without a word on the progress of long work, s
 
@@ -98,6 +100,11 @@ def plain(value: Any) -> Any:
     return finite(value) if isinstance(value, float) else value
 
 
+def word(value: Any) -> str:
+    """Return a key's value as a person reads it."""
+    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
 def csv_text(columns: Mapping[str, Sequence[Any]]) -> str:
     """Return a time series at full precision: names and units in the first row, then one row a sample."""
     text = io.StringIO(newline="")
@@ -129,6 +136,12 @@ def _wrapped(remark: str) -> list[str]:
     if len(remark) <= WIDTH or "\n" in remark or "  " in remark.strip():
         return [remark]
     return textwrap.wrap(remark, WIDTH, subsequent_indent="  ")
+
+
+def write_text(target: Path, text: str) -> None:
+    """Write a file of lines that appears only when complete."""
+    with complete_or_absent(target) as partial:
+        partial.write_text(text + "\n", encoding="utf-8", newline="")
 
 
 def say(text: str) -> None:

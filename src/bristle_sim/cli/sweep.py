@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from bristle_sim import __version__
-from bristle_sim.cli.output import csv_text, plain, say, tell
+from bristle_sim.cli.output import csv_text, plain, say, tell, write_text
 from bristle_sim.cli.scenario import Scenario
 from bristle_sim.comparison import WIDTH, Report, Table, readable_unit
-from bristle_sim.files import checked_target, complete_or_absent
+from bristle_sim.files import checked_target
 from bristle_sim.units import Range, likely_key
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ MOST_POINTS = 10**6
 
 MOST_ROWS = 60
 """Points that a terminal shows; files have all."""
-
-SUFFIXES = {"csv": (".csv",), "json": (), "plot": (".png", ".svg", ".pdf")}
 
 
 def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
@@ -39,11 +37,9 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
     for name in ("video", "report", "write_tool"):
         if getattr(options, name) is not None:
             raise ValueError(f"--{name.replace('_', '-')}: must be left out with --sweep")
-    targets = {
-        name: checked_target(path, suffixes, option=f"--{name}")
-        for name, suffixes in SUFFIXES.items()
-        if (path := getattr(options, name)) is not None and path != "-"
-    }
+    suffixes = {"csv": (".csv",), "json": (), "plot": (".png", ".svg", ".pdf")}
+    given = {name: path for name in suffixes if (path := getattr(options, name)) not in (None, "-")}
+    targets = {name: checked_target(path, suffixes[name], option=f"--{name}") for name, path in given.items()}
     keys = scenario.keys()
     axes = dict(_axis(scenario, text) for text in options.sweep)
     if len(axes) < len(options.sweep):
@@ -51,22 +47,16 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
     point = functools.partial(answer_at, scenario, tuple(options.set))
     units = {key: keys[key][0].unit for key in axes}
     found = sweep_scenario(point, axes, units=units, workers=options.workers, store=options.store)
-    columns = table_columns(found)
-    answer = _summary(found, axes)
+    columns, answer = table_columns(found), _summary(found, axes)
     contents = {
-        "csv": csv_text(columns),
-        "json": json.dumps(
-            {
-                "scenario": scenario.name,
-                "answer": answer,
-                "version": __version__,
-                "parameters": {key: value for key, value in scenario.values_of(options.set).items() if key not in axes},
-                "columns": plain(columns),
-            },
-            indent=1,
-            allow_nan=False,
-        ),
+        "scenario": scenario.name,
+        "answer": answer,
+        "version": __version__,
+        "parameters": {key: value for key, value in scenario.values_of(options.set).items() if key not in axes},
+        "columns": plain(columns),
     }
+    json_text = json.dumps(contents, indent=1, allow_nan=False)
+    texts = {"csv": csv_text(columns).removesuffix("\n"), "json": json_text}
     for name, target in targets.items():
         if name == "plot":
             from bristle_sim.render.style import save_figure
@@ -74,10 +64,9 @@ def run_sweep(scenario: Scenario, options: argparse.Namespace) -> int:
 
             save_figure(sweep_figure(found, list(axes)), target)
         else:
-            with complete_or_absent(target) as partial:
-                partial.write_text(contents[name].rstrip("\n") + "\n", encoding="utf-8", newline="")
+            write_text(target, texts[name])
         tell(f"--{name}: wrote {target}")
-    shown = next((contents[name].rstrip("\n") for name in contents if getattr(options, name) == "-"), None)
+    shown = next((texts[name] for name in texts if getattr(options, name) == "-"), None)
     say(shown or "\n\n".join([answer, *map(str, _tables(found, list(axes)))]))
     return 0
 
@@ -93,17 +82,14 @@ def _axis(scenario: Scenario, text: str) -> tuple[str, list[float]]:
 
     key, _, interval = text.partition("=")
     ends, keys = interval.split(":"), scenario.keys()
+    refused = f"--sweep = {text!r}"
     if len(ends) != 3 or not ends[2].isdecimal() or not 1 <= int(ends[2]) <= MOST_POINTS:
-        raise ValueError(
-            f"--sweep = {text!r}: must be KEY=FROM:TO:N with N from 1 to {MOST_POINTS}, such as friction=0.1:0.5:9"
-        )
+        raise ValueError(f"{refused}: must be KEY=FROM:TO:N with N from 1 to {MOST_POINTS}, such as friction=0.1:0.5:9")
     if key not in keys:
-        raise ValueError(
-            f"--sweep = {text!r}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}"
-        )
+        raise ValueError(f"{refused}: unknown key {key!r}; {likely_key(key, keys, '--list-keys shows all keys')}")
     declared = keys[key][0]
     if not isinstance(declared, Range):
-        raise ValueError(f"--sweep = {text!r}: must name a key that is a number, not a word")
+        raise ValueError(f"{refused}: must name a key that is a number, not a word")
     low, high = (float(declared.parse(end)) for end in ends[:2])
     return key, np.linspace(low, high, int(ends[2])).tolist()
 
@@ -124,13 +110,10 @@ def _summary(found: xr.Dataset, axes: dict[str, list[float]]) -> str:
     """Say how many points there are, and why some lack results."""
     import numpy as np
 
-    reasons, number = np.unique(found["failure"].values, return_counts=True)
+    reasons, numbers = np.unique(found["failure"].values, return_counts=True)
     over = " and ".join(f"{len(values)} values of {key}" for key, values in axes.items())
-    why = "; ".join(
-        f"{n} lack results: {reason.rstrip('.')}"
-        for reason, n in zip(reasons.tolist(), number.tolist(), strict=True)
-        if reason
-    )
+    pairs = zip(reasons.tolist(), numbers.tolist(), strict=True)
+    why = "; ".join(f"{number} lack results: {reason.rstrip('.')}" for reason, number in pairs if reason)
     return f"{over}: {found['failure'].size} points" + (f", {why}." if why else ", all with results.")
 
 

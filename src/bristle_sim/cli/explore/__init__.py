@@ -1,18 +1,23 @@
 """The bench: a page with a knob for every key of the tool, and the run that follows each move.
 
-``bench`` computes a run for typed values, ``server`` answers the browser, ``command`` is ``bristle-sim explore``. The page
-itself is ``render.explore_page``.
+``bench`` computes a run for typed values, ``server`` answers the browser; the page itself is ``render.explore_page``.
 """
 
 from __future__ import annotations
 
+import argparse
 import html
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from bristle_sim.cli.output import say
+from bristle_sim.cli.scenario import Scenario
 from bristle_sim.trajectory.pictures import Html
 
 if TYPE_CHECKING:
     from bristle_sim.parameters import Tool
+
+MOST_PORTS = 65535
 
 
 def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
@@ -33,3 +38,34 @@ def explore(tool: Tool | None = None, *, height: int = 900) -> Html:
 
     address = serve(assignments_of(tool, scenario()))
     return Html(f'<iframe src="{html.escape(address)}" width="100%" height="{height}" title="Explore a tool"></iframe>')
+
+
+def main(pass_of: Scenario, arguments: Sequence[str]) -> int:
+    """Serve the bench until Ctrl-C, as ``bristle-sim explore``; return the exit status.
+
+    Raises:
+        ValueError: for bad input, or without the extra ``explore``.
+        OSError: if the port is taken.
+    """
+    program, about = "bristle-sim explore", "Turn the knobs of a tool in the browser, and see its pass."
+    parser = argparse.ArgumentParser(prog=program, description=about, allow_abbrev=False, exit_on_error=False)
+    parser.add_argument("tool", nargs="?", metavar="FILE.toml", help="the tool to begin with")
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on; by default this machine alone")
+    parser.add_argument("--port", type=_port, default=0, help="port to listen on; by default a free one")
+    options = parser.parse_args(arguments)
+    start = [] if options.tool is None else pass_of.assignments_from(options.tool)[0]
+    pass_of.values_of(start)
+    try:
+        from bristle_sim.cli.explore.server import server
+    except ModuleNotFoundError as error:
+        raise ValueError(f"{error.name}: must be installed; pip install 'bristle-sim[explore]' brings it") from error
+    serving = server(start, host=options.host, port=options.port)
+    say(f"http://{options.host}:{serving.server_port}/ shows the bench; Ctrl-C ends it")
+    serving.serve_forever()
+    return 0
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or int(text) > MOST_PORTS:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from 0 to {MOST_PORTS}")
+    return int(text)

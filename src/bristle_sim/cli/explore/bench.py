@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
-from bristle_sim.arrays import Array
-from bristle_sim.cli.command import load, scripts
-from bristle_sim.cli.output import csv_text, document
+from bristle_sim.cli.command import whole_pass
+from bristle_sim.cli.output import csv_text, document, word
 from bristle_sim.cli.scenario import Scenario, tool_of
-from bristle_sim.comparison import Report, cells
+from bristle_sim.comparison import cells
 from bristle_sim.parameters import PARTS, Tool
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import write_report
@@ -27,19 +28,10 @@ OFTEN = ("hub", "bristle", "workpart")
 SHOWN_IN = {"m": ("mm", 1e-3), "kg": ("mg", 1e-6), "s": ("ms", 1e-3), "Pa": ("GPa", 1e9)}
 """Units that an engineer types, and their size in SI."""
 
-GROUPS = {
-    "hub": "Hub",
-    "belt": "Belt",
-    "bristle": "Bristle",
-    "bar": "Bar",
-    "workpart": "Workpart",
-    "contact": "Contact law",
-}
-
 
 def scenario() -> Scenario:
     """Return the scenario of the bench, the whole pass."""
-    return load(scripts()["cue_and_impact"])
+    return whole_pass()
 
 
 def knobs(pass_of: Scenario, start: Sequence[str] = ()) -> list[dict[str, Any]]:
@@ -55,7 +47,7 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
     words = {
         "key": declared.key,
         "label": declared.key.removesuffix("_deg").replace("_", " "),
-        "group": GROUPS.get(group, "Settings"),
+        "group": "Contact law" if group == "contact" else group.capitalize(),
         "open": group in OFTEN,
         "meaning": declared.meaning,
         "source": declared.source,
@@ -72,22 +64,21 @@ def _knob(declared: Range | Choice, value: Any, group: str) -> dict[str, Any]:
 
 
 def takes_seconds(pass_of: Scenario, assignments: Sequence[str]) -> bool:
-    """Whether a run takes seconds: the wire bends, or its contacts are resolved in time.
-
-    Raises:
-        ValueError: for values that are refused.
-    """
-    values = pass_of.values_of(assignments)
+    """Whether a run takes seconds: the wire bends, or its contacts are resolved in time. A refusal takes none."""
+    try:
+        values = pass_of.values_of(assignments)
+    except ValueError:
+        return False
     return bool(values["wire_links"] > 1 or values["contact"] == "compliant")
 
 
 def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dict[str, Any]:
     """Return the run for typed values on top of those that the page began with; ``error`` is the one line of a refusal."""
     try:
-        report = pass_of.answer(pass_of.values_of([*start, *typed]))
+        values = pass_of.values_of([*start, *typed])
+        report = pass_of.answer(values)
     except (ValueError, ArithmeticError) as error:
         return {"error": " ".join(str(error).split())}
-    values = pass_of.values_of([*start, *typed])
     run, tool = report.subject.trajectory, report.subject.tool
     before = pass_of.values_of(start)
     return {
@@ -97,7 +88,7 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
         "remarks": [each for each in report.remarks if each],
         "motion": motion_data(run, tool),
         "series": series(run),
-        "changed": [[key, _word(before[key]), _word(value)] for key, value in values.items() if value != before[key]],
+        "changed": [[key, word(before[key]), word(value)] for key, value in values.items() if value != before[key]],
         "values": {each["key"]: each["start"] for each in knobs(pass_of, [*start, *typed])},
         "command": command([*start, *typed]),
     }
@@ -105,17 +96,14 @@ def run_of(pass_of: Scenario, start: Sequence[str], typed: Sequence[str]) -> dic
 
 def series(run: Trajectory) -> dict[str, list[float]]:
     """Return the panels' curves: time in ms, retraction in degrees, rate relative to the hub, tip speed and normal force."""
-
-    def rounded(values: Array) -> list[float]:
-        return [float(f"{value:.6g}") for value in values]
-
-    return {
-        "time": rounded(1e3 * run.time),
-        "retraction": rounded(np.degrees(run.retraction)),
-        "rate": rounded(run.relative_rate),
-        "speed": rounded(run.tip_speed),
-        "force": rounded(run.normal_force),
+    curves = {
+        "time": 1e3 * run.time,
+        "retraction": np.degrees(run.retraction),
+        "rate": run.relative_rate,
+        "speed": run.tip_speed,
+        "force": run.normal_force,
     }
+    return {name: [float(f"{value:.6g}") for value in values] for name, values in curves.items()}
 
 
 def command(assignments: Sequence[str]) -> str:
@@ -143,31 +131,25 @@ def download(pass_of: Scenario, kind: str, assignments: Sequence[str]) -> tuple[
     Raises:
         ValueError: for values that are refused.
     """
-    from pathlib import Path
-    from tempfile import TemporaryDirectory
-
     values = pass_of.values_of(assignments)
+    if kind == "json":
+        return document(pass_of.name, values, pass_of.answer(values)) + "\n", "application/json"
+    if kind == "csv" and pass_of.series is not None:
+        return csv_text(pass_of.series(pass_of.answer(values))), "text/csv"
     with TemporaryDirectory() as folder:
         path = Path(folder) / f"tool.{kind}"
         if kind == "toml":
             write_tool(tool_of(values), path)
-            return path.read_text(encoding="utf-8"), "application/toml"
-        report: Report = pass_of.answer(values)
-        if kind == "json":
-            return document(pass_of.name, values, report) + "\n", "application/json"
-        if kind == "csv":
-            assert pass_of.series is not None
-            return csv_text(pass_of.series(report)), "text/csv"
-        parameters = [(declared, values[key], default) for key, (declared, default) in pass_of.keys().items()]
-        write_report(
-            path,
-            report,
-            name=pass_of.name,
-            question=pass_of.question,
-            command=command(assignments),
-            parameters=parameters,
-        )
-        return path.read_text(encoding="utf-8"), "text/html"
+        else:
+            write_report(
+                path,
+                pass_of.answer(values),
+                name=pass_of.name,
+                question=pass_of.question,
+                command=command(assignments),
+                parameters=[(declared, values[key], default) for key, (declared, default) in pass_of.keys().items()],
+            )
+        return path.read_text(encoding="utf-8"), "application/toml" if kind == "toml" else "text/html"
 
 
 def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
@@ -180,7 +162,3 @@ def assignments_of(tool: Tool | None, pass_of: Scenario) -> list[str]:
             if declared.key in keys and value is not None and value != keys[declared.key][1]:
                 found.append(f"{declared.key}={value}")
     return found
-
-
-def _word(value: Any) -> str:
-    return "none" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
