@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bristle_sim.contact_space.energetic_contact import EnergeticContact
     from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart, operating_point
     from bristle_sim.reference import simulate_reference
-    from bristle_sim.scene.tool import simulate, simulate_row
+    from bristle_sim.scene.simulate import simulate, simulate_row
     from bristle_sim.settings import Settings
     from bristle_sim.studies.sweep import sweep
     from bristle_sim.theory.impact import energetic_impact, newton_impact, poisson_impact
@@ -44,9 +44,9 @@ _MODULES = {
     "newton_impact": "theory.impact",
     "poisson_impact": "theory.impact",
     "read_tool": "tool_file",
-    "simulate": "scene.tool",
+    "simulate": "scene.simulate",
     "simulate_reference": "reference",
-    "simulate_row": "scene.tool",
+    "simulate_row": "scene.simulate",
     "sweep": "studies.sweep",
     "write_tool": "tool_file",
 }

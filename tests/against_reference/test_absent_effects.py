@@ -8,7 +8,7 @@ import pymunk
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.trajectory import Trajectory
 
 RETRACTED = -0.7

@@ -10,7 +10,8 @@ import pytest
 from bristle_sim.benchmarks.hard_cases.contact import between
 from bristle_sim.parameters import Belt, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.tool import simulate, tool_units
+from bristle_sim.scene.simulate import simulate
+from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 
 FEW = Settings(maximum_steps=5000)

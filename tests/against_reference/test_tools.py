@@ -17,7 +17,7 @@ import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord, Trajectory
 

@@ -18,7 +18,7 @@ from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Bristle, Contact, Tool, Workpart
 from bristle_sim.render.motion_data import motion_data
 from bristle_sim.render.report import status_table, verdict, write_report
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range
 

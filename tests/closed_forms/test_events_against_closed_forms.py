@@ -10,7 +10,8 @@ import pytest
 
 from bristle_sim.benchmarks.hard_cases.motion import THINNEST, TIP, first_bar_touch, with_bar_at
 from bristle_sim.parameters import Belt, Hub, Tool
-from bristle_sim.scene.tool import simulate, simulate_in_steps, tool_units
+from bristle_sim.scene.simulate import simulate, simulate_in_steps
+from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 
 FREE = replace(Tool(), bar=None, workpart=None)

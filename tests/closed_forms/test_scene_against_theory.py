@@ -8,7 +8,7 @@ import pytest
 from scipy.special import ellipj
 
 from bristle_sim.parameters import Belt, Bristle, Hub, Tool, Workpart
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.monofilament import monofilament_impact
 from bristle_sim.trajectory import Trajectory

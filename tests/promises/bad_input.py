@@ -24,8 +24,9 @@ from bristle_sim.parameters import (
     Tool,
     Workpart,
 )
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain, strike
-from bristle_sim.scene.tool import build_tool, simulate
+from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range, shown

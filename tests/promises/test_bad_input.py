@@ -23,7 +23,7 @@ from bristle_sim.cli import Scenario, main
 from bristle_sim.comparison import Report
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Release, SinglePendulum, Surface, Tool, Workpart
 from bristle_sim.scene.contact import laws as contact_laws
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.impacts import single_pendulum

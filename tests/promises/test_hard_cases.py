@@ -12,14 +12,15 @@ import pytest
 from bristle_sim.benchmarks.hard_cases import THEMES
 from bristle_sim.benchmarks.hard_cases.case import HardCase
 from bristle_sim.benchmarks.hard_cases.report import TABLES, cases_of
-from bristle_sim.scene import decisions
+from bristle_sim.scene import run as scene_run
+from bristle_sim.scene import simulate as scene_simulate
 from bristle_sim.scene import tool as scene_tool
 from bristle_sim.scene.contact import laws as contact_laws
 from bristle_sim.scene.contact.laws import Coefficients, EnergeticLaw
 from bristle_sim.scene.events import touches
 from bristle_sim.scene.integrate import time_scales
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
-from bristle_sim.scene.units import Units
+from bristle_sim.scene.tool import Units
 from bristle_sim.theory.impact import energetic_impact
 
 QUICK = [case for theme in TABLES for case in cases_of(theme, full=False)]
@@ -107,7 +108,7 @@ def later(**given: Any) -> Any:
     return PLAN(**(given | {"maximum_steps": given["maximum_steps"] + 50_000}))
 
 
-PLAN = scene_tool.Plan
+PLAN = scene_simulate.Plan
 
 BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
     "a friction 1e-10 off": (
@@ -154,7 +155,7 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
     "a belt that freezes": ((time_scales, "MOST_DAMPING", 1e9), ["damping: ratio 100: decay"]),
     "a hub 1e-5 too fast": (part("Mechanism", hub_speed=1.0 + 1e-5), ["hub_speed: 1000 rad/s: whole pass"]),
     "coarse integration": (
-        (scene_tool, "stepper_for", lambda *_: Extrapolation(1e-4)),
+        (scene_simulate, "stepper_for", lambda *_: Extrapolation(1e-4)),
         ["long_run: 10 hub turns, accuracy 1e-09"],
     ),
     "a scene in SI units": (
@@ -162,19 +163,19 @@ BROKEN: dict[str, tuple[tuple[object, str, Any], list[str]]] = {
         ["size: 0.82 um, 1.2e-12 kg: whole pass"],
     ),
     "touches that are not located": (
-        (touches, "settle", lambda _value, _start, _again, _near, last, _tolerance: last),
+        (touches, "settle", lambda _value, _interval, _near, last, _tolerance: last),
         ["tunnelling: accuracy 1e-06, hub 1 to 1e5 rad/s, bars from 3e-11 m and the workpart"],
     ),
     "another restitution": ((Coefficients, "of", livelier), ["jam: default pass, friction 0.001 off the jam"]),
     "a jam that is not seen": (
-        (decisions, "opening_rate", lambda *_: math.inf),
+        (scene_run, "opening_rate", lambda *_: math.inf),
         ["touching: wedged in, restitution 0.5"],
     ),
     "starts that are not checked": (
-        (scene_tool, "check_start", lambda *_: None),
+        (scene_simulate, "check_start", lambda *_: None),
         [f"touching: starts 1e-10 of its length inside the {obstacle}" for obstacle in ("bar", "workpart")],
     ),
-    "a budget that is not kept": ((scene_tool, "Plan", later), ["budget: flight; 1 engine steps"]),
+    "a budget that is not kept": ((scene_simulate, "Plan", later), ["budget: flight; 1 engine steps"]),
 }
 """What is broken, by which attribute of which module and how, and the cases that must notice it."""
 

@@ -12,7 +12,7 @@ from bristle_sim.scene import tool
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.contact import laws as contact_laws
 from bristle_sim.scene.mechanism import Link
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.trajectory import Trajectory
 from closed_forms.test_operating_point import check_bar, check_retraction, check_strike, check_strike_ledger
 

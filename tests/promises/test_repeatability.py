@@ -20,8 +20,8 @@ import pytest
 import bristle_sim
 from bristle_sim.contact_space.energetic_contact import EnergeticContact
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, Workpart
+from bristle_sim.scene.simulate import simulate, simulate_in_steps
 from bristle_sim.scene.strike import Chain, strike
-from bristle_sim.scene.tool import simulate, simulate_in_steps
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Trajectory
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import Slide, answer, bent_bristles, slide_of
 

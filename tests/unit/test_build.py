@@ -49,7 +49,7 @@ class TestWhatIsThere:
         assert len(scene.space.shapes) == 2 * (bar + workpart)
         assert len(scene.space.static_body.shapes) == bar + workpart
         # One multiplication and one division of rounding.
-        assert -scene.space.gravity.y * units.acceleration == pytest.approx(9.81 * gravity, rel=1e-15)
+        assert -scene.space.gravity.y * units.velocity / units.time == pytest.approx(9.81 * gravity, rel=1e-15)
         assert scene.space.gravity.x == 0.0
 
     def test_no_callbacks(self) -> None:

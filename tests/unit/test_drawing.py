@@ -20,7 +20,7 @@ from bristle_sim.render.drawing import WireDrawing, close_up
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.story import key_events
 from bristle_sim.render.tool_films import pass_film
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import END, artist, make_trajectory
 

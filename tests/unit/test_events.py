@@ -5,11 +5,10 @@ from collections.abc import Callable
 
 import pytest
 
-from bristle_sim.scene.events import locate as events
-from bristle_sim.scene.events.locate import locate, settle
+from bristle_sim.scene.events.locate import Interval, locate, settle
 from bristle_sim.scene.events.touches import first_touch
-from bristle_sim.scene.integrate.stepping import Advance
-from bristle_sim.scene.mechanism import Link, Mechanism, State
+from bristle_sim.scene.integrate.extrapolation import Advance
+from bristle_sim.scene.mechanism import Link, Mechanism, State, turns
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
 
@@ -118,7 +117,9 @@ class TestSettle:
             runs.append(time)
             return Advance(State(time, (math.cos(time),), (-math.sin(time),)), (-math.cos(time),), (), 0.0)
 
-        return settle(lambda state: state.angles[0] - level, self.START, again, near, last, 1e-13), len(runs)
+        whole = Interval(self.START, again(last), again)
+        runs.clear()
+        return settle(lambda state: state.angles[0] - level, whole, near, last, 1e-13), len(runs)
 
     @pytest.mark.parametrize(("off", "most"), [(0.0, 1), (1e-4, 3), (-1e-4, 3), (1e-2, 4)])
     def test_few_intervals_from_a_guess(self, off: float, most: int) -> None:
@@ -155,7 +156,7 @@ class TestTurns:
         mechanism = Mechanism((Link.rod(1.0, 1.0),), 0.3, hub)
         start = State(1.0, (0.7,), (slopes[0] / length + hub,))
         end = State(3.0, (0.7 + way + hub * length,), (slopes[1] / length + hub,))
-        found = events.turns(mechanism, start, end)
+        found = turns(mechanism, start, end)
         # The root of a rounding is its square root.
         assert sorted(state.time for state in found) == pytest.approx([1.0 + 2.0 * share for share in shares], abs=1e-7)
         for state in found:

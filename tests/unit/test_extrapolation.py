@@ -16,10 +16,9 @@ from scipy.integrate import solve_ivp
 
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.integrate import extrapolation as repetitions
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
-from bristle_sim.scene.integrate.stepping import Advance
+from bristle_sim.scene.integrate.extrapolation import Advance, Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.plan import Plan, Recording
+from bristle_sim.scene.progress import Plan, Recording
 from bristle_sim.scene.run import run
 from unit.test_stepping import carried, oscillator
 

@@ -23,7 +23,7 @@ from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.tool_films import inertia_film, row_film
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of
 from bristle_sim.studies.cue_map import MapGrid, position_map

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Contact, Hub, Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import Motion, Trajectory
 from swinging_bristle import AMPLITUDE, FREQUENCY, HUB_START, STRIKE, make_trajectory, swing

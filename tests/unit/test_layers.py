@@ -164,7 +164,7 @@ def test_the_wheel_carries_every_folder_and_the_scripts():
         ("scene", "def later():\n    from scipy.integrate import solve_ivp"),
         ("scene", "from bristle_sim.reference import simulate_reference"),
         ("scene", "from ..reference import simulate_reference"),
-        ("reference", "from bristle_sim.scene.tool import simulate"),
+        ("reference", "from bristle_sim.scene.simulate import simulate"),
         ("studies", "import matplotlib.pyplot as plt"),
         ("studies", "from bristle_sim.render import style"),
         ("studies", "from bristle_sim.dissertation.audit import audit_rows"),

@@ -9,7 +9,7 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from bristle_sim.parameters import Belt, Tool, Workpart
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach, polyline_distance
 

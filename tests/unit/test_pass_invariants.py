@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Hub, Tool, Workpart
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.pass_invariants import invariant_rows
 from bristle_sim.trajectory import Trajectory

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.scene.build import Effects, Scene
-from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
+from bristle_sim.scene.integrate.extrapolation import PlainSteps, Stepper
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 
 ROD = Link.rod(1.0, 1.0)

@@ -15,7 +15,7 @@ import pytest
 
 from bristle_sim.parameters import Bristle, Contact, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.scene.tool import simulate, simulate_row
+from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.trajectory import Trajectory
 
 

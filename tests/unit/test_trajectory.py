@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.parameters import Bar, Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 

@@ -6,15 +6,13 @@ from dataclasses import replace
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Hub, Tool
-from bristle_sim.scene.tool import tool_units
-from bristle_sim.scene.units import Units
+from bristle_sim.scene.tool import Units, tool_units
 
 DIMENSIONS = {
     "velocity": (1, 0, -1),
     "impulse": (1, 1, -1),
     "force": (1, 1, -2),
     "energy": (2, 1, -2),
-    "acceleration": (1, 0, -2),
     "angular_damping": (2, 1, -1),
 }
 """Powers of metre, kilogram and second; N m s is kg m^2/s."""

@@ -8,8 +8,7 @@ import pytest
 
 from bristle_sim.parameters import Bristle
 from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.units import Units
-from bristle_sim.scene.wire_links import wire_hinges, wire_links
+from bristle_sim.scene.tool import Units, wire_hinges, wire_links
 
 SIZE = Units(0.027, 8.387e-5, 1.0)
 """The units that the links are in."""

@@ -8,7 +8,6 @@ either (``collision_bias`` 1, slop above the shapes' margin), for the same reaso
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Callable, Sequence
@@ -17,17 +16,15 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import pymunk
-from numpy.linalg import eigvalsh
 
 from bristle_sim.contact_space.jacobian import Connected
 from bristle_sim.scene.contact.obstacles import SHAPE_MARGIN, Held, Obstacle
 from bristle_sim.scene.contact.shapes import ContactShapes
-from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps, Placement
-from bristle_sim.scene.mechanism import Link, Mechanism
+from bristle_sim.scene.engine import LOG_SOLVED, MOST_ITERATIONS, EngineSteps
+from bristle_sim.scene.mechanism import Link, Mechanism, State
 
 if TYPE_CHECKING:
     from bristle_sim.scene.contact.solver import WireSteps, WireVelocities
-
 
 HIGHEST_FRICTION = 2.0
 """Friction up to which the engine's iterations solve a rigid link's contact. An iteration leaves 1 - g of the error, with
@@ -36,18 +33,13 @@ g = 3 (sin^2 a + mu sin a cos a)/(1 + 3 sin^2 a) of a rod that stands at the ang
 
 @dataclass(frozen=True, slots=True)
 class Effects:
-    """What acts in a scene besides its links; None, 0 and () leave an effect out altogether.
-
-    Engine units.
+    """What acts in a scene besides its links, in engine units; None, 0 and () leave an effect out altogether.
 
     Attributes:
         stiffness, damping: of the torsion spring between hub and first link.
         gravity: along -y.
         obstacles: pairs of a link and what it can touch.
         hinges: (stiffness, damping) of a torsion spring at each joint between two links of a wire, straight at rest.
-
-    Raises:
-        ValueError: by the scene, for hinges that are not one for each joint between two links.
     """
 
     stiffness: float | None = None
@@ -65,29 +57,70 @@ class Scene:
         hub: the kinematic body that carries the root, or None.
         links: the dynamic bodies, in order from the root.
         joints: the pivots they hang on.
-        place: puts every body exactly where a state says, joints closed, velocities consistent.
         step: takes engine steps of one length, and returns the links' angles, rates, and accelerations in the last of them.
         contacts: shapes of pairs that the engine's own contacts act between when they are engaged.
+        placed: the state and the drift by which the bodies were placed last.
+        turned: whole turns that the engine's angles leave out, rad.
+
+    Raises:
+        ValueError: for hinges that are not one for each joint between two links.
     """
 
     def __init__(self, mechanism: Mechanism, effects: Effects) -> None:
         """Build the space; the links hang at angle 0 until placed."""
-        self.mechanism = mechanism
-        self.effects = effects
-        space = _space(mechanism, effects)
-        self.hub = _add_hub(space, mechanism) if mechanism.hub_radius or effects.stiffness is not None else None
+        self.mechanism, self.effects = mechanism, effects
+        space = pymunk.Space()
+        space.iterations = 1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
+        space.collision_slop, space.collision_bias = 10.0 * SHAPE_MARGIN, 1.0
+        if effects.gravity:
+            space.gravity = (0.0, -effects.gravity)
+        self.hub: pymunk.Body | None = None
+        if mechanism.hub_radius or effects.stiffness is not None:
+            self.hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
+            self.hub.angular_velocity = mechanism.hub_speed
+            space.add(self.hub)
         self.links, self.joints = _add_links(space, mechanism, self.hub)
         _add_springs(space, mechanism, effects, self.hub, self.links)
         self._engine = _engine_steps(space, mechanism, effects, self.hub, self.links, self.joints)
         self.contacts = ContactShapes(space, mechanism, self.links, self._engine.set_iterations)
         self._engine.set_iterations(self.contacts.in_flight)
-        self._placement = Placement(mechanism, self._engine.place, has_hub=self.hub is not None)
-        self.place, self.step = self._placement.place, self._engine.take
+        self.turned = 0.0
+        self.placed: tuple[State | None, float] = (None, 0.0)
+        self.step = self._engine.take
+
+    def place(self, state: State, drift: float = 0.0) -> None:
+        """Put every body where its velocity, from the state and without forces, takes it in the time ``drift``."""
+        again = self.placed[0] is state and self.placed[1] == drift
+        self.placed = (state, drift)
+        if again:
+            # Repetitions of one interval all start from one state.
+            self._engine.place(None)
+            return
+        values: list[float] = []
+        if self.hub is not None:
+            hub_angle = self.mechanism.hub_angle(state.time + drift)
+            # Rounding of an angle grows with its size, and extrapolation magnifies it.
+            self.turned = math.tau * round(hub_angle / math.tau)
+            values += (0.0, 0.0, hub_angle - self.turned, 0.0, 0.0, self.mechanism.hub_speed)
+        for pose, angle, rate in zip(self.mechanism.poses(state), state.angles, state.rates, strict=True):
+            (x, y), (u, v) = pose.centre, pose.centre_velocity
+            values += (x + drift * u, y + drift * v, angle - self.turned + drift * rate, u, v, rate)
+        self._engine.place(values)
 
     @property
     def space(self) -> pymunk.Space:
         """The pymunk space."""
         return self._engine.space
+
+    @property
+    def steps(self) -> int:
+        """Engine steps taken so far."""
+        return self._engine.steps
+
+    @property
+    def work(self) -> int:
+        """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
+        return self._engine.work
 
     def angles(self) -> list[float]:
         """Return those of the links as they are in the engine, rad, less ``turned``."""
@@ -102,32 +135,11 @@ class Scene:
         self._engine.warm_up(length)
 
     @property
-    def steps(self) -> int:
-        """Engine steps taken so far."""
-        return self._engine.steps
-
-    @property
-    def work(self) -> int:
-        """Engine steps, each counted once more for every ``ITERATIONS_OF_A_STEP`` iterations of the solver in it."""
-        return self._engine.work
-
-    @functools.cached_property
     def connected(self) -> Connected:
         """The links, and the joints that pass on to them what acts on the last one."""
-        bodies: list[pymunk.Body] = self.links[::-1]
-        joints: list[pymunk.Constraint] = [*self.joints[::-1]]
+        bodies = self.links[::-1]
         bodies.sort(key=lambda each: each.mass)
-        return bodies, joints
-
-    @property
-    def motions(self) -> int:
-        """Number of times that bodies were placed or stepped, for who must know whether they are where they were left."""
-        return self._engine.steps + self._placement.placements
-
-    @property
-    def turned(self) -> float:
-        """Whole turns that the engine's angles leave out, rad."""
-        return self._placement.turned
+        return bodies, [*self.joints[::-1]]
 
     @property
     def solves_joints(self) -> bool:
@@ -154,7 +166,7 @@ class Scene:
 
     @property
     def step_symmetrically(self) -> Callable[..., list[float]] | None:
-        """Takes steps symmetric in time, from bodies placed half a step early; None where the engine solves the joints by itself."""
+        """Takes steps symmetric in time, from bodies placed half a step early; None where the engine solves the joints."""
         return self._engine.take_symmetric
 
     def correct_joints(self, *, completely: bool) -> None:
@@ -173,8 +185,8 @@ def _engine_steps(
     links: Sequence[pymunk.Body],
     joints: Sequence[pymunk.Constraint],
 ) -> EngineSteps:
-    """Return what takes the engine's steps: of several links with what solves for their joints, their damping and contacts."""
-    if len(links) == 1 and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
+    """Return the object that takes the engine's steps; of several links it also solves joints, damping and contacts."""
+    if mechanism.lone and all(each.friction <= HIGHEST_FRICTION for each in effects.obstacles):
         return EngineSteps(space, hub, links, joints)
     from bristle_sim.scene.contact.solver import WireSteps
 
@@ -184,23 +196,6 @@ def _engine_steps(
     return WireSteps(space, mechanism, damping, hub, links, joints, bending=bool(effects.hinges))
 
 
-def _space(mechanism: Mechanism, effects: Effects) -> pymunk.Space:
-    space = pymunk.Space()
-    space.iterations = 1 if effects.hinges else _flight_iterations(mechanism.links[: mechanism.wire_links])
-    space.collision_slop = 10.0 * SHAPE_MARGIN
-    space.collision_bias = 1.0
-    if effects.gravity:
-        space.gravity = (0.0, -effects.gravity)
-    return space
-
-
-def _add_hub(space: pymunk.Space, mechanism: Mechanism) -> pymunk.Body:
-    hub = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-    hub.angular_velocity = mechanism.hub_speed
-    space.add(hub)
-    return hub
-
-
 def _add_links(
     space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None
 ) -> tuple[list[pymunk.Body], list[pymunk.PivotJoint]]:
@@ -208,7 +203,8 @@ def _add_links(
     bodies, joints = [], []
     for number, link in enumerate(mechanism.links):
         if number % mechanism.wire_links == 0:
-            carrier, anchor = _root(space, mechanism, hub, number)
+            carrier, lag = hub or space.static_body, number // mechanism.wire_links * mechanism.pitch
+            anchor = (-mechanism.hub_radius * math.sin(lag), -mechanism.hub_radius * math.cos(lag))
         body = pymunk.Body(link.mass, link.inertia)
         joint = pymunk.PivotJoint(carrier, body, anchor, (-link.centre[0], -link.centre[1]))
         joint.error_bias = 1.0
@@ -217,18 +213,6 @@ def _add_links(
         joints.append(joint)
         carrier, anchor = body, (link.tip[0] - link.centre[0], link.tip[1] - link.centre[1])
     return bodies, joints
-
-
-def _root(
-    space: pymunk.Space, mechanism: Mechanism, hub: pymunk.Body | None, link: int
-) -> tuple[pymunk.Body, tuple[float, float]]:
-    """Return the body that carries the root of a link's wire, and where."""
-    if hub is None:
-        return space.static_body, (0.0, 0.0)
-    if link == 0:
-        return hub, (0.0, -mechanism.hub_radius)
-    lag = mechanism.root_angle(0, 0.0) - mechanism.root_angle(link, 0.0)
-    return hub, (-mechanism.hub_radius * math.sin(lag), -mechanism.hub_radius * math.cos(lag))
 
 
 def _add_springs(
@@ -267,15 +251,8 @@ def _flight_iterations(links: Sequence[Link]) -> int:
     """
     if len(links) == 1:
         return 1
-    if len(links) == 2:
-        return _iterations_that_leave(1.0 / (1.0 + links[0].mass / links[1].mass))
     yielding = 1.0 / np.array([link.mass for link in links])
     diagonal = yielding + np.append(0.0, yielding[:-1])
     shared = yielding[:-1] / np.sqrt(diagonal[:-1] * diagonal[1:])
-    largest = eigvalsh(np.diag(shared, 1) + np.diag(shared, -1))[-1]
-    return _iterations_that_leave(largest**2)
-
-
-def _iterations_that_leave(fraction: float) -> int:
-    """Return the number of iterations that reduce the error to rounding if each of them leaves a fraction of it."""
-    return math.ceil(min(2.0 + LOG_SOLVED / math.log(min(fraction, 1.0 - 1e-9)), MOST_ITERATIONS))
+    left = np.linalg.eigvalsh(np.diag(shared, 1) + np.diag(shared, -1))[-1] ** 2
+    return math.ceil(min(2.0 + LOG_SOLVED / math.log(min(left, 1.0 - 1e-9)), MOST_ITERATIONS))

@@ -64,7 +64,7 @@ class Pose(NamedTuple):
         return (self.joint, *self.knees, self.tip)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Mechanism:
     """Links in order from the root; the root moves on a circle of ``hub_radius`` at ``hub_speed``, from ``hub_start``.
 
@@ -79,23 +79,14 @@ class Mechanism:
     wires: int = 1
     pitch: float = 0.0
     wire_links: int = field(init=False)
-    _lengths: tuple[float, ...] = field(init=False, repr=False)
-    _alone: tuple[Mechanism, ...] = field(init=False, repr=False, compare=False)
-    _kept: deque[tuple[State, list[Pose]]] = field(
-        default_factory=lambda: deque(maxlen=3), init=False, repr=False, compare=False
-    )
+    lone: bool = field(init=False)
+    _known: deque[tuple[State, list[Pose]]] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        """Count the links of a wire, and take down from joint to joint how long each is."""
-        object.__setattr__(self, "wire_links", len(self.links) // self.wires)
-        object.__setattr__(self, "_lengths", tuple(math.hypot(*link.tip) for link in self.links))
-        alone = () if self.wires == 1 else tuple(map(self.wire, range(self.wires)))
-        object.__setattr__(self, "_alone", alone)
-
-    @property
-    def lone(self) -> bool:
-        """Whether there is one link alone, with one degree of freedom."""
-        return len(self.links) == 1
+        """Count the links of a wire; ``lone`` is one link alone, with one degree of freedom."""
+        self.wire_links = len(self.links) // self.wires
+        self.lone = len(self.links) == 1
+        self._known = deque(maxlen=3)
 
     def hub_angle(self, time: float) -> float:
         """Return the angle of the first root, rad."""
@@ -107,52 +98,40 @@ class Mechanism:
 
     def wire(self, number: int) -> Mechanism:
         """Return one of the wires alone."""
-        size = self.wire_links
-        links = self.links[number * size : (number + 1) * size]
-        return Mechanism(links, self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch)
+        own = slice(number * self.wire_links, (number + 1) * self.wire_links)
+        return Mechanism(self.links[own], self.hub_radius, self.hub_speed, self.hub_start - number * self.pitch)
 
     def poses(self, state: State) -> list[Pose]:
         """Return where every link is and how it moves; the last few are kept, as one state is looked at again and again."""
-        for known, poses in self._kept:
+        for known, poses in self._known:
             if known is state:
                 return poses
-        poses = self._poses(state)
-        self._kept.append((state, poses))
-        return poses
-
-    def _poses(self, state: State) -> list[Pose]:
-        if self.wires > 1:
-            size = self.wire_links
-            parts = (slice(first, first + size) for first in range(0, len(self.links), size))
-            alone = (State(state.time, state.angles[part], state.rates[part]) for part in parts)
-            return [pose for wire, own in zip(self._alone, alone, strict=True) for pose in wire.poses(own)]
-        speed, angle = self.hub_speed, self.hub_angle(state.time)
-        x, y = self.hub_radius * math.sin(angle), -self.hub_radius * math.cos(angle)
-        joint, joint_velocity = (x, y), (-speed * y, speed * x)
-        poses = []
-        for link, angle, rate in zip(self.links, state.angles, state.rates, strict=True):
+        poses, speed = [], self.hub_speed
+        for number, (link, angle, rate) in enumerate(zip(self.links, state.angles, state.rates, strict=True)):
+            if number % self.wire_links == 0:
+                root = self.root_angle(number, state.time)
+                x, y = self.hub_radius * math.sin(root), -self.hub_radius * math.cos(root)
+                joint, joint_velocity = (x, y), (-speed * y, speed * x)
+            (x, y), (u, v) = joint, joint_velocity
             cosine, sine = math.cos(angle), math.sin(angle)
-            centre, centre_velocity = _carried(joint, joint_velocity, link.centre, cosine, sine, rate)
-            tip, tip_velocity = _carried(joint, joint_velocity, link.tip, cosine, sine, rate)
+            (a, b), (c, d) = link.centre, link.tip
+            centre_x, centre_y = cosine * a - sine * b, sine * a + cosine * b
+            tip_x, tip_y = cosine * c - sine * d, sine * c + cosine * d
+            tip, tip_velocity = (x + tip_x, y + tip_y), (u - rate * tip_y, v + rate * tip_x)
+            centre, centre_velocity = (x + centre_x, y + centre_y), (u - rate * centre_y, v + rate * centre_x)
             knees: tuple[Vector, ...] = ()
             if link.knees:
-                knees = tuple([_carried(joint, joint_velocity, each, cosine, sine, rate)[0] for each in link.knees])
+                knees = tuple([(x + cosine * p - sine * q, y + sine * p + cosine * q) for p, q in link.knees])
             poses.append(Pose(joint, centre, tip, joint_velocity, centre_velocity, tip_velocity, knees))
             joint, joint_velocity = tip, tip_velocity
+        self._known.append((state, poses))
         return poses
 
     def centre_line(self, time: Array, angles: Array, rates: Array) -> tuple[Array, Array]:
-        """Return the corners of a wire's centre line from the root over knees and joints to the tip, and their velocities.
+        """Return the corners of a wire's centre line from root to tip, and their velocities, each of shape (n, corners, 2).
 
         A point with the arm r from a joint at p moves with p' + rate e_z x r; with points as complex numbers x + iy that
-        is p' + i rate r.
-
-        Args:
-            time: shape (n,).
-            angles, rates: of every link, shape (n, links), rad and rad per time unit.
-
-        Returns:
-            Positions and velocities, each of shape (n, corners, 2).
+        is p' + i rate r. ``time`` has the shape (n,), ``angles`` and ``rates`` of every link (n, links).
         """
         place = -1j * self.hub_radius * np.exp(1j * (self.hub_start + self.hub_speed * time))
         corners = [(place, 1j * self.hub_speed * place)]
@@ -166,17 +145,18 @@ class Mechanism:
 
     def kinetic_energy(self, state: State) -> float:
         """Return the sum of m v^2/2 + I rate^2/2 over the links."""
-        poses = self.poses(state)
+        parts = zip(self.links, self.poses(state), state.rates, strict=True)
         return sum(
-            0.5 * link.mass * (pose.centre_velocity[0] ** 2 + pose.centre_velocity[1] ** 2)
-            + 0.5 * link.inertia * rate**2
-            for link, pose, rate in zip(self.links, poses, state.rates, strict=True)
+            0.5 * (link.mass * math.hypot(*pose.centre_velocity) ** 2 + link.inertia * rate**2)
+            for link, pose, rate in parts
         )
 
     def speed_bound(self, state: State) -> float:
         """Return a speed that no point exceeds, nor two wires' points relative to each other, while no rate exceeds the state's."""
-        reach = sum(length * abs(rate) for length, rate in zip(self._lengths, state.rates, strict=True))
-        return min(self.wires, 2) * self.hub_radius * abs(self.hub_speed) + reach
+        bound = min(self.wires, 2) * self.hub_radius * abs(self.hub_speed)
+        for link, rate in zip(self.links, state.rates, strict=True):
+            bound += math.hypot(*link.tip) * abs(rate)
+        return bound
 
     def row(self, poses: Sequence[Pose], link: int, arm: Vector, direction: Vector) -> Array:
         """Return d(velocity along a direction)/d(rates) of a link's point at ``arm`` from its joint, shape (links,)."""
@@ -203,10 +183,31 @@ def cross(arm: Vector, direction: Vector) -> float:
     return arm[0] * direction[1] - arm[1] * direction[0]
 
 
-def _carried(
-    origin: Vector, velocity: Vector, arm: Vector, cosine: float, sine: float, rate: float
-) -> tuple[Vector, Vector]:
-    """Return the position and velocity of a point fixed on a link that is turned about ``origin``, by cosine and sine."""
-    along, across = arm
-    x, y = cosine * along - sine * across, sine * along + cosine * across
-    return (origin[0] + x, origin[1] + y), (velocity[0] - rate * y, velocity[1] + rate * x)
+def interpolate(start: State, end: State, fraction: float) -> State:
+    """Return the cubic through angles and rates at both ends, at a fraction of the interval between them."""
+    length = end.time - start.time
+    rest = 1.0 - fraction
+    h_00, h_01 = (1.0 + 2.0 * fraction) * rest * rest, fraction * fraction * (3.0 - 2.0 * fraction)
+    h_10, h_11 = length * fraction * rest * rest, -length * fraction * fraction * rest
+    d_0, d_1 = 6.0 * fraction * rest / length, rest * rest - 2.0 * fraction * rest
+    d_2 = fraction * fraction - 2.0 * fraction * rest
+    angles, rates = [], []
+    for a, u, b, v in zip(start.angles, start.rates, end.angles, end.rates, strict=True):
+        angles.append(h_00 * a + h_10 * u + h_01 * b + h_11 * v)
+        rates.append(d_0 * (b - a) + d_1 * u + d_2 * v)
+    return State(start.time + fraction * length, tuple(angles), tuple(rates))
+
+
+def turns(mechanism: Mechanism, start: State, end: State, link: int = 0) -> list[State]:
+    """Return where, on the cubic, a wire's first link turns back relative to the hub within the interval."""
+    length, speed = end.time - start.time, mechanism.hub_speed
+    rate_0, rate_1 = ((state.rates[link] - speed) * length for state in (start, end))
+    way = end.angles[link] - start.angles[link] - speed * length
+    # Of the derivative in the fraction s of the interval: half the slope at s = 0, and the curvature.
+    half, curve = 3.0 * way - 2.0 * rate_0 - rate_1, 3.0 * (rate_0 + rate_1) - 6.0 * way
+    square = half * half - curve * rate_0
+    if square <= 0.0:
+        return []
+    large = -half - math.copysign(math.sqrt(square), half)
+    roots = [top / bottom for top, bottom in ((large, curve), (rate_0, large)) if bottom]
+    return [interpolate(start, end, root) for root in roots if 0.0 < root < 1.0]

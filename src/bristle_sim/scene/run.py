@@ -1,52 +1,271 @@
-"""The run of a scene: from one event to the next, in one smooth motion after the other.
+"""The run of a scene: one smooth motion after the other, and what follows each change of contact between them.
 
 In flight nothing touches and the engine's contact is off. Where a gap closes, its instant is located and the contact
-law resolves the impact. If that leaves the link at rest against the obstacle and pressed on it, the engine's contact
-keeps it there, with Coulomb friction, until its force has fallen to zero; the instant of release is located too. Several
-contacts may be sustained at a time. Positions of links in sustained contact are set back onto what they touch after every
-interval, because the engine's contact only keeps velocities.
+law resolves the impact. If that leaves the link at rest against the obstacle and pressed on it, the contact is sustained,
+with Coulomb friction, until its force has fallen to zero; the instant of release is located too. Several contacts may be
+sustained at a time. Positions of links in sustained contact are set back onto what they touch after every interval, because
+the engine's contact only keeps velocities.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.contact.obstacles import Obstacle
-from bristle_sim.scene.decisions import end, enter, first_motion
-from bristle_sim.scene.integrate.stepping import Stepper
+from bristle_sim.scene.contact.gaps import GAP_ROUNDING, at_joint, opening_rate
+from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
+from bristle_sim.scene.contact.obstacles import Obstacle, dented
+from bristle_sim.scene.contact.rigid import LEAST_SLIP
+from bristle_sim.scene.contact.sustained import Outcome, Sustained
+from bristle_sim.scene.events.table import Change, HandOver, Kink, Release, Slip, SpringChange, Touch
+from bristle_sim.scene.integrate.extrapolation import Stepper
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.plan import Plan, Recording
-from bristle_sim.scene.progress import Progress
+from bristle_sim.scene.motion import SmoothMotion
+from bristle_sim.scene.progress import FINAL, Plan, Progress, Recording
+from bristle_sim.scene.spring_contact import after_impact, begin_spring, change_spring
 from bristle_sim.stop_reason import StopReason
+from bristle_sim.trajectory import ContactRecord
+
+MOST_IMPACTS_AT_ONCE = 64
+"""Impacts at one instant after which links are wedged, times the square of the number of contacts that pass them on."""
 
 
 def run(
     scene: Scene, start: State, stepper: Stepper, plan: Plan, obstacles: Sequence[Obstacle] | None = None
 ) -> Recording:
-    """Run a scene from a state to the plan's end.
-
-    Args:
-        scene: the scene; its bodies are placed by the run.
-        start: the state to start from; obstacles must not be overlapped.
-        stepper: how intervals of smooth motion are integrated.
-        plan: when to stop.
-        obstacles: the pairs; those of the scene by default.
+    """Run a scene from a state to the plan's end; ``obstacles`` are the pairs, those of the scene by default.
 
     Raises:
         ValueError: if the start overlaps an obstacle.
     """
     budget = scene.work + plan.maximum_steps
-    progress = Progress.at_start(scene, start, stepper, plan, obstacles)
-    motion = first_motion(progress)
-    while not progress.stopped:
+    progress = Progress(scene, start, stepper, plan, obstacles)
+    motion, recording = _first_motion(progress), progress.recording
+    while recording.stop_reason is None:
         if progress.state.time >= plan.end * (1.0 - 1e-15):
             progress.stop(StopReason.END)
         elif scene.work >= budget:
             progress.stop(StopReason.STEP_BUDGET)
         else:
             change = motion.proceed()
-            motion = motion if change is None else enter(motion, change)
-    recording = progress.recording
-    end(motion, str(recording.stop_reason))
+            motion = motion if change is None else _enter(motion, change)
+    _end(motion, str(recording.stop_reason))
     return recording
+
+
+def _first_motion(progress: Progress) -> SmoothMotion:
+    """Return the motion with which a run starts."""
+    motion = SmoothMotion(progress, None)
+    for obstacle in progress.obstacles:
+        if progress.recording.stop_reason is not None or not _touches(progress, obstacle):
+            continue
+        if progress.approach(obstacle) <= 0.0:
+            motion = _enter(motion, Touch(obstacle))
+        elif not motion.sustained:
+            motion = SmoothMotion(progress, progress.plan.first_interval, (), [*motion.separating, obstacle])
+    return motion
+
+
+def _touches(progress: Progress, obstacle: Obstacle) -> bool:
+    return abs(progress.gaps.gap(obstacle, progress.state)) <= GAP_ROUNDING
+
+
+def _enter(motion: SmoothMotion, change: Change) -> SmoothMotion:
+    """Return the motion that follows a change of contact."""
+    progress, sustained, separating = motion.progress, list(motion.sustained), list(motion.separating)
+    match change:
+        case Touch():
+            return _after_touch(motion, change)
+        case SpringChange():
+            return _after_spring(motion, change)
+        case Slip(contact, sense):
+            contact.turn(sense)
+        case Kink(dent):
+            if dent is not None:
+                progress.obstacles[dent] = dented(progress.obstacles[dent], 0.0)
+        case HandOver(obstacle, following):
+            _end(motion, following.name, [obstacle])
+            sustained = [*(each for each in sustained if each.obstacle is not obstacle), Sustained(following)]
+        case Release(obstacles):
+            _release(motion, obstacles)
+            sustained = [each for each in sustained if each.obstacle not in obstacles]
+            separating += obstacles
+    return _following(progress, sustained, separating)
+
+
+def _following(progress: Progress, sustained: Sequence[Sustained], separating: Sequence[Obstacle]) -> SmoothMotion:
+    """Return a motion with these contacts, or the end of the run after a touch whose contact is over."""
+    first_interval, final = progress.plan.first_interval, progress.plan.stop_after in FINAL
+    if progress.had_last_event and not final and not any(each.spring for each in sustained):
+        progress.stop(StopReason.EVENT)
+        return SmoothMotion(progress, first_interval)
+    return SmoothMotion(progress, first_interval, sustained, separating)
+
+
+def _end(motion: SmoothMotion, outcome: str, obstacles: Sequence[Obstacle] | None = None) -> None:
+    """End sustained contacts, all or those of some obstacles, and record them."""
+    progress = motion.progress
+    progress.scene.release()
+    for each in motion.sustained:
+        if obstacles is None or each.obstacle in obstacles:
+            record = each.record(progress.gaps, progress.state, outcome)
+            if record is not None:
+                progress.contact(record, each.obstacle)
+
+
+def _release(motion: SmoothMotion, obstacles: Sequence[Obstacle], outcome: str = Outcome.RELEASE) -> None:
+    """Leave obstacles, whose forces have fallen to zero or which an impact has ended."""
+    _end(motion, outcome, obstacles)
+    for each in obstacles:
+        motion.progress.event(f"{each.name} release", motion.progress.wires_of(each))
+
+
+def _jammed(motion: SmoothMotion, lasting: Sequence[Sustained], obstacle: Obstacle) -> SmoothMotion:
+    """Stop the run at an impact that jams a link; return a motion without contacts."""
+    motion.progress.stop(StopReason.JAM)
+    motion.progress.event("jam", motion.progress.wires_of(obstacle))
+    return _stopped(motion, lasting)
+
+
+def _given_up(motion: SmoothMotion, lasting: Sequence[Sustained], error: ValueError) -> SmoothMotion:
+    """End the run at a contact that its law cannot resolve, with the law's advice; the first contact must be resolved."""
+    if not motion.progress.recording.contacts:
+        raise error
+    motion.progress.stop(StopReason.UNRESOLVED, str(error))
+    return _stopped(motion, lasting)
+
+
+def _stopped(motion: SmoothMotion, lasting: Sequence[Sustained]) -> SmoothMotion:
+    """Record the contacts of a run that an impact has stopped; return a motion without any."""
+    _end(motion, str(motion.progress.recording.stop_reason), [each.obstacle for each in lasting])
+    return _following(motion.progress, (), ())
+
+
+def _after_spring(motion: SmoothMotion, change: SpringChange) -> SmoothMotion:
+    """Return the motion after a phase of a contact with a spring, or after its end."""
+    progress, contact = motion.progress, change.contact
+    outcome, spring, obstacle = change_spring(motion, change), contact.spring, contact.obstacle
+    if outcome is None or spring is None:
+        return _following(progress, motion.sustained, motion.separating)
+    kept = [each for each in motion.sustained if each is not contact]
+    if outcome is Outcome.REBOUND:
+        spring.course.let_go()
+    _end(motion, outcome, [obstacle])
+    gap = progress.gaps.gap(obstacle, progress.state)
+    if gap < -progress.plan.accuracy and obstacle.partner is None:
+        # The tip is left in a dent, whose ground is the surface from here on.
+        ground = dented(obstacle, obstacle.dent - gap)
+        progress.obstacles[progress.obstacles.index(obstacle)] = obstacle = ground
+    wires = progress.wires_of(obstacle)
+    if outcome is Outcome.JAM:
+        progress.stop(StopReason.JAM)
+        progress.sample()
+        progress.event("jam", wires)
+        return _following(progress, kept, motion.separating)
+    # A spring without restitution pushes no more: where the tip is pressed on, it touches the ground of its dent.
+    spent = outcome is Outcome.NO_REBOUND and spring.expected.moves
+    if spent or (outcome is Outcome.REBOUND and progress.approach(obstacle) > progress.slow):
+        progress.event(f"{obstacle.name} release", wires)
+        return _following(progress, kept, [*motion.separating, obstacle])
+    return _following(progress, [*kept, Sustained(obstacle)], motion.separating)
+
+
+def _after_touch(motion: SmoothMotion, touch: Touch) -> SmoothMotion:
+    """Begin a contact, with a spring or at rest, or resolve impacts; return the motion after it."""
+    progress, obstacle = motion.progress, at_joint(motion.progress, touch.obstacle)
+    wires, size = progress.wires_of(obstacle), progress.mechanism.wire_links
+    touched = any(
+        each.obstacle == obstacle.name and wires[0] in [link // size for link in links]
+        for each, links in progress.recording.contacts
+    )
+    name = f"{obstacle.name} touch" if touched else obstacle.first_touch
+    if any(each.obstacle is obstacle for each in motion.sustained):
+        return _after_impact(motion, obstacle, name, rests=touch.rests)
+    contact = None
+    if touch.rests and not progress.mechanism.lone:
+        # Coupled links would pass a hop on to each other for ever: all that touches is at rest together.
+        contact = Sustained(obstacle)
+    elif not (obstacle.law.at_once or touch.rests) and -progress.approach(obstacle) > progress.slow:
+        try:
+            spring = obstacle.law.spring(progress.scene, progress.state, obstacle)
+        except ValueError as error:
+            return _given_up(motion, motion.sustained, error)
+        contact = None if spring is None else begin_spring(motion, obstacle, spring)
+    if contact is None:
+        return _after_impact(motion, obstacle, name, rests=touch.rests)
+    progress.event(name, wires, lasts=contact.spring is not None)
+    others = [each for each in motion.separating if each is not obstacle]
+    return _following(progress, [*motion.sustained, contact], others)
+
+
+def _after_impact(motion: SmoothMotion, obstacle: Obstacle, name: str, *, rests: bool) -> SmoothMotion:
+    """Resolve an impact and those that follow it at the same instant; return the motion after it."""
+    progress, lasting, lone = motion.progress, list(motion.sustained), motion.progress.mechanism.lone
+    if any(each.obstacle is obstacle for each in lasting):
+        # Another piece of the same link takes over.
+        _end(motion, obstacle.name, [obstacle])
+        lasting = [each for each in lasting if each.obstacle is not obstacle]
+    elif lone:
+        _release(motion, [each.obstacle for each in lasting if each.spring is None])
+        lasting = [each for each in lasting if each.spring is not None]
+    left = _least_opening_rate(progress, obstacle) if lone else math.inf
+    progress.scene.release()
+    try:
+        record = _resolve(progress, obstacle, rests=rests or left <= LEAST_SLIP)
+    except ValueError as error:
+        return _given_up(motion, lasting, error)
+    jams = record.outcome == Outcome.JAM or left < -LEAST_SLIP
+    if jams:
+        progress.stop(StopReason.JAM)
+    progress.event(name, progress.wires_of(obstacle))
+    if jams:
+        return _jammed(motion, lasting, obstacle)
+    if not lone:
+        return _after_all_touches(motion, obstacle, lasting)
+    springs = after_impact(motion, lasting)
+    if record.outcome != Outcome.REBOUND or record.velocity_after[0] <= progress.slow:
+        return _following(progress, [*springs, Sustained(obstacle)], ())
+    return _following(progress, springs, [obstacle])
+
+
+def _least_opening_rate(progress: Progress, obstacle: Obstacle) -> float:
+    """Return how fast the gap between an obstacle that a lone link touches and another one that it touches opens."""
+    touch = progress.gaps.closest(obstacle, progress.state)
+    closed = [each for each in progress.obstacles if each is not obstacle and _touches(progress, each)]
+    rates = (opening_rate(touch, progress.gaps.closest(each, progress.state)) for each in closed)
+    return min(rates, default=math.inf)
+
+
+def _after_all_touches(motion: SmoothMotion, touched: Obstacle, before: Sequence[Sustained]) -> SmoothMotion:
+    """Resolve what the impact makes of other closed contacts, the fastest approach first; return the motion after it."""
+    progress = motion.progress
+    lasting = {each.obstacle: each for each in before if each.spring is None}
+    closed = list(dict.fromkeys([touched, *lasting, *motion.separating]))
+    for _ in range(MOST_IMPACTS_AT_ONCE * len(closed) ** 2):
+        rates = {each: progress.approach(each) for each in closed}
+        fastest = min(rates, key=rates.__getitem__)
+        if rates[fastest] >= -progress.slow:
+            break
+        if _resolve(progress, fastest, rests=False).outcome == Outcome.JAM:
+            return _jammed(motion, before, fastest)
+    else:
+        return _jammed(motion, before, fastest)
+    leaving = [each for each in closed if rates[each] > progress.slow]
+    _release(motion, [each for each in lasting if each in leaving], touched.name)
+    for contact in lasting.values():
+        contact.slip = None
+    springs = after_impact(motion, [each for each in before if each.spring is not None])
+    staying = [lasting.get(each) or Sustained(each) for each in closed if each not in leaving]
+    return _following(progress, [*staying, *springs], leaving)
+
+
+def _resolve(progress: Progress, obstacle: Obstacle, *, rests: bool) -> ContactRecord:
+    """Carry the run through the impact by the obstacle's law, or one that leaves no approach."""
+    law, coefficients = obstacle.law, Coefficients.of(obstacle)
+    if rests or -progress.approach(obstacle) <= progress.slow:
+        law, coefficients = ENERGETIC, Coefficients(obstacle.friction, obstacle.restitution_friction, 0.0)
+    progress.state, record = law.resolve(progress.scene, progress.state, obstacle, coefficients)
+    progress.contact(record, obstacle)
+    progress.sample()
+    return record

@@ -9,17 +9,17 @@ from bristle_sim.scene.contact.obstacles import Obstacle
 from bristle_sim.scene.contact.rigid import TOTALS
 from bristle_sim.scene.contact.spring import ContactLoad, Spring, SpringPhase
 from bristle_sim.scene.contact.sustained import Outcome, Sustained
-from bristle_sim.scene.events.functions import SpringChange, SpringEvent
+from bristle_sim.scene.events.table import SpringChange, SpringEvent
 from bristle_sim.scene.motion import SmoothMotion, follow_bodies
 
 STOPS_TOGETHER = 1e-5
 """Fraction of the approach with which slip and compression of one degree of freedom stop together."""
 
-OPENED = 1e-5
+LEAST_UNLOADING = 1e-5
 """A contact is over with less than this fraction of its spring's unloading left where slip starts or stops: 1e-10 of its
 impulse is left, and the force is so small that rounding of the tip's place would start and stop slip without end."""
 
-PROBE = 0.02
+PROBED_FRACTION = 0.02
 """Fraction of a contact over which the force that stick takes is extrapolated back to the instant at which slip stops."""
 
 CONE_ROUNDING = 1e-9
@@ -28,33 +28,29 @@ CONE_ROUNDING = 1e-9
 
 def begin_spring(motion: SmoothMotion, obstacle: Obstacle, spring: Spring) -> Sustained:
     """Return a contact that begins at the state that was reached."""
-    progress = motion.progress
-    contact = Sustained(obstacle, spring, progress.state)
-    slip = progress.gaps.closest(obstacle, progress.state).velocity[1]
-    if abs(slip) > progress.slip_error:
-        spring.slip = int(math.copysign(1.0, slip))
-    else:
-        _settle_slip(motion, contact)
-    _note_phase(contact)
+    contact = Sustained(obstacle, spring, motion.progress.state)
+    _look_up_slip(motion, contact, spring)
     return contact
 
 
 def after_impact(motion: SmoothMotion, contacts: Sequence[Sustained]) -> list[Sustained]:
     """Return contacts with springs after an impact elsewhere, which changes the sense of their motion."""
-    progress = motion.progress
     for each in contacts:
-        spring = each.spring
-        if spring is None:
-            continue
-        touch = progress.gaps.closest(each.obstacle, progress.state)
-        if spring.loading and touch.velocity[0] > 0.0:
-            _unload(motion, each)
-        if abs(touch.velocity[1]) > progress.slip_error:
-            spring.slip = int(math.copysign(1.0, touch.velocity[1]))
-        else:
-            _settle_slip(motion, each)
-        _note_phase(each)
+        if each.spring is not None:
+            if each.spring.loading and motion.progress.approach(each.obstacle) > 0.0:
+                _unload(motion, each, each.spring)
+            _look_up_slip(motion, each, each.spring)
     return list(contacts)
+
+
+def _look_up_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
+    """Let a point slip as it moves, or stick, and record the phase that begins."""
+    slip = motion.progress.gaps.closest(contact.obstacle, motion.progress.state).velocity[1]
+    if abs(slip) > motion.progress.slip_error:
+        spring.slip = int(math.copysign(1.0, slip))
+    else:
+        _settle_slip(motion, contact, spring)
+    _note_phase(contact, spring)
 
 
 def change_spring(motion: SmoothMotion, change: SpringChange) -> Outcome | None:
@@ -63,46 +59,51 @@ def change_spring(motion: SmoothMotion, change: SpringChange) -> Outcome | None:
     assert spring is not None
     before = spring.loading, spring.slip
     outcome = _change(motion, contact, spring, change.event)
-    if outcome is None and _opened(motion, contact, spring):
-        outcome = Outcome.REBOUND
-    if outcome is None and before != (spring.loading, spring.slip):
-        _note_phase(contact)
-        jams = spring.expected.outcome == Outcome.JAM and spring.loading and not spring.slip
-        if jams and not spring.expected.moves:
+    # Bodies that vibrate meanwhile may press the point on again.
+    quiet = motion.progress.mechanism.lone or not spring.expected.moves
+    if outcome is None and quiet and not spring.loading:
+        penetration = spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state)
+        if penetration - spring.residual < LEAST_UNLOADING * (spring.deepest - spring.residual):
+            return Outcome.REBOUND
+    if outcome is not None or before == (spring.loading, spring.slip):
+        return outcome
+    _note_phase(contact, spring)
+    course = spring.course
+    if spring.expected.outcome == Outcome.JAM and spring.loading and not spring.slip:
+        if not spring.expected.moves:
             return Outcome.JAM
-        course = spring.course
-        if jams and course.stopped is None:
+        if course.stopped is None:
             # Bodies that move meanwhile may still get out.
             course.stopped = motion.progress.state, contact.sums, len(course.rows), len(course.phases)
-    return outcome
+    return None
 
 
 def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: SpringEvent) -> Outcome | None:
     """Follow an event; return the contact's outcome if it is over."""
-    expected, progress = spring.expected, motion.progress
+    expected, progress, course = spring.expected, motion.progress, spring.course
     match event:
         case SpringEvent.COMPRESSION_ENDS:
             return _end_compression(motion, contact, spring)
         case SpringEvent.UNLOADED:
             return Outcome.REBOUND
         case SpringEvent.OVERDUE:
-            if spring.course.stopped is not None:
-                progress.state, contact.sums, rows, phases = spring.course.stopped
-                del spring.course.rows[rows:], spring.course.phases[phases:]
-                spring.course.compression = None
+            if course.stopped is not None:
+                progress.state, contact.sums, rows, phases = course.stopped
+                del course.rows[rows:], course.phases[phases:]
+                course.compression = None
             stuck = expected.outcome in (Outcome.JAM, Outcome.STICTION)
             return Outcome(expected.outcome) if stuck else Outcome.NO_REBOUND
         case SpringEvent.PRESSED_ON:
             spring.loading = True
             if not spring.slip:
-                _settle_slip(motion, contact)
+                _settle_slip(motion, contact, spring)
         case SpringEvent.STICK_BREAKS:
             spring.slip = -1 if spring.stick_force > 0.0 else 1
         case SpringEvent.SLIP_STOPS:
-            _settle_slip(motion, contact)
-            stopped = expected.outcome == Outcome.STICTION and not spring.slip and _halts(motion, spring)
+            _settle_slip(motion, contact, spring)
+            stopped = not spring.slip and _ends_in_stiction(motion, spring)
             # Slip and compression of one degree of freedom stop together, up to the motion during the contact.
-            together = -progress.approach(contact.obstacle) <= STOPS_TOGETHER * spring.course.approach
+            together = -progress.approach(contact.obstacle) <= STOPS_TOGETHER * course.approach
             if spring.loading and (stopped or together):
                 return _end_compression(motion, contact, spring)
     return None
@@ -110,52 +111,42 @@ def _change(motion: SmoothMotion, contact: Sustained, spring: Spring, event: Spr
 
 def _end_compression(motion: SmoothMotion, contact: Sustained, spring: Spring) -> Outcome | None:
     """Begin unloading, and settle slip that has stopped; without restitution the contact is over."""
-    _unload(motion, contact)
+    _unload(motion, contact, spring)
     if spring.coefficients.restitution == 0.0:
         return Outcome.NO_REBOUND
-    if spring.expected.outcome == Outcome.STICTION and _halts(motion, spring):
+    if _ends_in_stiction(motion, spring):
         return Outcome.STICTION
     if not spring.slip:
-        _settle_slip(motion, contact)
+        _settle_slip(motion, contact, spring)
     return None
 
 
-def _unload(motion: SmoothMotion, contact: Sustained) -> None:
-    assert contact.spring is not None
-    contact.spring.course.compression = contact.sums
-    contact.spring.unload(contact.spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state))
+def _unload(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
+    spring.course.compression = contact.sums
+    spring.unload(spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state))
 
 
-def _note_phase(contact: Sustained) -> None:
-    """Record the phase that begins."""
-    spring = contact.spring
-    assert spring is not None
+def _note_phase(contact: Sustained, spring: Spring) -> None:
     spring.course.phases.append(SpringPhase(spring.loading, spring.slip, contact.sums[0]))
 
 
-def _halts(motion: SmoothMotion, spring: Spring) -> bool:
-    """Whether a contact is over where the rigid-body law stops: in its limit, and where a single rigid link alone is of interest."""
-    single = motion.progress.plan.single_contact and motion.progress.mechanism.lone
-    return single or not spring.expected.moves
+def _ends_in_stiction(motion: SmoothMotion, spring: Spring) -> bool:
+    """Whether a contact is over where the rigid-body law stops: in its limit, and where a single lone link's is of interest."""
+    halts = not spring.expected.moves or (motion.progress.plan.single_contact and motion.progress.mechanism.lone)
+    return halts and spring.expected.outcome == Outcome.STICTION
 
 
-def _opened(motion: SmoothMotion, contact: Sustained, spring: Spring) -> bool:
-    """Whether the spring has unloaded to within ``OPENED`` of its residual penetration where nothing vibrates."""
-    if spring.loading or (spring.expected.moves and not motion.progress.mechanism.lone):
-        return False
-    penetration = spring.surface - motion.progress.gaps.gap(contact.obstacle, motion.progress.state)
-    return penetration - spring.residual < OPENED * (spring.deepest - spring.residual)
-
-
-def _settle_slip(motion: SmoothMotion, contact: Sustained) -> None:
+def _settle_slip(motion: SmoothMotion, contact: Sustained, spring: Spring) -> None:
     """Let the point stick where slip has stopped if friction suffices, else slip the way it is driven."""
-    progress, spring = motion.progress, contact.spring
-    assert spring is not None
-    spring.slip, others = 0, [each for each in motion.sustained if each is not contact]
+    progress, spring.slip = motion.progress, 0
     follow_bodies(progress, contact.obstacle, spring)
-    springs = [contact, *(each for each in others if each.spring is not None)]
-    load = ContactLoad(progress.scene, motion.rigid, springs)
-    length = PROBE * min(spring.expected.duration, _quickest(spring))
+    others = [each for each, _ in motion.springs if each is not contact]
+    load = ContactLoad(progress.scene, motion.rigid, [contact, *others])
+    # The time scale of slip, pi/sqrt(k K), is far below the contact's where the last link is heavy.
+    most = float(spring.inverse_mass[0, 0]) + spring.friction * abs(float(spring.inverse_mass[0, 1]))
+    most *= spring.present_stiffness
+    quickest = math.pi / math.sqrt(most) if most else math.inf
+    length = PROBED_FRACTION * min(spring.expected.duration, quickest)
     probe = spring.expected.stepper.advance(progress.scene, progress.state, length, load)
     rigid = 0 if motion.rigid is None else TOTALS * len(motion.rigid.obstacles)
     spring.stick_force, later = probe.totals[rigid + 4 : rigid + 6]
@@ -167,10 +158,3 @@ def _settle_slip(motion: SmoothMotion, contact: Sustained) -> None:
     limit = CONE_ROUNDING * spring.friction * spring.present_stiffness * (penetration - spring.residual)
     if spring.compliance_in_stick and spring.spare_friction(penetration, force) < -limit:
         spring.slip = -1 if force > 0.0 else 1
-
-
-def _quickest(spring: Spring) -> float:
-    """Return the time scale of slip: pi/sqrt(k K). With a heavy last link it is far shorter than the contact."""
-    most = float(spring.inverse_mass[0, 0]) + spring.friction * abs(float(spring.inverse_mass[0, 1]))
-    most *= spring.present_stiffness
-    return math.pi / math.sqrt(most) if most else math.inf

@@ -18,11 +18,10 @@ from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients
 from bristle_sim.scene.contact.obstacles import Obstacle, WorkpartObstacle
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
-from bristle_sim.scene.plan import Plan
-from bristle_sim.scene.progress import CAPTURE
+from bristle_sim.scene.progress import SLOW_FRACTION, Plan
 from bristle_sim.scene.results import contact_in_si
 from bristle_sim.scene.run import run
-from bristle_sim.scene.units import Units
+from bristle_sim.scene.tool import Units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactRecord
@@ -156,7 +155,7 @@ def struck(
     """
     approach = -obstacle.closest(scene.mechanism.poses(start), start.rates).velocity[0]
     law = obstacle.law if approach > 0.0 else ENERGETIC
-    if law.at_once or approach <= CAPTURE * scene.mechanism.speed_bound(start):
+    if law.at_once or approach <= SLOW_FRACTION * scene.mechanism.speed_bound(start):
         after, record = law.resolve(scene, start, obstacle, Coefficients.of(obstacle))
         return after, record, [start, after]
     stepper = Extrapolation(settings.accuracy)

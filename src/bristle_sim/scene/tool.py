@@ -1,38 +1,84 @@
-"""The bristle-blasting tool as a scene: from SI parameters to engine units and back."""
+"""The bristle-blasting tool as a scene: from SI parameters to engine units.
+
+The engine's tolerances are absolute and its biases are per time unit, so results would depend on the units a scene
+happens to be given in. A scene therefore runs in units of its own size, near an impact every number is then near 1.
+"""
 
 from __future__ import annotations
 
-import dataclasses
+import itertools
 import math
-import time as clock
 from collections.abc import Iterator
+from dataclasses import dataclass
 
-from bristle_sim.parameters import Tool
+from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.compliant import contact_law
 from bristle_sim.scene.contact.obstacles import BarObstacle, Obstacle, WorkpartObstacle, wire_pairs
-from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
-from bristle_sim.scene.integrate.time_scales import checked_step, longest_interval, stepper_for, time_scale
-from bristle_sim.scene.mechanism import Mechanism, State
-from bristle_sim.scene.plan import Plan
-from bristle_sim.scene.results import trajectory_in_si
-from bristle_sim.scene.run import run
-from bristle_sim.scene.starts import LONE, RETRACTION_LIMIT, Row, Start, StartRelativeToHub, check_start
-from bristle_sim.scene.units import Units
-from bristle_sim.scene.wire_links import SHORTEST_PIECE, wire_hinges, wire_links
+from bristle_sim.scene.mechanism import Link, Mechanism, Vector
 from bristle_sim.settings import Settings
-from bristle_sim.stop_reason import EVENTS, checked_name
-from bristle_sim.trajectory import Trajectory
-from bristle_sim.units import shown
-
-METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
-"""Say in a trajectory's parameters that the scene was simulated."""
-
-ACCURACY = Settings().accuracy
-"""Accuracy of contacts resolved in time, where no run has another one."""
+from bristle_sim.theory.wire import hinge_damping, hinge_stiffness
+from bristle_sim.units import Declared, count, quantity
 
 START = -math.pi / 2.0
 """Angle of the root at the start of a pass: 90 degrees before the workpart's normal."""
+
+DEFAULT_ACCURACY = Settings().accuracy
+"""Accuracy of contacts resolved in time, where no run has another one."""
+
+SLOWEST_MOTION = 1e-100
+"""Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
+
+SHORTEST_PIECE = 1e-12
+"""Fraction of the wire's length below which a straight piece of a link is rounding: the knee is at the joint."""
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """SI size of one engine unit: length in m, mass in kg, time in s, and of what is made of these."""
+
+    length: float
+    mass: float
+    time: float
+
+    @property
+    def velocity(self) -> float:
+        """m/s."""
+        return self.length / self.time
+
+    @property
+    def impulse(self) -> float:
+        """N s."""
+        return self.mass * self.velocity
+
+    @property
+    def force(self) -> float:
+        """N."""
+        return self.impulse / self.time
+
+    @property
+    def energy(self) -> float:
+        """J, and N m."""
+        return self.mass * self.velocity**2
+
+    @property
+    def angular_damping(self) -> float:
+        """N m s."""
+        return self.energy * self.time
+
+
+@dataclass(frozen=True, slots=True)
+class Row(Declared):
+    """Bristles of one plane on one hub, each a pitch behind the one before it, and how they rub and rebound on each other."""
+
+    bristles: int = count(1, "1 <= bristles <= 100", "number of bristles", "requested")
+    pitch: float = quantity(0.0, f"0 <= pitch <= {2.0 * math.pi} rad", "", "requested")
+    friction: float = quantity(0.0, "0 <= neighbour_friction <= 1e6", "", "requested")
+    restitution: float = quantity(0.0, "0 <= neighbour_restitution <= 1", "", "requested")
+
+
+LONE = Row()
+"""One bristle."""
 
 
 def tool_units(tool: Tool) -> Units:
@@ -41,224 +87,103 @@ def tool_units(tool: Tool) -> Units:
         tool.hub.radius * tool.bristle.length / 2.0 * tool.hub.speed**2 + tool.gravity * tool.bristle.length
     )
     rate = max(math.sqrt(stiffness / tool.bristle.inertia_about_root), tool.hub.speed)
-    return Units(tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate > SLOWEST else 1.0)
-
-
-SLOWEST = 1e-100
-"""Motion slower than this, in rad/s, counts as rest: in its own units energy would be too small a number."""
+    return Units(tool.bristle.length, tool.bristle.mass, 1.0 / rate if rate > SLOWEST_MOTION else 1.0)
 
 
 def build_tool(
-    tool: Tool, *, hub_start: float = START, row: Row = LONE, accuracy: float = ACCURACY
+    tool: Tool, *, hub_start: float = START, row: Row = LONE, accuracy: float = DEFAULT_ACCURACY
 ) -> tuple[Scene, Units]:
     """Return the tool's scene with exactly the effects its parameters call for, and the units it runs in."""
-    units = tool_units(tool)
-    mechanism = Mechanism(
-        wire_links(tool.bristle) * row.bristles,
-        tool.hub.radius / units.length,
-        tool.hub.speed * units.time,
-        hub_start,
-        row.bristles,
-        row.pitch,
-    )
+    units, bristle, hub = tool_units(tool), tool.bristle, tool.hub
+    links = wire_links(bristle) * row.bristles
+    mechanism = Mechanism(links, hub.radius / units.length, hub.speed * units.time, hub_start, row.bristles, row.pitch)
     obstacles = [
-        each for wire in range(row.bristles) for each in _obstacles(tool, units, wire * tool.bristle.links, accuracy)
+        each for first in range(0, len(links), bristle.links) for each in _obstacles(tool, units, first, accuracy)
     ]
     if row.bristles > 1:
-        wire_radius = tool.bristle.wire_diameter / 2.0 / units.length
-        obstacles += wire_pairs(mechanism, wire_radius, row.friction, row.restitution)
+        obstacles += wire_pairs(mechanism, bristle.wire_diameter / 2.0 / units.length, row.friction, row.restitution)
     effects = Effects(
         stiffness=tool.belt.stiffness / units.energy if tool.belt.stiffness or tool.belt.damping_ratio else None,
         damping=tool.belt_damping / units.angular_damping,
-        gravity=tool.gravity / units.acceleration,
+        gravity=tool.gravity * units.time / units.velocity,
         obstacles=tuple(obstacles),
-        hinges=wire_hinges(tool.bristle, tool.belt.stiffness, units) * row.bristles,
+        hinges=wire_hinges(bristle, tool.belt.stiffness, units) * row.bristles,
     )
     return Scene(mechanism, effects), units
 
 
 def _obstacles(tool: Tool, units: Units, first: int, accuracy: float) -> Iterator[Obstacle]:
     """Yield what the links of a wire can touch, from its first link on: the bar any of them, the workpart tip and knee."""
-    links = tool.bristle.links
-    if tool.bar is not None:
-        centre = (tool.bar.centre[0] / units.length, tool.bar.centre[1] / units.length)
-        wire_radius = tool.bristle.wire_diameter / 2.0 / units.length
-        of_bar = (tool.bar.radius / units.length, wire_radius, tool.bar.friction, tool.bar.restitution)
-        for link in range(first, first + links):
-            yield BarObstacle(centre, *of_bar, link=link)
-    if (part := tool.workpart) is not None:
-        surface = (part.friction, part.friction_in_restitution, part.restitution)
+    bristle, size, bar, part = tool.bristle, units.length, tool.bar, tool.workpart
+    if bar is not None:
+        centre, radii = (
+            (bar.centre[0] / size, bar.centre[1] / size),
+            (bar.radius / size, bristle.wire_diameter / 2.0 / size),
+        )
+        for link in range(first, first + bristle.links):
+            yield BarObstacle(centre, *radii, bar.friction, bar.restitution, link=link)
+    if part is not None:
+        surface = (tool.workpart_depth / size, part.friction, part.friction_in_restitution, part.restitution)
         law = contact_law(tool.contact, accuracy, units.time)
-        for link, corner in [(first + links - 1, -1), *_knees(tool, first)]:
-            yield WorkpartObstacle(tool.workpart_depth / units.length, *surface, link=link, law=law, corner=corner)
+        # Link and corner of each; the tip of a link is its corner -1.
+        corners, joint = [(first + bristle.links - 1, -1)], bristle.knee_position * bristle.links
+        if len(bristle.path) > 1:
+            at_joint = bristle.links > 1 and abs(joint - round(joint)) < bristle.links * SHORTEST_PIECE
+            corners.append((first + round(joint) - 1, -1) if at_joint else (first + int(joint), 0))
+        for link, corner in corners:
+            yield WorkpartObstacle(*surface, link=link, law=law, corner=corner)
 
 
-def _knees(tool: Tool, first: int) -> list[tuple[int, int]]:
-    """Return link and corner of each knee of a wire, whose links begin at a number; the tip of a link is its corner -1."""
-    links, joint = tool.bristle.links, tool.bristle.knee_position * tool.bristle.links
-    if len(tool.bristle.path) == 1:
-        return []
-    if links > 1 and abs(joint - round(joint)) < links * SHORTEST_PIECE:
-        return [(first + round(joint) - 1, -1)]
-    return [(first + int(joint), 0)]
+def wire_links(bristle: Bristle) -> tuple[Link, ...]:
+    """Return the links of a wire, equally long along it, in units of the bristle's length and mass.
 
-
-def simulate(
-    tool: Tool,
-    settings: Settings | None = None,
-    *,
-    start_hub_angle: float = START,
-    start_relative_angle: float = 0.0,
-    start_relative_rate: float = 0.0,
-    stop_after: str | None = None,
-) -> Trajectory:
-    """Simulate the bristle, a rigid one or a wire of links, in pymunk from a given start.
-
-    Args:
-        tool: what to simulate; parts that are None are absent from the scene.
-        settings: numerical settings.
-        start_hub_angle: of the root from the direction of the workpart, rad.
-        start_relative_angle, start_relative_rate: of the bristle relative to the radial direction, rad and rad/s.
-        stop_after: name of the event that ends the run, e.g. ``strike`` or ``highest relative speed``.
-
-    Returns:
-        The trajectory, in SI units.
-
-    Raises:
-        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, rounding hides the accuracy,
-            or a contact cannot be resolved in time.
+    They are seen from their joints as in the unstressed wire whose shank is along (0, -1), so that all have the same angle
+    then. The link that holds the wire's knee is bent; a knee at a joint makes the next link point the other way.
     """
-    settings, stop_after = _checked(tool, settings, stop_after)
-    begin = StartRelativeToHub(start_hub_angle, start_relative_angle, start_relative_rate)
-    (run,) = _simulated(tool, settings, _start_relative_to_hub(tool, begin, LONE), LONE, stop_after)
-    return run
+    size = bristle.length
+    if bristle.links == 1:
+        *knees, tip = ((x / size, y / size) for x, y in bristle.path)
+        centre = (bristle.centre[0] / size, bristle.centre[1] / size)
+        return (Link(1.0, bristle.inertia_about_centre / (bristle.mass * size**2), centre, tip, tuple(knees)),)
+    corners = [(0.0, 0.0), *((x / size, y / size) for x, y in bristle.path)]
+    borders = [number / bristle.links for number in range(bristle.links + 1)]
+    return tuple(_link(_between(corners, *ends)) for ends in itertools.pairwise(borders))
 
 
-def simulate_in_steps(
-    tool: Tool,
-    step: float,
-    settings: Settings | None = None,
-    *,
-    start_hub_angle: float = START,
-    start_relative_angle: float = 0.0,
-    stop_after: str | None = None,
-) -> Trajectory:
-    """Simulate the bristle as :func:`simulate` does, but in plain engine steps of a fixed length, s, to compare with.
+def wire_hinges(bristle: Bristle, root_stiffness: float, units: Units) -> tuple[tuple[float, float], ...]:
+    """Return stiffness and damping of the torsion spring in each joint between two links, in a scene's units.
 
-    It is of first order in the step, and knows nothing of its error.
-
-    Raises:
-        ValueError: also if the step is too long for this tool.
+    The first bending mode depends on the belt's ``root_stiffness``, N m/rad.
     """
-    settings, stop_after = _checked(tool, settings, stop_after)
-    begin = StartRelativeToHub(start_hub_angle, start_relative_angle)
-    (run,) = _simulated(tool, settings, _start_relative_to_hub(tool, begin, LONE), LONE, stop_after, step)
-    return run
+    if bristle.links == 1:
+        return ()
+    diameter, length, modulus = bristle.wire_diameter, bristle.length, bristle.modulus
+    stiffness, damping = hinge_stiffness(diameter, length, modulus, bristle.links), 0.0
+    if bristle.bending_damping_ratio:
+        shape = (bristle.mass, length, diameter, modulus, root_stiffness)
+        damping = hinge_damping(*shape, bristle.bending_damping_ratio, bristle.links)
+    return ((stiffness / units.energy, damping / units.angular_damping),) * (bristle.links - 1)
 
 
-def simulate_row(
-    tool: Tool,
-    settings: Settings | None = None,
-    *,
-    bristles: int,
-    pitch: float,
-    neighbour_friction: float,
-    neighbour_restitution: float,
-    start_hub_angle: float = START,
-    stop_after: str | None = None,
-) -> tuple[Trajectory, ...]:
-    """Simulate a row of bristles of one plane that touch each other, bar and workpart, in pymunk.
-
-    All start together, radial and turning with the hub.
-
-    Args:
-        tool: what to simulate, each bristle like the others.
-        settings: numerical settings; ``hub_turn`` is that of the last bristle, from where the foremost one starts.
-        bristles: number of them.
-        pitch: angle from each root to the next one, which follows it, rad.
-        neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
-        start_hub_angle: of the foremost root from the direction of the workpart, rad.
-        stop_after: name of an event; the run ends when every bristle has had it.
-
-    Returns:
-        One trajectory for each bristle, the foremost first, at common instants. The touch of two wires is the event
-        ``wire touch`` of both; the obstacle of its contact records, in which each has its own normal, is ``wire``.
-
-    Raises:
-        ValueError: as for ``simulate``, and if bristles overlap at the start.
-    """
-    settings, stop_after = _checked(tool, settings, stop_after)
-    row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
-    begin = StartRelativeToHub(start_hub_angle)
-    return _simulated(tool, settings, _start_relative_to_hub(tool, begin, row), row, stop_after)
+def _between(corners: list[Vector], low: float, high: float) -> list[Vector]:
+    """Return the corners of the centre line between two distances along it from the root."""
+    ends = [0.0, *itertools.accumulate(itertools.starmap(math.dist, itertools.pairwise(corners)))]
+    inner = [each for each in ends if low + SHORTEST_PIECE < each < high - SHORTEST_PIECE]
+    found: list[Vector] = []
+    for place in (low, *inner, high):
+        piece = next((number for number, end in enumerate(ends[1:]) if place <= end + SHORTEST_PIECE), len(ends) - 2)
+        (x, y), (u, v) = corners[piece : piece + 2]
+        fraction = (place - ends[piece]) / (ends[piece + 1] - ends[piece])
+        found.append((x + fraction * (u - x), y + fraction * (v - y)))
+    return found
 
 
-def _start_relative_to_hub(tool: Tool, begin: StartRelativeToHub, row: Row) -> Start:
-    """Return a start in which every wire has the same angle and rate relative to its root."""
-    links = range(row.bristles * tool.bristle.links)
-    angles = tuple(begin.hub_angle - link // tool.bristle.links * row.pitch + begin.relative_angle for link in links)
-    return Start(begin.hub_angle, angles, (begin.relative_rate,) * len(links), described=dataclasses.asdict(begin))
-
-
-def _simulated(
-    tool: Tool, settings: Settings, begin: Start, row: Row, stop_after: str | None, step: float | None = None
-) -> tuple[Trajectory, ...]:
-    """Return the run of each bristle."""
-    scene, units = build_tool(tool, hub_start=begin.hub_angle, row=row, accuracy=settings.accuracy)
-    speed = scene.mechanism.hub_speed
-    start = State(0.0, begin.angles, tuple(speed + rate * units.time for rate in begin.relative_rates))
-    check_start(scene, tool, start)
-    plan = _plan(scene, settings, stop_after)
-    if step is None:
-        stepper: Stepper = stepper_for(scene, settings, start, plan.end)
-    else:
-        stepper = PlainSteps(checked_step(scene, step, settings.samples, units) / units.time)
-    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
-    recording = run(scene, start, stepper, plan)
-    recording.cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.steps - steps)
-    parameters = {
-        "method": METHOD if row is LONE else ROW_METHOD,
-        "tool": dataclasses.asdict(tool),
-        "settings": dataclasses.asdict(settings),
-        "start": begin.described,
-        "stop_after": stop_after,
-    }
-    if row is not LONE:
-        parameters["row"] = dataclasses.asdict(row)
-    return tuple(
-        trajectory_in_si(recording, scene, units, parameters, with_estimate=step is None, wire=wire)
-        for wire in range(row.bristles)
-    )
-
-
-def _checked(tool: object, settings: object, stop_after: str | None) -> tuple[Settings, str | None]:
-    """Return the settings, and the name of the event to stop after."""
-    if not isinstance(tool, Tool):
-        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
-    if not isinstance(settings, Settings | None):
-        raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
-    name = None if stop_after is None else checked_name("stop_after", stop_after, EVENTS)
-    return settings or Settings(), name
-
-
-def _plan(scene: Scene, settings: Settings, stop_after: str | None) -> Plan:
-    return Plan(
-        end=_end(settings, scene.mechanism),
-        accuracy=settings.accuracy,
-        stop_after=stop_after,
-        longest_interval=longest_interval(scene, settings.samples),
-        maximum_steps=settings.maximum_steps,
-        retraction_limit=RETRACTION_LIMIT,
-        time_scale=time_scale(scene),
-    )
-
-
-REST_PERIODS = 3.0
-"""Length of a run on a hub at rest, in the scene's periods."""
-
-
-def _end(settings: Settings, mechanism: Mechanism) -> float:
-    """Return the length of a run in the scene's unit of time: the last wire turns as far as requested."""
-    if not mechanism.hub_speed:
-        return REST_PERIODS * 2.0 * math.pi
-    return (settings.hub_turn + (mechanism.wires - 1) * mechanism.pitch) / mechanism.hub_speed
+def _link(corners: list[Vector]) -> Link:
+    """Return a uniform wire along corners as a link whose mass is its length."""
+    joint = corners[0]
+    places = [(x - joint[0], y - joint[1]) for x, y in corners]
+    pieces = [(math.dist(a, b), 0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])) for a, b in itertools.pairwise(places)]
+    mass = sum(length for length, _, _ in pieces)
+    centre = (sum(m * x for m, x, _ in pieces) / mass, sum(m * y for m, _, y in pieces) / mass)
+    inertia = sum(m * (m**2 / 12.0 + math.dist((x, y), centre) ** 2) for m, x, y in pieces)
+    return Link(mass, inertia, centre, places[-1], tuple(places[1:-1]))

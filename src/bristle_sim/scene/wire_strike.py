@@ -20,8 +20,7 @@ from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import State
 from bristle_sim.scene.results import contact_in_si
 from bristle_sim.scene.strike import struck
-from bristle_sim.scene.tool import build_tool
-from bristle_sim.scene.units import Units
+from bristle_sim.scene.tool import Units, build_tool
 from bristle_sim.settings import Settings
 from bristle_sim.trajectory import ContactRecord
 from bristle_sim.units import shown

@@ -19,7 +19,7 @@ import numpy as np
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.studies.answers import amount
 from bristle_sim.studies.contact_course import compression_end, trapezoidal_sums

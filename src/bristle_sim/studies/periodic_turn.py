@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.strike_point import require_result, start_angle

@@ -10,7 +10,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.parameters import Bar, Bristle, Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.theory.crater_cutting import depth_from_energy
 from bristle_sim.theory.merchant import API_5L, specific_cutting_energy

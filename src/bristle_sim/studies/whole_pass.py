@@ -15,7 +15,7 @@ import numpy as np
 from bristle_sim.comparison import Quantity, Report, rows
 from bristle_sim.dissertation.printed import printed_number
 from bristle_sim.parameters import Tool
-from bristle_sim.scene.tool import simulate
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.answers import amount, beside_radial, differences

@@ -16,8 +16,9 @@ from typing import Any
 from bristle_sim.benchmarks.accuracy_cost.cases import StrikeCase
 from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Effort, cpu_times
 from bristle_sim.parameters import Bar, Belt, Bristle, Contact, ContactStiffness, Tool, Workpart
+from bristle_sim.scene.simulate import simulate, simulate_row
 from bristle_sim.scene.strike import strike
-from bristle_sim.scene.tool import build_tool, simulate, simulate_row
+from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
 from bristle_sim.studies.flexible_wire import FlexibleStrike
 

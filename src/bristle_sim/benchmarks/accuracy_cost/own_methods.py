@@ -12,8 +12,9 @@ from bristle_sim.parameters import Contact
 from bristle_sim.scene.contact.compliant import PLAIN_ACCURACY, CompliantLaw
 from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.simulate import simulate, simulate_in_steps
 from bristle_sim.scene.strike import build_strike, strike, struck
-from bristle_sim.scene.tool import build_tool, simulate, simulate_in_steps
+from bristle_sim.scene.tool import build_tool
 from bristle_sim.settings import Settings
 
 ACCURACIES = tuple(10.0**-power for power in range(1, 12))

@@ -21,7 +21,8 @@ from bristle_sim.benchmarks.hard_cases.measures import (
     is_finite,
 )
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
-from bristle_sim.scene.tool import simulate, tool_units
+from bristle_sim.scene.simulate import simulate
+from bristle_sim.scene.tool import tool_units
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import Trajectory

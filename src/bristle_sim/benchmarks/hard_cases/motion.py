@@ -22,7 +22,8 @@ from bristle_sim.benchmarks.hard_cases.measures import (
 )
 from bristle_sim.parameters import Bar, Belt, Bristle, ContactStiffness, Hub, Strike, Tool, Workpart
 from bristle_sim.scene.contact.obstacles import LEAST_REACH
-from bristle_sim.scene.tool import START, simulate
+from bristle_sim.scene.simulate import simulate
+from bristle_sim.scene.tool import START
 from bristle_sim.settings import Settings
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.studies.flexible_wire import FlexibleStrike, measures

@@ -24,8 +24,9 @@ from bristle_sim.benchmarks.hard_cases.measures import (
     struck,
 )
 from bristle_sim.parameters import Belt, Tool, Workpart
+from bristle_sim.scene.simulate import simulate
 from bristle_sim.scene.strike import Chain
-from bristle_sim.scene.tool import START, simulate
+from bristle_sim.scene.tool import START
 from bristle_sim.settings import Settings
 from bristle_sim.studies.impulse_course import contact_inverse_mass
 

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 from bristle_sim.parameters import Contact
 from bristle_sim.scene.contact.laws import ENERGETIC, Coefficients, ContactLaw, EnergeticLaw, EngineLaw, contact_at
 from bristle_sim.scene.contact.spring import Expectation, Spring
-from bristle_sim.scene.integrate.extrapolation import CLOSE, WIDE, Extrapolation
-from bristle_sim.scene.integrate.stepping import PlainSteps, Stepper
+from bristle_sim.scene.integrate.extrapolation import CLOSE, WIDE, Extrapolation, PlainSteps, Stepper
 from bristle_sim.scene.integrate.time_scales import damped_interval
 from bristle_sim.scene.mechanism import Mechanism, State, cross
 from bristle_sim.theory.impact import Impact

@@ -10,8 +10,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle
-from bristle_sim.scene.events.locate import interpolate
-from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross
+from bristle_sim.scene.mechanism import Mechanism, Pose, State, Vector, cross, interpolate
 
 if TYPE_CHECKING:
     from bristle_sim.scene.progress import Progress

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from bristle_sim.scene.build import Scene
     from bristle_sim.scene.contact.rigid import RigidContacts
     from bristle_sim.scene.contact.sustained import Sustained
-    from bristle_sim.scene.integrate.stepping import Stepper
+    from bristle_sim.scene.integrate.extrapolation import Stepper
 
 NO_SLIP_TO_STOP = 1e-14
 """K_tt over K_nn below which a tip can only move straight up: its K_tt is rounding, and it has no slip to stop."""

@@ -1,4 +1,4 @@
-"""The locator: where within an interval of motion a function of the state or of the interval is zero.
+"""Event functions and the one locator: where within an interval of motion a function is zero.
 
 The zero is guessed on the cubic through the states at the interval's two ends. Then the engine is run again over less of the
 interval, from the restored state, until the zero is at its end.
@@ -7,27 +7,40 @@ interval, from the restored state, until the zero is at its end.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
 
-from bristle_sim.scene.integrate.stepping import Advance
-from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.integrate.extrapolation import Advance
+from bristle_sim.scene.mechanism import State, interpolate
+from bristle_sim.stop_reason import StopReason
 
-SHORTEST_BRACKET = 1e-15
-"""Intervals of a scene's time unit shorter than this are an instant."""
+if TYPE_CHECKING:
+    from bristle_sim.scene.events.table import Change
+    from bristle_sim.scene.progress import Progress
 
-SHORTEST_FRACTION = 1e-12
-"""So is this fraction of an interval that is searched: a fast motion needs short ones."""
+SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION = 1e-15, 1e-12
+"""A bracket is an instant below this time, in the scene's unit, and this fraction of the interval that is searched."""
+
+LEAST_VALUE = 1e-10
+"""Rates, accelerations and forces of a scene's units below this have no sign, however accurate the stepper is."""
+
+LOCATED_VALUE = 1e-3
+"""Fraction of the accuracy to which a change of sign is located, relative to the values at the interval's ends."""
+
+RATE_ROUNDING = 1e-13
+"""Rounding of the difference of two rates of which an acceleration is made."""
+
+EXTREME_ERROR = 0.1
+"""Fraction of a function's range within an interval by which its extreme, estimated from five values, may be off; the cubic
+between the states of an interval of 1.4 radians of the fastest motion is off by 1.4^4/384 = 1 % of its amplitude."""
+
+ENDS_WITHOUT_EXTREME = 0.01
+"""Fraction of an interval from its ends within which no extreme is looked for: the function hardly moves there."""
 
 
 class Interval(NamedTuple):
-    """An interval that has been carried, and what carries the scene over less of it.
-
-    Attributes:
-        start: state that it begins with.
-        end: result at its end.
-        again: the result after a shorter time from the start.
-    """
+    """An interval that has been carried: its first state, the result at its end, and the result after a shorter time."""
 
     start: State
     end: Advance
@@ -39,44 +52,149 @@ class Interval(NamedTuple):
         return self.end.state.time - self.start.time
 
 
-def interpolate(start: State, end: State, fraction: float) -> State:
-    """Return the cubic through angles and rates at both ends, at a fraction of the interval between them."""
-    length = end.time - start.time
-    rest = 1.0 - fraction
-    h_00, h_01 = (1.0 + 2.0 * fraction) * rest * rest, fraction * fraction * (3.0 - 2.0 * fraction)
-    h_10, h_11 = length * fraction * rest * rest, -length * fraction * fraction * rest
-    d_0, d_1 = 6.0 * fraction * rest / length, rest * rest - 2.0 * fraction * rest
-    d_2 = fraction * fraction - 2.0 * fraction * rest
-    rows = list(zip(start.angles, start.rates, end.angles, end.rates, strict=True))
-    angles = [h_00 * a + h_10 * u + h_01 * b + h_11 * v for a, u, b, v in rows]
-    rates = [d_0 * (b - a) + d_1 * u + d_2 * v for a, u, b, v in rows]
-    return State(start.time + fraction * length, tuple(angles), tuple(rates))
+@dataclass(slots=True, eq=False)
+class EventFunction:
+    """A function whose change of sign is an event.
+
+    Attributes:
+        value: function of the result of an interval.
+        falling: True or False if only falling or rising through zero counts, None for both.
+        event: name under which it is recorded; None for one that is not.
+        wire: number of the wire whose event it is.
+        final: why the run stops there; None if the run continues.
+        act: returns the change of the contacts; None if there is none.
+        exact: ``value`` as a function of the state, where ``value`` has the error of a difference over the interval.
+        difference: whether the value is made of a difference of rates over a step, and carries its rounding.
+        tolerance: to which it is located where the run's own does not do; values then have a sign down to rounding.
+        turns: whether it may change its sign twice within an interval.
+        positive: whether the value is known to be positive where the motion begins.
+        noise, sign: values below this have no sign; the last sign, None while it is unknown.
+    """
+
+    value: Callable[[Advance], float]
+    falling: bool | None = None
+    event: str | None = None
+    wire: int = 0
+    final: StopReason | None = None
+    act: Callable[[], Change | None] | None = None
+    exact: Callable[[State], float] | None = None
+    difference: bool = False
+    tolerance: float | None = None
+    turns: bool = False
+    positive: bool = False
+    noise: float = LEAST_VALUE
+    sign: float | None = None
+
+    def begin(self, state: State, noise: float) -> None:
+        """Begin a smooth motion with the sign at its state: a change in its first interval is an event, too."""
+        self.noise = noise if self.tolerance is None else math.ulp(1.0)
+        value = self.value(at_state(state))
+        self.sign = math.copysign(1.0, value) if abs(value) > self.noise else 1.0 if self.positive else None
 
 
-def turns(mechanism: Mechanism, start: State, end: State, link: int = 0) -> list[State]:
-    """Return where, on the cubic, a wire's first link turns back relative to the hub within the interval."""
-    length, speed = end.time - start.time, mechanism.hub_speed
-    rate_0, rate_1 = ((state.rates[link] - speed) * length for state in (start, end))
-    way = end.angles[link] - start.angles[link] - speed * length
-    # Of the derivative in the fraction s of the interval: half the slope at s = 0, and the curvature.
-    half, curve = 3.0 * way - 2.0 * rate_0 - rate_1, 3.0 * (rate_0 + rate_1) - 6.0 * way
-    square = half * half - curve * rate_0
-    if square <= 0.0:
-        return []
-    large = -half - math.copysign(math.sqrt(square), half)
-    roots = [large / curve] if curve else []
-    roots += [rate_0 / large] if large else []
-    return [interpolate(start, end, root) for root in roots if 0.0 < root < 1.0]
+def at_state(state: State) -> Advance:
+    """Return a state as the end of an interval of no length."""
+    return Advance(state, (math.nan,) * len(state.angles), (), 0.0)
+
+
+def look_back(interval: Interval, functions: Sequence[EventFunction]) -> None:
+    """Find signs at the very start exactly, if the first link's acceleration, by the cubic, may have changed its sign since."""
+    start, end, length = interval.start, interval.end.state, interval.length
+    after = interval.end.accelerations[0]
+    before = 6.0 * (end.angles[0] - start.angles[0]) / length - 4.0 * start.rates[0] - 2.0 * end.rates[0]
+    for each in functions:
+        if after * before < 0.2 * length * after**2 and each.exact is not None:
+            value = each.exact(start)
+            each.sign = math.copysign(1.0, value) if abs(value) > LEAST_VALUE else each.sign
+
+
+def first_change(
+    progress: Progress, functions: Sequence[EventFunction], interval: Interval, before: Advance | None
+) -> tuple[Advance, EventFunction | None]:
+    """Return the interval up to the first change of sign, and the function; ``before`` is the interval before it."""
+    first = None
+    for function in functions:
+        looked_at = _to_the_extreme(function, interval) if function.turns else interval
+        changed = _change(progress, function, looked_at, before)
+        if changed is not None:
+            interval, first = interval._replace(end=changed), function
+    return interval.end, first
+
+
+def _change(progress: Progress, function: EventFunction, interval: Interval, before: Advance | None) -> Advance | None:
+    """Return the interval up to where the function changes its sign, or None."""
+    length, instant = interval.length, 1e-15 * (1.0 + interval.end.state.time)
+    if length <= instant:
+        return None
+    right, sign = function.value(interval.end), function.sign
+    noise = max(function.noise, RATE_ROUNDING / length) if function.difference else function.noise
+    if abs(right) > noise:
+        function.sign = math.copysign(1.0, right)
+    if sign is None or sign * right >= 0.0 or abs(right) <= noise or function.falling == (sign < 0.0):
+        return None
+    left = function.value(before or at_state(interval.start))
+    left = -right if math.isnan(left) else left
+    if function.exact is not None:
+        left, right = function.exact(interval.start), function.exact(interval.end.state)
+        if sign * right > 0.0 or sign * left < -noise:
+            # It does not change within this interval, looked at exactly: the differences have misled.
+            function.sign = math.copysign(1.0, right)
+            return None
+    left = sign * max(sign * left, LEAST_VALUE if function.tolerance is None else math.ulp(1.0))
+    return interval.again(max(_zero(progress, function, interval, left, right), instant))
+
+
+def _zero(progress: Progress, function: EventFunction, interval: Interval, left: float, right: float) -> float:
+    """Return when a value that differs in sign at the two ends of an interval is zero."""
+    exact, tolerance, near = function.exact, function.tolerance, None
+    if tolerance is None:
+        located = LOCATED_VALUE * min(progress.plan.accuracy, 1e-4) * max(abs(left), abs(right))
+        tolerance = max(located, 0.1 * LEAST_VALUE)
+    progress.stepper.begin_afresh()
+    if exact is None:
+
+        def of_state(state: State) -> float:
+            return function.value(at_state(state))
+
+        near = guess(of_state, interval.start, interval.end.state)
+        if near is not None:
+            found = settle(of_state, interval, near, interval.length, tolerance)
+            if found is not None:
+                return found
+
+    def value(span: float) -> float:
+        at = interval.again(span)
+        return function.value(at) if exact is None else exact(at.state)
+
+    return locate(value, 0.0, interval.length, left, right, tolerance, near)
+
+
+def _to_the_extreme(function: EventFunction, interval: Interval) -> Interval:
+    """Return an interval up to where a function has changed its sign, if it changes it twice; else all of it.
+
+    Its least value is that of the parabola through the least of five values and the two beside it.
+    """
+    sense, start, end = 1.0 if function.falling else -1.0, interval.start, interval.end
+    inner = [at_state(interpolate(start, end.state, part)) for part in (0.25, 0.5, 0.75)]
+    margins = [sense * function.value(each) for each in (at_state(start), *inner, end)]
+    if math.isnan(sum(margins)) or margins[-1] < 0.0:
+        return interval
+    least = min(max(margins.index(min(margins)), 1), 3)
+    before, middle, after = margins[least - 1 : least + 2]
+    bend, slope = before + after - 2.0 * middle, 0.5 * (after - before)
+    at = 0.25 * (least - slope / bend) if bend > 0.0 else 0.0
+    inside = ENDS_WITHOUT_EXTREME < at < 1.0 - ENDS_WITHOUT_EXTREME
+    if not inside or middle - 0.5 * slope**2 / bend > EXTREME_ERROR * (max(margins) - min(margins)):
+        return interval
+    part = interval.again(at * interval.length)
+    return interval._replace(end=part) if sense * function.value(part) < 0.0 else interval
 
 
 MOST_TRIALS = 110
 """A smooth function takes three with a guess and six without; a jump is halved for the last digit of a double."""
 
 LEAST_PART = 1e-10
-"""Closest to the ends of what is left that the root is looked for, as a fraction of it."""
-
-GUESSED = 1e-9
-"""To which a guess is located, relative; the cubic is not that good."""
+"""Closest to the ends of the bracket that the root is looked for, as a fraction of it."""
 
 
 def locate(
@@ -98,7 +216,7 @@ def locate(
     inverse quadratic through the last three points if that is monotonic between them, else the middle.
     """
     last, at_last, other, at_other = right, at_right, left, at_left
-    instant = min(SHORTEST_BRACKET, SHORTEST_FRACTION * (right - left))
+    instant = min(SHORTEST_BRACKET, SHORTEST_BRACKET_FRACTION * (right - left))
     part = min(max(at_right / (at_right - at_left), 1e-4), 1.0 - 1e-4)
     if guess is not None and left < guess < right:
         part = (guess - right) / (left - right)
@@ -113,78 +231,59 @@ def locate(
         if (found < 0.0) != (at_last < 0.0):
             before, at_before, other, at_other = other, at_other, last, at_last
         last, at_last = trial, found
-        part = _part(last - other, before - other, at_last, at_other, at_before)
+        # Seen from the other end, the root's place in units of the point before.
+        place, height = (last - other) / (before - other), (at_last - at_other) / (at_before - at_other)
+        if height * height < place and (1.0 - height) ** 2 < 1.0 - place:
+            part = at_last / (at_other - at_last) * at_before / (at_other - at_before)
+            slope = (before - last) / (other - last)
+            part += slope * at_last / (at_before - at_last) * at_other / (at_before - at_other)
+            part = min(max(part, LEAST_PART), 1.0 - LEAST_PART)
+        else:
+            part = 0.5
     return max(last, other)
-
-
-def _part(last: float, before: float, at_last: float, at_other: float, at_before: float) -> float:
-    """Return how far the root is on the way from the last point back to the other one of another sign, both seen from that."""
-    place, value = last / before, (at_last - at_other) / (at_before - at_other)
-    if not (value * value < place and (1.0 - value) ** 2 < 1.0 - place):
-        return 0.5
-    part = at_last / (at_other - at_last) * at_before / (at_other - at_before)
-    part += (last - before) / last * at_last / (at_before - at_last) * at_other / (at_before - at_other)
-    return min(max(part, LEAST_PART), 1.0 - LEAST_PART)
 
 
 MOST_GUESSES = 4
 """Two or three bring a touch that is found on the cubic of a whole interval to rounding."""
 
-ROUNDED = 10.0
+ROUNDED_TOLERANCES = 10.0
 """Tolerances within which the last guess must be, where rounding of many repetitions lets none come nearer."""
 
-NEARBY = 1e-3
+SLOPE_SPAN = 1e-3
 """Fraction of an interval over which a slope is taken on its cubic; a secant step makes up for its error."""
+
+GUESS_TOLERANCE = 1e-9
+"""To which a guess is located, relative; the cubic is not that good."""
 
 
 def settle(
-    value: Callable[[State], float],
-    start: State,
-    again: Callable[[float], Advance],
-    near: float,
-    last: float,
-    tolerance: float,
+    value: Callable[[State], float], interval: Interval, near: float, last: float, tolerance: float
 ) -> float | None:
     """Return the duration, near a guess and at most ``last``, after which a function of the state is zero; None if in doubt.
 
-    The next guess is the zero on the cubic through the start and the state last reached, where that is exact; then those of
-    straight lines.
+    The next guess is the zero on the cubic through the start and the state last reached; then those of straight lines.
     """
     before, at_before = 0.0, math.nan
     for trial in range(MOST_GUESSES):
-        reached = again(near).state
+        reached = interval.again(near).state
         found = value(reached)
-        if abs(found) <= (tolerance if trial < MOST_GUESSES - 1 else ROUNDED * tolerance):
+        if abs(found) <= (tolerance if trial < MOST_GUESSES - 1 else ROUNDED_TOLERANCES * tolerance):
             return near
-        following = _following(value, start, reached, found) if trial == 0 else _secant(near, before, found, at_before)
-        before, at_before, near = near, found, following * near
+        if trial == 0:
+            slope = (found - value(interpolate(interval.start, reached, 1.0 - SLOPE_SPAN))) / SLOPE_SPAN
+            part = 1.0 - found / slope if slope else 0.0
+            before, at_before = part * near, value(interpolate(interval.start, reached, part))
+        following = near - found * (near - before) / (found - at_before) if found != at_before else 0.0
+        before, at_before, near = near, found, following
         if not 0.0 < near <= last:
             return None
     return None
 
 
-def _following(value: Callable[[State], float], start: State, reached: State, found: float) -> float:
-    """Return the fraction of an interval at which a function is zero on its cubic, near its end; 0 if the function is flat."""
-    slope = (found - value(interpolate(start, reached, 1.0 - NEARBY))) / NEARBY
-    if not slope:
-        return 0.0
-    change = -found / slope
-    left = value(interpolate(start, reached, 1.0 + change))
-    return 1.0 + (change * found / (found - left) if left != found else 0.0)
-
-
-def _secant(near: float, before: float, found: float, at_before: float) -> float:
-    """Return the fraction of an interval at which the straight line through two values is zero; 0 if they are one."""
-    return 1.0 - found * (near - before) / ((found - at_before) * near) if found != at_before else 0.0
-
-
 def guess(value: Callable[[State], float], start: State, end: State, fraction: float = 1.0) -> float | None:
     """Return the time since the start at which a function of the state is zero on the cubic; None without a change of sign.
 
-    Args:
-        value: the function; not a number where the state alone does not tell it.
-        start, end: ends of the cubic.
-        fraction: of the interval that is searched.
+    The ``fraction`` of the interval is searched; the value may be no number where the state alone does not give it.
     """
 
     def at(part: float) -> float:
@@ -197,4 +296,4 @@ def guess(value: Callable[[State], float], start: State, end: State, fraction: f
     left, right = value(start), at(fraction)
     if not left * right < 0.0:
         return None
-    return length * locate(at, 0.0, fraction, left, right, GUESSED * max(abs(left), abs(right)))
+    return length * locate(at, 0.0, fraction, left, right, GUESS_TOLERANCE * max(abs(left), abs(right)))

@@ -1,37 +1,28 @@
-"""The table of events: every function that can end an interval of smooth motion, but for the gaps to what may be touched."""
+"""The table of events: every function that can end an interval of smooth motion, and what it changes about the contacts.
+
+The gaps to what may be touched are searched for in :mod:`bristle_sim.scene.events.touches`.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from enum import Enum, auto
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from bristle_sim.scene.contact.gaps import neighbour
 from bristle_sim.scene.contact.obstacles import BarObstacle, ClosestApproach, Obstacle, dented
 from bristle_sim.scene.contact.rigid import TOTALS, RigidContacts
 from bristle_sim.scene.contact.spring import Spring
 from bristle_sim.scene.contact.sustained import Sustained
-from bristle_sim.scene.events.functions import (
-    Change,
-    EventFunction,
-    HandOver,
-    Kink,
-    Release,
-    Slip,
-    SpringChange,
-    SpringEvent,
-    Touch,
-)
-from bristle_sim.scene.events.locate import turns
-from bristle_sim.scene.integrate.stepping import Advance
+from bristle_sim.scene.events.locate import EventFunction
+from bristle_sim.scene.integrate.extrapolation import Advance
 from bristle_sim.scene.integrate.time_scales import acceleration
-from bristle_sim.scene.mechanism import Mechanism, State
+from bristle_sim.scene.mechanism import State, turns
 from bristle_sim.stop_reason import LARGEST_RETRACTION, StopReason
 
 if TYPE_CHECKING:
-    from bristle_sim.scene.build import Scene
-    from bristle_sim.scene.contact.gaps import Gaps
     from bristle_sim.scene.progress import Progress
 
 LEAST_GRIP = 1e-3
@@ -41,15 +32,124 @@ LOCATED_VELOCITY = 0.1
 """Fraction of an interval's error in velocity to which the events of a spring are located."""
 
 
+class Touch(NamedTuple):
+    """A link meets an obstacle; with ``rests`` the impact has no restitution."""
+
+    obstacle: Obstacle
+    rests: bool = False
+
+
+class Release(NamedTuple):
+    """Links leave what they were on; the gaps are still closed."""
+
+    obstacles: tuple[Obstacle, ...]
+
+
+class HandOver(NamedTuple):
+    """A contact slides over a joint, from one link to its neighbour."""
+
+    obstacle: Obstacle
+    following: Obstacle
+
+
+class Slip(NamedTuple):
+    """A rigid contact slips in another sense from now on; 0 sticks."""
+
+    contact: Sustained
+    sense: int
+
+
+class Kink(NamedTuple):
+    """The motion has a kink: the contact passes a corner of the wire, or the tip leaves the dent of the pair of a number."""
+
+    dent: int | None = None
+
+
+class SpringEvent(Enum):
+    """What happens to a contact with a spring."""
+
+    COMPRESSION_ENDS = auto()
+    UNLOADED = auto()
+    PRESSED_ON = auto()
+    SLIP_STOPS = auto()
+    STICK_BREAKS = auto()
+    OVERDUE = auto()
+
+
+class SpringChange(NamedTuple):
+    """A contact with a spring passes into another phase, or ends."""
+
+    contact: Sustained
+    event: SpringEvent
+
+
+Change = Touch | Release | HandOver | Slip | Kink | SpringChange
+"""What an event changes about the contacts."""
+
+
 def motion_events(progress: Progress, sustained: Sequence[Sustained]) -> list[EventFunction]:
     """Return the events of the motion as a whole: extremes, kinks of sustained contact, limits."""
-    found = [] if progress.plan.single_contact else retraction(progress.mechanism)
-    if not progress.plan.single_contact and not sustained:
-        found += highest_speed(progress.scene)
-    found += [each for contact in sustained if contact.spring is None for each in _kinks(progress, contact)]
-    if math.isfinite(progress.plan.retraction_limit):
-        found += retraction_limit(progress)
-    return found + [_out_of_dent(progress, number) for number in progress.dents()]
+    mechanism, plan, scene, size = progress.mechanism, progress.plan, progress.scene, progress.mechanism.wire_links
+    found: list[EventFunction] = []
+
+    def relative_rate(link: int, at: Advance) -> float:
+        return at.state.rates[link] - mechanism.hub_speed
+
+    def acceleration_of(link: int, at: Advance) -> float:
+        return at.accelerations[link]
+
+    def left(link: int, at: Advance) -> float:
+        states = (at.state, *turns(mechanism, progress.state, at.state, link))
+        return plan.retraction_limit - max(
+            abs(each.angles[link] - mechanism.root_angle(link, each.time)) for each in states
+        )
+
+    for wire in range(mechanism.wires):
+        link = wire * size
+        if not plan.single_contact:
+            found.append(EventFunction(partial(relative_rate, link), False, LARGEST_RETRACTION, wire))
+        if not (plan.single_contact or sustained or size > 1):
+            # A wire of several links vibrates.
+            exact, event = partial(acceleration, scene, link=wire), "highest relative speed"
+            value = partial(acceleration_of, wire)
+            found.append(EventFunction(value, True, event, wire, exact=exact, difference=True))
+        if math.isfinite(plan.retraction_limit):
+            final = StopReason.RETRACTION_LIMIT
+            found.append(EventFunction(partial(left, link), True, "retraction limit", wire, final, positive=True))
+    for contact in sustained:
+        if contact.spring is None:
+            found += _kinks(progress, contact)
+    for number, obstacle in enumerate(progress.obstacles):
+        if obstacle.dent:
+            # The tip comes out of the dent that a contact resolved in time has left it in.
+            outside = partial(_gap, progress, dented(obstacle, 0.0))
+            found.append(EventFunction(outside, False, act=partial(Kink, number)))
+    return found
+
+
+def _gap(progress: Progress, obstacle: Obstacle, at: Advance) -> float:
+    return progress.gaps.gap(obstacle, at.state)
+
+
+def _kinks(progress: Progress, contact: Sustained) -> list[EventFunction]:
+    """A sustained contact passes a corner, or its slip turns."""
+    obstacle, gaps = contact.obstacle, progress.gaps
+
+    def kink(index: int, at: Advance) -> float:
+        return gaps.closest(obstacle, at.state).kinks[index]
+
+    def slip(at: Advance) -> float:
+        return (contact.slip or 1) * gaps.closest(obstacle, at.state).velocity[1]
+
+    corners = range(len(gaps.closest(obstacle, progress.state).kinks))
+    functions = [EventFunction(partial(kink, index), act=Kink) for index in corners]
+    if obstacle.friction and contact.slip is None:
+        functions.append(EventFunction(slip, act=Kink))
+    elif contact.slip:
+        # Geometry and hub alone tell how a lone link slips: it turns back where several may stick.
+        following = partial(Slip, contact, -contact.slip if progress.mechanism.lone else 0)
+        functions.append(EventFunction(slip, True, act=following))
+    return functions
 
 
 def contact_events(
@@ -60,167 +160,27 @@ def contact_events(
     ordered = [each for each in contacts if each.spring is None]
     for index, contact in enumerate(ordered):
         assert rigid is not None
-        obstacle = contact.obstacle
-        found += [_locking(rigid, progress.gaps, index), _parting(rigid, index)]
-        if obstacle.corner is None and progress.mechanism.links[obstacle.link].knees:
-            found += _elbow(progress, rigid, index)
-        found += _hand_overs(progress, obstacle)
-        if rigid.slips[index] == 0:
-            found.append(_sticking(rigid, index, contact))
+        found += _rigid_events(progress, contact, rigid, index)
+        if isinstance(contact.obstacle, BarObstacle):
+            found += _slides(progress, contact.obstacle, rigid, index)
     springs = [(contact, contact.spring) for contact in contacts if contact.spring is not None]
     for number, (contact, spring) in enumerate(springs):
         found += _spring_events(progress, contact, spring, TOTALS * len(ordered) + 6 * number)
     return found
 
 
-def retraction(mechanism: Mechanism) -> list[EventFunction]:
-    """Return the event functions of each wire's turns relative to the hub."""
+def _rigid_events(progress: Progress, contact: Sustained, rigid: RigidContacts, index: int) -> list[EventFunction]:
+    """The grip gets too small, the normal force falls to zero, or the force of stick reaches what friction gives.
 
-    def relative_rate(link: int, at: Advance) -> float:
-        return at.state.rates[link] - mechanism.hub_speed
+    With too little grip friction locks the link, or without it the link meets the obstacle end-on.
+    """
+    obstacle, gaps, reached = rigid.obstacles[index], progress.gaps, [0.0]
 
-    event, size = LARGEST_RETRACTION, mechanism.wire_links
-    return [
-        EventFunction(f"{event} of wire {wire}", partial(relative_rate, wire * size), False, event, wire=wire)
-        for wire in range(mechanism.wires)
-    ]
-
-
-def highest_speed(scene: Scene) -> list[EventFunction]:
-    """Return the event functions of each rigid wire's highest relative speed; a wire of several links vibrates."""
-    event = "highest relative speed"
-
-    def value(link: int, at: Advance) -> float:
-        return at.accelerations[link]
-
-    return [
-        EventFunction(
-            f"{event} of wire {wire}",
-            partial(value, wire),
-            True,
-            event,
-            exact=partial(acceleration, scene, link=wire),
-            wire=wire,
-            difference=True,
-        )
-        for wire in range(scene.mechanism.wires)
-        if scene.mechanism.wire_links == 1
-    ]
-
-
-def retraction_limit(progress: Progress) -> list[EventFunction]:
-    """Return the event functions of the retraction limit, which a wire reaches within an interval or at its end."""
-    mechanism, limit = progress.mechanism, progress.plan.retraction_limit
-
-    def left(link: int, at: Advance) -> float:
-        states = (at.state, *turns(mechanism, progress.state, at.state, link))
-        return limit - max(abs(each.angles[link] - mechanism.root_angle(link, each.time)) for each in states)
-
-    name, size, final = "retraction limit", mechanism.wire_links, StopReason.RETRACTION_LIMIT
-    return [
-        EventFunction(f"{name} of wire {wire}", partial(left, wire * size), True, name, final, wire=wire)
-        for wire in range(mechanism.wires)
-    ]
-
-
-def _out_of_dent(progress: Progress, number: int) -> EventFunction:
-    """A tip comes out of the dent that a contact resolved in time has left it in."""
-    outside = dented(progress.obstacles[number], 0.0)
-
-    def gap(at: Advance) -> float:
-        return progress.gaps.gap(outside, at.state)
-
-    return EventFunction(f"dent {number}", gap, falling=False, act=lambda: progress.leave_dent(number))
-
-
-def _kinks(progress: Progress, contact: Sustained) -> list[EventFunction]:
-    """A sustained contact passes a corner, or its slip turns."""
-    obstacle, gaps, mechanism = contact.obstacle, progress.gaps, progress.mechanism
-
-    def kink(index: int, at: Advance) -> float:
-        return gaps.closest(obstacle, at.state).kinks[index]
-
-    def slip(sense: int, at: Advance) -> float:
-        return sense * gaps.closest(obstacle, at.state).velocity[1]
-
-    where = _label(obstacle)
-    functions = [
-        EventFunction(f"corner {index} of {where}", partial(kink, index), act=Kink)
-        for index in range(len(gaps.closest(obstacle, progress.state).kinks))
-    ]
-    if obstacle.friction and contact.slip is None:
-        functions.append(EventFunction(f"slip of {where}", partial(slip, 1), act=Kink))
-    elif contact.slip:
-        # Geometry and hub alone tell how a lone link slips: it turns back where several may stick.
-        following = partial(Slip, contact, -contact.slip if mechanism.lone else 0)
-        functions.append(EventFunction(f"slip of {where}", partial(slip, contact.slip), True, act=following))
-    return functions
-
-
-def _locking(rigid: RigidContacts, gaps: Gaps, index: int) -> EventFunction:
-    """The grip gets too small: friction locks the link, or without it the link meets the obstacle end-on."""
-    obstacle = rigid.obstacles[index]
-    jams = obstacle.friction > 0.0
-    final = StopReason.JAM if jams else StopReason.NO_GRIP
-
-    def spare(at: Advance) -> float:
+    def grip(at: Advance) -> float:
         return rigid.grip(gaps, at.state, index) - LEAST_GRIP
-
-    wire = obstacle.link % len(gaps.mechanism.links) // gaps.mechanism.wire_links
-    event = "jam" if jams else None
-    return EventFunction(f"locking of {_label(obstacle)}", spare, True, event, final=final, wire=wire)
-
-
-def _elbow(progress: Progress, rigid: RigidContacts, index: int) -> list[EventFunction]:
-    """Another piece of a bent link meets the bar that this one is on: it takes over by an impact."""
-    obstacle, gaps = rigid.obstacles[index], progress.gaps
-    if not isinstance(obstacle, BarObstacle):
-        return []
-
-    def beside(at: Advance) -> float:
-        return obstacle.gap_beside(gaps.poses(at.state)[obstacle.link], rigid.pieces[index] or 0)
-
-    touch = partial(Touch, obstacle)
-    return [EventFunction(f"other piece of {_label(obstacle)}", beside, True, act=touch)]
-
-
-def _hand_overs(progress: Progress, obstacle: Obstacle) -> list[EventFunction]:
-    """The contact slides over a joint onto a neighbouring link."""
-    gaps, found = progress.gaps, []
-
-    def before(own: BarObstacle, at: Advance) -> float:
-        return own.foot(gaps.poses(at.state)[own.link])[0]
-
-    def after(own: BarObstacle, following: BarObstacle, at: Advance) -> float:
-        poses = gaps.poses(at.state)
-        return min(own.foot(poses[own.link])[1], following.foot(poses[following.link])[0])
-
-    if not isinstance(obstacle, BarObstacle):
-        return []
-    where = _label(obstacle)
-    if (lower := neighbour(progress, obstacle, -1)) is not None:
-        act = partial(HandOver, obstacle, lower)
-        found.append(EventFunction(f"start of {where}", partial(before, obstacle), True, act=act))
-    if (upper := neighbour(progress, obstacle, 1)) is not None:
-        act = partial(HandOver, obstacle, upper)
-        found.append(EventFunction(f"end of {where}", partial(after, obstacle, upper), False, act=act))
-    return found
-
-
-def _parting(rigid: RigidContacts, index: int) -> EventFunction:
-    """The normal force falls to zero: the link leaves the obstacle."""
-    obstacle = rigid.obstacles[index]
 
     def push(at: Advance) -> float:
         return rigid.normal(at.totals)[index] if at.totals else math.nan
-
-    act = partial(Release, (obstacle,))
-    return EventFunction(f"force of {_label(obstacle)}", push, True, act=act, difference=True)
-
-
-def _sticking(rigid: RigidContacts, index: int, contact: Sustained) -> EventFunction:
-    """The force of stick reaches what friction gives: slip begins against it."""
-    reached = [0.0]
 
     def spare(at: Advance) -> float:
         if not at.totals:
@@ -228,10 +188,46 @@ def _sticking(rigid: RigidContacts, index: int, contact: Sustained) -> EventFunc
         reached[0] = at.totals[TOTALS * index + 1]
         return rigid.spare_friction(at.totals, index)
 
-    def act() -> Change:
-        return Slip(contact, -1 if reached[0] > 0.0 else 1)
+    jams, wire = obstacle.friction > 0.0, progress.wires_of(obstacle)[0]
+    final = StopReason.JAM if jams else StopReason.NO_GRIP
+    found = [
+        EventFunction(grip, True, "jam" if jams else None, wire, final, positive=True),
+        EventFunction(push, True, act=partial(Release, (obstacle,)), difference=True),
+    ]
+    if rigid.slips[index] == 0:
 
-    return EventFunction(f"stick of {_label(contact.obstacle)}", spare, True, act=act, difference=True)
+        def slips() -> Slip:
+            return Slip(contact, -1 if reached[0] > 0.0 else 1)
+
+        found.append(EventFunction(spare, True, act=slips, difference=True))
+    return found
+
+
+def _slides(progress: Progress, obstacle: BarObstacle, rigid: RigidContacts, index: int) -> list[EventFunction]:
+    """The contact slides over a joint onto a neighbouring link, or another piece of a bent link meets the bar that this one is on.
+
+    That piece takes over by an impact.
+    """
+    gaps, found = progress.gaps, []
+    lower, upper = neighbour(progress, obstacle, -1), neighbour(progress, obstacle, 1)
+
+    def beside(at: Advance) -> float:
+        return obstacle.gap_beside(gaps.poses(at.state)[obstacle.link], rigid.pieces[index] or 0)
+
+    def before(at: Advance) -> float:
+        return obstacle.foot(gaps.poses(at.state)[obstacle.link])[0]
+
+    def after(following: BarObstacle, at: Advance) -> float:
+        poses = gaps.poses(at.state)
+        return min(obstacle.foot(poses[obstacle.link])[1], following.foot(poses[following.link])[0])
+
+    if progress.mechanism.links[obstacle.link].knees:
+        found.append(EventFunction(beside, True, act=partial(Touch, obstacle)))
+    if lower is not None:
+        found.append(EventFunction(before, True, act=partial(HandOver, obstacle, lower)))
+    if upper is not None:
+        found.append(EventFunction(partial(after, upper), False, act=partial(HandOver, obstacle, upper)))
+    return found
 
 
 def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first: int) -> list[EventFunction]:
@@ -241,7 +237,6 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     """
     obstacle, gaps, duration = contact.obstacle, progress.gaps, spring.expected.duration
     tolerance = max(LOCATED_VELOCITY * spring.expected.stepper.noise, math.ulp(1.0))
-
     known: list[tuple[State, ClosestApproach]] = []
 
     def touch(at: Advance) -> ClosestApproach:
@@ -264,14 +259,11 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
         penetration = spring.surface - touch(at).gap
         return spring.spare_friction(penetration, at.totals[first + 5]) / (spring.stiffness * duration)
 
-    several = not progress.mechanism.lone
-
-    def event(
-        what: SpringEvent, value: Callable[[Advance], float], falling: bool, *, positive: bool = False
-    ) -> EventFunction:
-        name, act = f"{what.name} of {_label(obstacle)}", partial(SpringChange, contact, what)
-        turns = several or what is SpringEvent.UNLOADED
-        return EventFunction(name, value, falling, act=act, tolerance=tolerance, turns=turns, positive=positive)
+    def event(what: SpringEvent, value: Callable[[Advance], float], falling: bool) -> EventFunction:
+        # In the rigid-body limit, and but for the last event of a lone link, nothing turns back within an interval.
+        turning = spring.expected.moves and (not progress.mechanism.lone or what is SpringEvent.UNLOADED)
+        act, sticks = partial(SpringChange, contact, what), what is SpringEvent.STICK_BREAKS
+        return EventFunction(value, falling, act=act, tolerance=tolerance, turns=turning, positive=sticks)
 
     if spring.loading:
         found = [event(SpringEvent.COMPRESSION_ENDS, opening, False)]
@@ -283,12 +275,5 @@ def _spring_events(progress: Progress, contact: Sustained, spring: Spring, first
     if spring.slip:
         found.append(event(SpringEvent.SLIP_STOPS, slip, True))
     elif spring.compliance_in_stick:
-        found.append(event(SpringEvent.STICK_BREAKS, spare, True, positive=True))
+        found.append(event(SpringEvent.STICK_BREAKS, spare, True))
     return found
-
-
-def _label(obstacle: Obstacle) -> str:
-    corner = "" if obstacle.corner in (None, -1) else f" knee {obstacle.corner}"
-    return f"{obstacle.name} at link {obstacle.link}{corner}" + (
-        "" if obstacle.partner is None else f" and {obstacle.partner}"
-    )

@@ -1,4 +1,4 @@
-"""Extrapolation of engine steps to zero step, with an estimate of the error.
+"""Steppers carry a scene over an interval without events: by engine steps extrapolated to zero step, or by plain ones.
 
 The engine moves positions by the old velocities and then changes the velocities, so its error over an interval without
 events is smooth in the step h, of first order. Repeating the interval with n = 4, 5, 6, 7 ... steps and extrapolating the
@@ -10,18 +10,68 @@ Wanner, *Solving Ordinary Differential Equations I*, sec. II.9.
 from __future__ import annotations
 
 import math
-from collections import deque
+from collections.abc import Callable, Mapping
 from operator import mul
+from types import MappingProxyType
+from typing import NamedTuple, Protocol
 
 from bristle_sim.scene.build import Scene
-from bristle_sim.scene.integrate.stepping import Advance, Load, unpack
 from bristle_sim.scene.mechanism import State
 
-RUN_OVERHEAD = 6.0
+PLACING_COST = 6.0
 """Cost of placing and reading the bodies once, in engine steps; it only steers the choice of the step."""
 
-ROUNDING = 4e-16
+ANGLE_ROUNDING = 4e-16
 """Rounding of an angle of some radians; extrapolation weights amplify it."""
+
+LEAST_CORRECTED_STEP = 1e-6
+"""Steps shorter than this, in a scene's time units, open joints by less than rounding matters."""
+
+
+class Load(Protocol):
+    """The forces that act on the links besides springs and joints, and their sums over an interval."""
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether it acts alike forwards and backwards in time, so that steps may be symmetric."""
+
+    def begin(self, step: float) -> Callable[[], None]:
+        """Begin a run over an interval in steps of one length; return the function that acts before each of them."""
+
+    def totals(self) -> list[float]:
+        """Return the sums since then, as numbers that are smooth in the step."""
+
+    def fails(self, totals: list[float]) -> bool:
+        """Whether the load could not act as it should, so that the interval is of no use."""
+
+
+class Advance(NamedTuple):
+    """Result of carrying a scene over an interval.
+
+    Attributes:
+        state: at the end.
+        accelerations: of the links at the end (extrapolated) or over the last step (plain).
+        totals: sums of a load.
+        error: estimated error of the state, of angles in rad and of rates per time unit; 0 where there is no estimate.
+        failed: the load could not act as it should; the rest of the result is then of no use.
+        errors: estimated error after each repetition by its number, where a stepper repeats the interval.
+    """
+
+    state: State
+    accelerations: tuple[float, ...]
+    totals: tuple[float, ...]
+    error: float
+    failed: bool = False
+    errors: Mapping[int, float] = MappingProxyType({})
+
+    @classmethod
+    def of(
+        cls, scene: Scene, time: float, values: list[float], error: float, failed: bool, errors: Mapping[int, float]
+    ) -> Advance:
+        """Return the angles, rates, accelerations and totals that a scene had at a time."""
+        size, turned = len(scene.links), scene.turned
+        state = State(time, tuple([angle + turned for angle in values[:size]]), tuple(values[size : 2 * size]))
+        return cls(state, tuple(values[2 * size : 3 * size]), tuple(values[3 * size :]), error, failed, errors)
 
 
 class Repetitions:
@@ -39,19 +89,15 @@ class Repetitions:
 
     def __init__(self, *counts: int, power: int = 1) -> None:
         """Compute all from ascending numbers of steps."""
-        rows = range(len(counts))
+        rows = range(1, len(counts) + 1)
         self.counts, self.power = counts, power
-        self.costs = [RUN_OVERHEAD * (row + 1) + sum(counts[: row + 1]) for row in rows]
-        self.first_order = [lagrange_weights(counts[: row + 1]) for row in rows]
-        self.weights = self.first_order if power == 1 else [lagrange_weights(counts[: row + 1], power) for row in rows]
-        self.differences = [
-            tuple(
-                a - b
-                for a, b in zip(self.weights[row], (0.0, *lagrange_weights(counts[1 : row + 1], power)), strict=True)
-            )
-            for row in rows
-        ]
-        self.noise = [ROUNDING * sum(map(abs, weights)) for weights in self.weights]
+        self.costs = [PLACING_COST * row + sum(counts[:row]) for row in rows]
+        self.first_order = [lagrange_weights(counts[:row]) for row in rows]
+        self.weights = [lagrange_weights(counts[:row], power) for row in rows]
+        without = [(0.0, *lagrange_weights(counts[1:row], power)) for row in rows]
+        both = zip(self.weights, without, strict=True)
+        self.differences = [tuple(a - b for a, b in zip(*each, strict=True)) for each in both]
+        self.noise = [ANGLE_ROUNDING * sum(map(abs, weights)) for weights in self.weights]
 
 
 def lagrange_weights(counts: tuple[int, ...], power: int = 1) -> tuple[float, ...]:
@@ -74,7 +120,6 @@ LEAST_ROWS = 4
 LEAST_NOISE = CLOSE.noise[LEAST_ROWS - 1]
 """Rounding of an interval, of angles in rad and rates per time unit; no interval is known to be more accurate."""
 
-
 CUT_SHORT = 0.25
 """Fraction of a proposed interval; growth by a factor of four at most leads back from here."""
 
@@ -88,29 +133,23 @@ class Extrapolation:
         repetitions: in how many steps an interval is repeated.
         longest: bounds the intervals that follow from an error estimate, so that more accuracy than they need is not paid for;
             the first one, and one that is stretched by a tenth to save a stub, may be longer.
+
+    Attributes:
+        noise: the error that an interval may have.
     """
 
     def __init__(
         self, tolerance: float, scale: float = 1.0, repetitions: Repetitions = CLOSE, longest: float = math.inf
     ) -> None:
         """Start with an interval of about a radian of the scene's motion."""
-        self._given = repetitions
-        self.longest = longest
-        self.limit = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
+        self._given, self.longest, self.length = repetitions, longest, 1.5
+        self.noise = max(tolerance * scale, repetitions.noise[LEAST_ROWS - 1])
         self._use(repetitions)
-        self.length = 1.5
 
     def _use(self, repetitions: Repetitions) -> None:
-        """Repeat intervals with these numbers of steps from now on."""
-        self.repetitions = repetitions
-        # More repetitions amplify rounding beyond the tolerance.
-        self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.limit)
-        self.rows = LEAST_ROWS
-
-    @property
-    def noise(self) -> float:
-        """The error that an interval may have."""
-        return self.limit
+        """Repeat intervals with these numbers of steps from now on, as long as their rounding is below the tolerance."""
+        self.repetitions, self.rows = repetitions, LEAST_ROWS
+        self.most_rows = sum(1 for noise in repetitions.noise if noise <= self.noise)
 
     def propose(self, remaining: float) -> float:
         """Return the interval that costs least per time; what is left is cut evenly rather than into a stub."""
@@ -123,30 +162,27 @@ class Extrapolation:
         if (table := EVEN if symmetric else self._given) is not self.repetitions:
             self._use(table)
         known: dict[int, float] = {}
-        size, rows = len(scene.links), self.rows
-        columns: list[list[float]] = []
+        size, end = len(scene.links), state.time + duration
+        results: list[list[float]] = []
         error = math.inf
         for row, count in enumerate(table.counts[: self.most_rows]):
             step = duration / count
             scene.place(state, -0.5 * step if symmetric else 0.0)
             values = take(step, count) if load is None else take(step, count, load.begin(step)) + load.totals()
             if load is not None and load.fails(values[3 * size :]):
-                return unpack(scene, state, duration, values, math.inf, failed=True, errors=known)
-            if row == 0:
-                columns = [[] for _ in values]
-                motion = columns[: 2 * size]
-            deque(map(list.append, columns, values), 0)
-            if row + 2 >= rows and row:
-                differences = table.differences[row]
-                errors = [abs(sum(map(mul, differences, column))) for column in motion]
+                return Advance.of(scene, end, values, math.inf, True, known)
+            results.append(values)
+            if row + 2 >= self.rows and row:
+                columns, differences = [*zip(*results, strict=True)], table.differences[row]
+                errors = [abs(sum(map(mul, differences, column))) for column in columns[: 2 * size]]
                 # The largest of numbers one of which is NaN depends on their order.
                 error = known[row] = max(errors) if sum(errors) < math.inf else math.inf
-                if row + 1 >= rows and error <= self.limit:
+                if row + 1 >= self.rows and error <= self.noise:
                     break
-        weights, others = table.weights[len(columns[0]) - 1], table.first_order[len(columns[0]) - 1]
-        best = [sum(map(mul, weights, column)) for column in motion]
+        weights, others = table.weights[len(results) - 1], table.first_order[len(results) - 1]
+        best = [sum(map(mul, weights, column)) for column in columns[: 2 * size]]
         best += [sum(map(mul, others, column)) for column in columns[2 * size :]]
-        return unpack(scene, state, duration, best, error, errors=known)
+        return Advance.of(scene, end, best, error, False, known)
 
     def accepts(self, result: Advance, duration: float) -> bool:
         """Whether the estimate is within the tolerance; the next interval follows what was learnt either way.
@@ -155,21 +191,19 @@ class Extrapolation:
         """
         proposed = self.length
         self.length, self.rows = self.learnt(result, duration)
-        accurate = result.error <= self.limit
+        accurate = result.error <= self.noise
         if accurate and duration < CUT_SHORT * proposed:
             self.length = max(self.length, proposed)
         return accurate
 
     def learnt(self, result: Advance, duration: float) -> tuple[float, int]:
         """Return the length and the repetitions of the next interval that cost least per time, by the estimates so far."""
-        costs, limit, longest = self.repetitions.costs, self.limit, self.longest
-        power, lengths, prices = self.repetitions.power, {}, {}
-        least = 1e-3 * limit
+        costs, limit = self.repetitions.costs, self.noise
+        lengths, prices = {}, {}
         for row, error in result.errors.items():
-            change = 0.9 * (0.5 * limit / (error if error > least else least)) ** (1.0 / (power * row + 1))
-            length = duration * (4.0 if change > 4.0 else 0.1 if change < 0.1 else change)
-            lengths[row] = length = length if length < longest else longest
-            prices[row] = costs[row] / length
+            change = 0.9 * (0.5 * limit / max(error, 1e-3 * limit)) ** (1.0 / (self.repetitions.power * row + 1))
+            lengths[row] = min(duration * min(max(change, 0.1), 4.0), self.longest)
+            prices[row] = costs[row] / lengths[row]
         last = max(prices)
         best = min((row for row in prices if row > 1), key=prices.__getitem__, default=last)
         length, rows = lengths[best], best + 1
@@ -187,3 +221,63 @@ class Extrapolation:
         """Return 0: an extrapolated interval is off the cubic by the cubic's own error alone."""
         del start, end
         return 0.0
+
+
+class PlainSteps:
+    """One engine step after the other, of a fixed length, which knows nothing of its error: first order.
+
+    In flight the engine corrects the joints, which keeps the energy of the motion. It does so by velocities, which a load
+    such as a sustained contact would take for a force; under a load each step starts from closed joints instead.
+
+    Attributes:
+        step: the length, engine units.
+        noise: the error of first order.
+    """
+
+    def __init__(self, step: float) -> None:
+        """Take steps of a length."""
+        self.step = self.noise = step
+        self._left: tuple[State | None, object, int] = (None, None, 0)
+
+    def propose(self, remaining: float) -> float:
+        """Return one step, or what is left."""
+        return min(self.step, remaining)
+
+    def advance(self, scene: Scene, state: State, duration: float, load: Load | None = None) -> Advance:
+        """Take one engine step of the given length, in flight from where the bodies are if they were left there.
+
+        A correction divides what is open by the step. A step cut short therefore starts from closed joints, and one
+        that is next to nothing is not corrected.
+        """
+        end, placed, steps = self._left
+        left_here = end is state and placed is scene.placed and steps == scene.steps
+        if load is not None or not left_here or duration < self.step:
+            scene.place(state)
+        scene.correct_joints(completely=load is None and duration > LEAST_CORRECTED_STEP)
+        act = None if load is None else load.begin(duration)
+        values = scene.step(duration, 1, act) + ([] if load is None else load.totals())
+        scene.correct_joints(completely=False)
+        failed = load is not None and load.fails(values[3 * len(scene.links) :])
+        result = Advance.of(scene, state.time + duration, values, 0.0, failed, {})
+        self._left = result.state, scene.placed, scene.steps
+        return result
+
+    def accepts(self, result: Advance, duration: float) -> bool:
+        """Return that every interval is accepted."""
+        del result, duration
+        return True
+
+    def begin_afresh(self) -> None:
+        """Nothing was learnt."""
+
+    def interpolation_error(self, start: State, end: State) -> float:
+        """Return twice the largest distance of a straight line from the cubic that has the rates of both ends.
+
+        The engine goes straight on at the old rates, which a cubic between old and new rates does not.
+        """
+        changes = (abs(b - a) for a, b in zip(start.rates, end.rates, strict=True))
+        return 0.3 * (end.time - start.time) * sum(changes)
+
+
+Stepper = Extrapolation | PlainSteps
+"""A way to carry a scene over an interval."""

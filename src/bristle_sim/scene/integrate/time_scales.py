@@ -1,20 +1,18 @@
 """How fast a tool's scene moves by itself, and the stepper that carries it to the requested accuracy.
 
 In a scene's units the fastest of belt, hub and gravity has the rate 1. A bristle's own motion relative to the hub may be
-far smaller and slower than that; what is accurate to the requested accuracy is this motion.
+far smaller and slower than that; this motion is what is accurate to the requested accuracy.
 """
 
 from __future__ import annotations
 
 import math
-from operator import mul
 
 import numpy as np
 
 from bristle_sim.scene.build import Scene
 from bristle_sim.scene.integrate.extrapolation import LEAST_NOISE, Extrapolation, lagrange_weights
 from bristle_sim.scene.mechanism import State
-from bristle_sim.scene.units import Units
 from bristle_sim.settings import Settings
 
 MOST_DAMPING = 8.0
@@ -27,8 +25,8 @@ LARGEST_STEP = 1.0
 unstable, and its damping is half of what it should be."""
 
 LOCAL_FRACTION, SOME_INTERVALS = 0.1, 50.0
-"""Errors of some fifty intervals do not add up to more than the accuracy. Where damping calls for more of them in the time
-that the belt takes to forget an error, c/k, each spends less."""
+"""Each interval may use this fraction of the accuracy, enough for this number of intervals. If damping forces more of them
+within the time in which the belt forgets an error, c/k, the fraction shrinks in proportion."""
 
 
 def damping_rate(scene: Scene) -> float:
@@ -47,11 +45,10 @@ def damped_interval(scene: Scene) -> float:
 
 def time_scale(scene: Scene) -> float:
     """Return the time in which the fastest mode of the hinges of a straight chain turns a radian; 1 where none is faster."""
-    mechanism, hinges = scene.mechanism, scene.effects.hinges
+    wire, hinges = scene.mechanism.wire(0), scene.effects.hinges
     if not hinges:
         return 1.0
-    links = mechanism.wire_links
-    wire = mechanism.wire(0)
+    links = len(wire.links)
     twists = np.eye(links)[1:] - np.eye(links)[:-1]
     stiffness = twists.T @ np.diag([each for each, _ in hinges[: links - 1]]) @ twists
     mass = wire.mass_matrix(wire.poses(State(0.0, (0.0,) * links, (0.0,) * links)))
@@ -63,6 +60,12 @@ def longest_interval(scene: Scene, samples_per_period: float) -> float:
     return min(2.0 * math.pi / samples_per_period, damped_interval(scene))
 
 
+def largest_step(scene: Scene, samples_per_period: int) -> float:
+    """Return the longest plain step that a scene bears."""
+    fastest = max(1.0 / time_scale(scene), damping_rate(scene))
+    return min(2.0 * math.pi / samples_per_period, LARGEST_STEP) / fastest
+
+
 def motion_scale(scene: Scene, start: State) -> float:
     """Size of the motion relative to the hub that errors are relative to: the rate that a free bristle reaches, at most 1.
 
@@ -70,14 +73,12 @@ def motion_scale(scene: Scene, start: State) -> float:
     with an obstacle, because the bar turns the hub's speed into the bristle's.
     """
     mechanism, effects, link = scene.mechanism, scene.effects, scene.mechanism.links[0]
-    if effects.obstacles or len(mechanism.links) > 1:
+    if effects.obstacles or not mechanism.lone:
         return 1.0
     field = mechanism.hub_radius * mechanism.hub_speed**2 + effects.gravity
     stiffness = (effects.stiffness or 0.0) + link.mass * math.hypot(*link.centre) * field
-    own = math.sqrt(stiffness / link.inertia_about_joint)
-    swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * own
-    reached = max(swing, abs(start.rates[0] - mechanism.hub_speed))
-    return min(reached, 1.0) if reached else 1.0
+    swing = abs(start.angles[0] - mechanism.hub_angle(start.time)) * math.sqrt(stiffness / link.inertia_about_joint)
+    return min(max(swing, abs(start.rates[0] - mechanism.hub_speed)), 1.0) or 1.0
 
 
 def stepper_for(scene: Scene, settings: Settings, start: State, end: float) -> Extrapolation:
@@ -93,51 +94,31 @@ def stepper_for(scene: Scene, settings: Settings, start: State, end: float) -> E
             f"accuracy = {settings.accuracy:g}: must be at least {least:.3g} for a motion as small and slow as this one,"
             " whose rest rounding hides (dimensionless)"
         )
-    fraction = _local_fraction(scene, end)
+    damping, stiffness = scene.effects.damping, scene.effects.stiffness
+    fraction = LOCAL_FRACTION
+    if not scene.mechanism.lone:
+        fastest = max(damping_rate(scene), 1.0 / time_scale(scene))
+        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (end * fastest))
+    elif damping and stiffness:
+        remembered = min(end, damping / stiffness)
+        fraction *= min(1.0, SOME_INTERVALS * MOST_DAMPING / (remembered * damping_rate(scene)))
     return Extrapolation(fraction * settings.accuracy, scale, longest=longest_interval(scene, settings.samples))
 
 
-def checked_step(scene: Scene, step: float, samples_per_period: int, units: Units) -> float:
-    """Return a fixed step, s. Raises ValueError if it is too long for a scene."""
-    fastest = max(1.0 / time_scale(scene), damping_rate(scene)) / units.time
-    largest = min(2.0 * math.pi / samples_per_period, LARGEST_STEP) / fastest
-    if not 0.0 < step <= largest:
-        raise ValueError(
-            f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle, whose"
-            f" fastest motion has {fastest:g} rad/s (in s)"
-        )
-    return step
+LONGEST_PROBE = 0.3
+"""Longest step of a probed acceleration, in the scene's time units and time constants of the engine's damping. Measured:
+rounding and what extrapolation leaves are then some 1e-12 both, times the rate of the damping."""
 
-
-def _local_fraction(scene: Scene, end: float) -> float:
-    """Return the fraction of the requested accuracy that each interval may spend."""
-    damping, stiffness = scene.effects.damping, scene.effects.stiffness
-    if len(scene.links) > 1:
-        return LOCAL_FRACTION * min(
-            1.0, SOME_INTERVALS * MOST_DAMPING / (end * max(damping_rate(scene), 1.0 / time_scale(scene)))
-        )
-    if not damping or not stiffness:
-        return LOCAL_FRACTION
-    remembered = min(end, damping / stiffness)
-    return LOCAL_FRACTION * min(1.0, SOME_INTERVALS * MOST_DAMPING / (remembered * damping_rate(scene)))
-
-
-REACH = 0.3
-"""Longest of the steps, in the scene's time units and time constants of the engine's damping. Measured: rounding and what
-extrapolation leaves are then some 1e-12 both, times the rate of the damping."""
-
-COUNTS = (1, 2, 3, 4, 5, 6, 8, 10, 12)
+PROBES = (1, 2, 3, 4, 5, 6, 8, 10, 12)
 """The steps are this many times shorter."""
 
-WEIGHTS = lagrange_weights(COUNTS)
+PROBE_WEIGHTS = lagrange_weights(PROBES)
 
 
 def acceleration(scene: Scene, state: State, link: int = 0) -> float:
-    """Return the acceleration of a link where nothing touches, in engine units."""
-    reach = REACH / (1.0 + damping_rate(scene))
-    return math.fsum(map(mul, WEIGHTS, (_in_second_step(scene, state, reach / count, link) for count in COUNTS)))
-
-
-def _in_second_step(scene: Scene, state: State, step: float, link: int) -> float:
-    scene.place(state)
-    return scene.step(step, 2)[2 * len(scene.links) + link]
+    """Return the acceleration of a link where nothing touches, in engine units: that in the second step, at zero step."""
+    longest, found = LONGEST_PROBE / (1.0 + damping_rate(scene)), []
+    for count, weight in zip(PROBES, PROBE_WEIGHTS, strict=True):
+        scene.place(state)
+        found.append(weight * scene.step(longest / count, 2)[2 * len(scene.links) + link])
+    return math.fsum(found)

@@ -1,0 +1,213 @@
+"""The public entry: a tool, or a row of bristles, simulated in pymunk from a given start."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time as clock
+from dataclasses import dataclass
+
+from bristle_sim.parameters import Tool
+from bristle_sim.scene.build import Scene
+from bristle_sim.scene.integrate.extrapolation import PlainSteps, Stepper
+from bristle_sim.scene.integrate.time_scales import largest_step, longest_interval, stepper_for, time_scale
+from bristle_sim.scene.mechanism import State
+from bristle_sim.scene.progress import Plan
+from bristle_sim.scene.results import trajectories_in_si
+from bristle_sim.scene.run import run
+from bristle_sim.scene.tool import LONE, START, Row, build_tool
+from bristle_sim.settings import Settings
+from bristle_sim.stop_reason import EVENTS, checked_name
+from bristle_sim.trajectory import Trajectory
+from bristle_sim.units import Declared, quantity, shown
+
+METHOD, ROW_METHOD = "pymunk", "pymunk, a row of bristles"
+"""Say in a trajectory's parameters that the scene was simulated."""
+
+REST_PERIODS = 3.0
+"""Length of a run on a hub at rest, in the scene's periods."""
+
+RETRACTION_LIMIT = math.pi / 2.0
+"""Angle of the bristle from the radial direction at which it lies on the hub, rad."""
+
+OVERLAP_ROUNDING = 1e-11
+"""Fraction of the bristle's length by which rounding lets it overlap what it touches at the start."""
+
+PLACE_KEYS = {"bar": ("bar_horizontal", "bar_vertical"), "workpart": ("penetration",)}
+"""Keys that say where an obstacle stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class StartRelativeToHub(Declared):
+    """A start at which every wire has the same angle and rate relative to its root; the numbers are checked."""
+
+    hub_angle: float = quantity(0.0, "-1e6 <= start_hub_angle <= 1e6 rad", "", "requested")
+    relative_angle: float = quantity(
+        0.0, f"{-RETRACTION_LIMIT} <= start_relative_angle <= {RETRACTION_LIMIT} rad", "", "requested"
+    )
+    relative_rate: float = quantity(0.0, "-1e9 <= start_relative_rate <= 1e9 rad/s", "", "requested")
+
+
+def simulate(
+    tool: Tool,
+    settings: Settings | None = None,
+    *,
+    start_hub_angle: float = START,
+    start_relative_angle: float = 0.0,
+    start_relative_rate: float = 0.0,
+    stop_after: str | None = None,
+) -> Trajectory:
+    """Simulate the bristle, a rigid one or a wire of links, in pymunk from a given start.
+
+    Args:
+        tool: parts that are None are absent from the scene.
+        settings: numerical settings.
+        start_hub_angle: of the root from the direction of the workpart, rad.
+        start_relative_angle, start_relative_rate: of the bristle relative to the radial direction, rad and rad/s.
+        stop_after: name of the event that ends the run, e.g. ``strike`` or ``highest relative speed``.
+
+    Returns:
+        The trajectory, in SI units.
+
+    Raises:
+        ValueError: if the start is out of range or overlaps an obstacle, no event has that name, rounding hides the accuracy,
+            or a contact cannot be resolved in time.
+    """
+    begin = (start_hub_angle, start_relative_angle, start_relative_rate)
+    (run,) = _simulated(tool, settings, begin, LONE, stop_after)
+    return run
+
+
+def simulate_in_steps(
+    tool: Tool,
+    step: float,
+    settings: Settings | None = None,
+    *,
+    start_hub_angle: float = START,
+    start_relative_angle: float = 0.0,
+    stop_after: str | None = None,
+) -> Trajectory:
+    """Simulate the bristle as :func:`simulate` does, but in plain engine steps of a fixed length, s, to compare with.
+
+    It is of first order in the step, and knows nothing of its error.
+
+    Raises:
+        ValueError: also if the step is too long for this tool.
+    """
+    (run,) = _simulated(tool, settings, (start_hub_angle, start_relative_angle, 0.0), LONE, stop_after, step)
+    return run
+
+
+def simulate_row(
+    tool: Tool,
+    settings: Settings | None = None,
+    *,
+    bristles: int,
+    pitch: float,
+    neighbour_friction: float,
+    neighbour_restitution: float,
+    start_hub_angle: float = START,
+    stop_after: str | None = None,
+) -> tuple[Trajectory, ...]:
+    """Simulate a row of bristles of one plane that touch each other, bar and workpart, in pymunk.
+
+    All start together, radial and turning with the hub.
+
+    Args:
+        tool: each bristle is like the others.
+        settings: numerical settings; ``hub_turn`` is that of the last bristle, from where the foremost one starts.
+        bristles: number of them.
+        pitch: angle from each root to the next one, which follows it, rad.
+        neighbour_friction, neighbour_restitution: Coulomb's coefficient and the energetic one between two wires.
+        start_hub_angle: of the foremost root from the direction of the workpart, rad.
+        stop_after: name of an event; the run ends when every bristle has had it.
+
+    Returns:
+        One trajectory for each bristle, the foremost first, at common instants. The touch of two wires is the event
+        ``wire touch`` of both; the obstacle of its contact records, in which each has its own normal, is ``wire``.
+
+    Raises:
+        ValueError: as for ``simulate``, and if bristles overlap at the start.
+    """
+    row = Row(bristles, pitch, neighbour_friction, neighbour_restitution)
+    return _simulated(tool, settings, (start_hub_angle, 0.0, 0.0), row, stop_after)
+
+
+def _simulated(
+    tool: Tool,
+    settings: Settings | None,
+    begin: tuple[float, float, float],
+    row: Row,
+    stop_after: str | None,
+    step: float | None = None,
+) -> tuple[Trajectory, ...]:
+    """Return the run of each bristle, all of which begin at the same angle and rate relative to their roots."""
+    if not isinstance(tool, Tool):
+        raise ValueError(f"tool = {shown(tool)}: must be a Tool")
+    if not isinstance(settings, Settings | None):
+        raise ValueError(f"settings = {shown(settings)}: must be Settings or None")
+    stop_after = None if stop_after is None else checked_name("stop_after", stop_after, EVENTS)
+    settings, described = settings or Settings(), StartRelativeToHub(*begin)
+    scene, units = build_tool(tool, hub_start=described.hub_angle, row=row, accuracy=settings.accuracy)
+    mechanism = scene.mechanism
+    roots = [mechanism.root_angle(link, 0.0) for link in range(len(mechanism.links))]
+    rate = mechanism.hub_speed + described.relative_rate * units.time
+    start = State(0.0, tuple(root + described.relative_angle for root in roots), (rate,) * len(roots))
+    check_start(scene, tool, start)
+    end = REST_PERIODS * 2.0 * math.pi
+    if mechanism.hub_speed:
+        # The last wire turns as far as requested.
+        end = (settings.hub_turn + (row.bristles - 1) * row.pitch) / mechanism.hub_speed
+    plan = Plan(
+        end=end,
+        accuracy=settings.accuracy,
+        stop_after=stop_after,
+        longest_interval=longest_interval(scene, settings.samples),
+        maximum_steps=settings.maximum_steps,
+        retraction_limit=RETRACTION_LIMIT,
+        time_scale=time_scale(scene),
+    )
+    stepper: Stepper
+    if step is None:
+        stepper = stepper_for(scene, settings, start, end)
+    else:
+        largest = largest_step(scene, settings.samples) * units.time
+        if not 0.0 < step <= largest:
+            raise ValueError(
+                f"step = {step:g}: must be at most {largest:g} with this belt, hub speed and bristle (in s)"
+            )
+        stepper = PlainSteps(step / units.time)
+    wall, cpu, steps = clock.perf_counter(), clock.process_time(), scene.steps
+    recording = run(scene, start, stepper, plan)
+    cost = (clock.perf_counter() - wall, clock.process_time() - cpu, scene.steps - steps)
+    parameters = {
+        "method": METHOD if row is LONE else ROW_METHOD,
+        "tool": dataclasses.asdict(tool),
+        "settings": dataclasses.asdict(settings),
+        "start": dataclasses.asdict(described),
+        "stop_after": stop_after,
+    }
+    if row is not LONE:
+        parameters["row"] = dataclasses.asdict(row)
+    return trajectories_in_si(recording, scene, units, parameters, cost, with_estimate=step is None)
+
+
+def check_start(scene: Scene, tool: Tool, start: State) -> None:
+    """Refuse a start in which a bristle stands in an obstacle, or in another bristle."""
+    poses = scene.mechanism.poses(start)
+    for obstacle in scene.effects.obstacles:
+        gap = obstacle.closest(poses, start.rates).gap
+        if gap >= -OVERLAP_ROUNDING:
+            continue
+        overlap = -gap * tool.bristle.length
+        if obstacle.partner is not None:
+            raise ValueError(
+                f"pitch = {scene.mechanism.pitch:g}: must be one at which bristles are clear of each other at the start,"
+                f" these overlap by {overlap:.3g} m (in rad)"
+            )
+        part = getattr(tool, obstacle.name)
+        given = ", ".join(f"{key} = {getattr(part, key.split('_')[-1]):g}" for key in PLACE_KEYS[obstacle.name])
+        raise ValueError(
+            f"{given}: the {obstacle.name} must be clear of the bristle at the start, this one overlaps it by"
+            f" {overlap:.3g} (in m)"
+        )
