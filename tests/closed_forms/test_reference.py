@@ -11,7 +11,6 @@ from scipy.special import ellipj, ellipk
 
 from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart, operating_point
 from bristle_sim.reference import simulate_reference
-from bristle_sim.reference.crossing import crossings
 from bristle_sim.stop_reason import StopReason
 
 FREE = Tool(bar=None, workpart=None)
@@ -86,21 +85,6 @@ def contact_moment(tool, run):
 
 
 class TestFlight:
-    @pytest.mark.parametrize("damping", [0.0, 0.018, 0.7])
-    def test_belt_oscillation_is_a_complex_exponential(self, damping):
-        """With the root on the hub's axis the centrifugal term vanishes: a damped harmonic oscillator.
-
-        Tolerance: a hundred times the requested accuracy, of angles and rates of the order of 1 and the natural rate.
-        """
-        tool = replace(FREE, hub=Hub(radius=0.0), belt=Belt(damping_ratio=damping))
-        angle, rate, natural = -0.6, 300.0, natural_rate(tool)
-        run = simulate_reference(tool, start_relative_angle=angle, start_relative_rate=rate, accuracy=1e-12)
-        exponent = natural * complex(-damping, math.sqrt(1.0 - damping**2))
-        amplitude = complex(angle, (exponent.real * angle - rate) / exponent.imag)
-        motion = amplitude * np.exp(exponent * run.time)
-        np.testing.assert_allclose(run.relative_angle, motion.real, rtol=0.0, atol=1e-10)
-        np.testing.assert_allclose(run.relative_rate, (exponent * motion).real, rtol=0.0, atol=1e-10 * natural)
-
     @pytest.mark.parametrize("speed", [0.0, 261.8])
     def test_pendulum_without_belt_is_an_elliptic_function(self, speed):
         """sin(a/2) = sin(a_0/2) cd(t sqrt(3 g/2L)), g being gravity, or at the hub's rim r_h omega^2."""
@@ -228,15 +212,6 @@ class TestHold:
 
 
 class TestNames:
-    def test_idling_before_the_bar_is_not_the_highest_speed(self):
-        """Under weight the bristle sways by half a milliradian before the bar touches it; the throw comes after."""
-        tool = Tool(workpart=None, gravity=GRAVITY)
-        run = simulate_reference(tool, start_hub_angle=-2.5, stop_after="highest relative speed")
-        assert (run.stop_reason, run.events[-1].name) == (StopReason.EVENT, "highest relative speed")
-        assert run.time[-1] > run.event_time("bar release", last=True)
-        # The sway, m g (L/2)/k, is 4.7e-4 rad; the throw is that of the operating point.
-        assert run.relative_rate[-1] == pytest.approx(880.0, abs=10.0)
-
     @pytest.mark.parametrize(("clearance", "event"), [(1e-9, "bar not touched"), (-1e-9, "bar touch")])
     def test_no_touch_is_missed_between_steps(self, clearance, event):
         """A radial bristle passes the bar with a nanometre to spare, or a nanometre short of it.
@@ -482,13 +457,3 @@ class TestSprings:
         hub, wire = run.hub_angle[still], run.angles[still, 0]
         expected = -tool.hub.radius * tool.hub.speed * np.cos(hub) / (tool.bristle.length * np.cos(wire))
         np.testing.assert_allclose(run.rates[still, 0], expected, rtol=1e-6)
-
-
-class TestCrossings:
-    @pytest.mark.parametrize("depth", [1e-6, 1e-10])
-    def test_finds_a_dip_that_samples_step_over(self, depth):
-        found = crossings(lambda time: (time - 0.5) ** 2 - depth, 0.0, 1.0, 1e-15)
-        assert [direction for _, direction in found] == [-1, 1]
-        # A root of slope 2 sqrt(depth), in rounding of 0.25.
-        np.testing.assert_allclose([time - 0.5 for time, _ in found], [-(depth**0.5), depth**0.5], rtol=1e-5)
-        assert crossings(lambda time: (time - 0.5) ** 2 + depth, 0.0, 1.0, 1e-15) == []

@@ -23,7 +23,6 @@ from bristle_sim.parameters import Bar, Belt, Bristle, Contact, Surface, Tool, W
 from bristle_sim.scene.simulate import simulate, simulate_in_steps
 from bristle_sim.scene.strike import Chain, strike
 from bristle_sim.settings import Settings
-from bristle_sim.trajectory import Trajectory
 
 SETTINGS = Settings(accuracy=1e-6)
 
@@ -118,15 +117,6 @@ def test_in_another_process_without_asserts_and_with_other_hashes(first: dict[st
     assert ast.literal_eval(done.stdout) == list(first.values())
 
 
-@pytest.mark.parametrize("name", TOOLS)
-def test_saved_and_loaded(name: str, first: dict[str, str], tmp_path: Path) -> None:
-    run = simulate(TOOLS[name], SETTINGS)
-    run.save(tmp_path / "run.npz")
-    loaded = Trajectory.load(tmp_path / "run.npz")
-    assert bits(loaded) == first[name]
-    assert repr((loaded.cost, loaded.parameters)) == repr((run.cost, run.parameters))
-
-
 def test_a_bit_that_differs_is_noticed(first: dict[str, str]) -> None:
     run = simulate(Tool(), SETTINGS)
     for name in ("time", "angles", "potential_energy"):
@@ -148,18 +138,11 @@ def _tells_a_type(test: ast.expr) -> bool:
     if isinstance(test, ast.Compare):
         plain = isinstance(test.left, ast.Name | ast.Attribute)
         return plain and isinstance(test.ops[0], ast.IsNot) and ast.unparse(test.comparators[0]) == "None"
-    return isinstance(test, ast.Call) and ast.unparse(test.func) == "isinstance"
+    plain = test.operand if isinstance(test, ast.UnaryOp) else test
+    return isinstance(plain, ast.Call) and ast.unparse(plain.func) == "isinstance"
 
 
 def test_no_assert_of_the_source_guards_input() -> None:
     sources = Path(bristle_sim.__file__).parent.rglob("*.py")
     found = {file.name: guards(file.read_text(encoding="utf-8")) for file in sources}
     assert {name: lines for name, lines in found.items() if lines} == {}
-
-
-def test_asserts_that_guard_are_found() -> None:
-    source = (
-        "assert x is not None\nassert isinstance(x, int)\nassert x > 0\nassert isinstance(x, int) and x\n"
-        "assert x.pop() is not None\nassert go()\nassert x is None\n"
-    )
-    assert guards(source) == [3, 4, 5, 6, 7]

@@ -6,12 +6,10 @@ import math
 import numpy as np
 import pymunk
 import pytest
-from scipy.linalg import eigh, expm
 
 from bristle_sim.parameters import Bar, Belt, Hub, Tool, Workpart
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
-from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.tool import build_tool
 
@@ -74,32 +72,6 @@ class TestHinges:
     COUPLING = np.array([[1.0, -1.0], [-1.0, 1.0]])
     RODS = Mechanism((Link.rod(2.0, 1.0), Link.rod(1.0, 1.0)))
 
-    def test_frequency(self) -> None:
-        """The mode released at rest is there again, at rest, after 2 pi/w; 1e-4 rad leave 1e-8 of nonlinearity."""
-        squares, modes = eigh(0.3 * self.COUPLING, self.MASS)
-        shape = 1e-4 * modes[:, -1] / np.abs(modes[:, -1]).max()
-        scene = Scene(self.RODS, Effects(hinges=((0.3, 0.0),)))
-        state = State(0.0, tuple(shape.tolist()), (0.0, 0.0))
-        for _ in range(16):
-            state = Extrapolation(1e-12).advance(scene, state, math.tau / math.sqrt(squares[-1]) / 16.0).state
-        # Sixteen intervals to 1e-12, of 1e-4 rad.
-        assert state.angles == pytest.approx(shape, abs=1e-10)
-        assert state.rates == pytest.approx((0.0, 0.0), abs=1e-10)
-
-    def test_damping(self) -> None:
-        """The linear system's exponential over 3 time units."""
-        inverse = np.linalg.inv(self.MASS)
-        system = np.block(
-            [[np.zeros((2, 2)), np.eye(2)], [-0.3 * inverse @ self.COUPLING, -0.02 * inverse @ self.COUPLING]]
-        )
-        start = np.array([1e-4, -1e-4, 0.0, 5e-5])
-        expected = expm(3.0 * system) @ start
-        scene = Scene(self.RODS, Effects(hinges=((0.3, 0.02),)))
-        state = State(0.0, tuple(start[:2].tolist()), tuple(start[2:].tolist()))
-        for _ in range(8):
-            state = Extrapolation(1e-12).advance(scene, state, 0.375).state
-        assert (*state.angles, *state.rates) == pytest.approx(expected, abs=1e-10)
-
     def test_one_for_each_joint_between_two_links(self) -> None:
         with pytest.raises(ValueError, match=r"^hinges: must be one \(stiffness, damping\) for each of the 1 joints"):
             Scene(self.RODS, Effects(hinges=((0.3, 0.0), (0.3, 0.0))))
@@ -119,18 +91,6 @@ class TestPlacing:
             difference = joint.a.velocity_at_world_point(first) - joint.b.velocity_at_world_point(second)
             assert abs(difference) < 10.0 * CLOSED
 
-    def test_bodies_are_where_the_poses_are(self) -> None:
-        scene = Scene(self.CHAIN, Effects())
-        scene.place(self.STATE)
-        assert scene.angles() == list(self.STATE.angles)
-        assert scene.rates() == list(self.STATE.rates)
-        for body, pose in zip(scene.links, self.CHAIN.poses(self.STATE), strict=True):
-            assert body.position == pose.centre
-            assert body.velocity == pose.centre_velocity
-            tip = self.CHAIN.links[scene.links.index(body)].tip
-            centre = self.CHAIN.links[scene.links.index(body)].centre
-            assert abs(body.local_to_world((tip[0] - centre[0], tip[1] - centre[1])) - pose.tip) < CLOSED
-
 
 class TestContact:
     def resting(self, effects: Effects, angle: float) -> Scene:
@@ -138,17 +98,6 @@ class TestContact:
         scene = Scene(Mechanism((ROD,)), effects)
         scene.place(State(0.0, (angle,), (0.0,)))
         return scene
-
-    def test_impulse_of_a_resting_contact_carries_the_weight(self) -> None:
-        """Rod at 45 degrees, gravity g: moments about the root, N L sin 45 = m g (L/2) sin 45, so N = m g/2."""
-        floor = WorkpartObstacle(math.cos(0.25 * math.pi), 0.0, 0.0, 0.0)
-        scene = self.resting(Effects(gravity=9.0, obstacles=(floor,)), 0.25 * math.pi)
-        scene.contacts.engage(floor, friction=0.0, elasticity=0.0, iterations=80)
-        scene.step(1e-3, 3)
-        normal, tangential, _ = scene.contacts.totals(floor)
-        # Eighty iterations leave 0.4^80; the state moves by 1e-6 in three steps of 1e-3.
-        assert normal == pytest.approx(4.5e-3, rel=1e-5)
-        assert tangential == 0.0
 
     @pytest.mark.parametrize("friction", [0.2, 0.7])
     def test_friction_opposes_slip(self, friction: float) -> None:

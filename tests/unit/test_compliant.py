@@ -10,7 +10,7 @@ import pytest
 from bristle_sim.parameters import Contact, Surface
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.contact.compliant import CompliantLaw
-from bristle_sim.scene.contact.laws import Coefficients, ContactLaw, EnergeticLaw
+from bristle_sim.scene.contact.laws import ContactLaw, EnergeticLaw
 from bristle_sim.scene.contact.obstacles import WorkpartObstacle
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.strike import Chain, build_strike, strike, struck
@@ -168,23 +168,6 @@ class TestPressedContact:
         # Turns are located to a tenth of 1e-7 of the duration, 1e-11 of at least 3e-10 deep; the way out is four times as
         # stiff, which would be half as much again and more.
         np.testing.assert_allclose(history.normal_force[deeper], stiffness * history.penetration[deeper], rtol=0.1)
-
-
-class TestDampedContact:
-    @pytest.mark.parametrize("ratio", [1.0, 10.0, 751.0])
-    def test_the_shortest_contact_follows_the_damping(self, ratio: float) -> None:
-        """A belt of damping ratio D has the rate 2 D: 3e-7/sqrt(e*) would take 8e-4 of a speed at D = 751.
-
-        With T = 3e-7/sqrt(2 D e*) the motion meanwhile and rounding are as large, 4e-14/(T e*): 1e-5 at most.
-        """
-        obstacle = WorkpartObstacle(math.cos(0.6), 0.3, 0.3, 0.5)
-        effects = Effects(stiffness=1.0 / 3.0, damping=2.0 / 3.0 * ratio, obstacles=(obstacle,))
-        scene, before = Scene(Mechanism((Link.rod(1.0, 1.0),)), effects), State(0.0, (0.6,), (-1.0,))
-        rigid, _ = EnergeticLaw().resolve(scene, before, obstacle, Coefficients.of(obstacle))
-        law = CompliantLaw(None, 1e-6)
-        found, record, _ = struck(scene, before, dataclasses.replace(obstacle, law=law), Settings())
-        assert record.duration == pytest.approx(3e-7 / math.sqrt(2.0 * ratio * 0.5), rel=1e-4)
-        assert found.rates == pytest.approx(rigid.rates, abs=1e-5)
 
 
 class TestCompliantRefusals:

@@ -5,9 +5,8 @@ from collections.abc import Callable
 
 import pytest
 
-from bristle_sim.scene.events.locate import Interval, locate, settle
+from bristle_sim.scene.events.locate import locate
 from bristle_sim.scene.events.touches import first_touch
-from bristle_sim.scene.integrate.extrapolation import Advance
 from bristle_sim.scene.mechanism import Link, Mechanism, State, turns
 
 ROD = Mechanism((Link.rod(1.0, 1.0),))
@@ -78,11 +77,6 @@ class TestFirstTouch:
         assert share is not None
         assert left <= share <= min(left + width, 1.0)
 
-    def test_nothing_touches_while_all_is_at_rest(self) -> None:
-        """Without any speed there is no bound to advance by."""
-        for bottom, height in ((0.3, 0.0), (0.3, 0.5), (0.0, 0.005)):
-            assert first_touch(ROD, valley(bottom, height), *interval(1.0, 0.0)) is None
-
 
 class TestLocate:
     @pytest.mark.parametrize("root", [1e-6, 0.3, 0.999999])
@@ -102,31 +96,6 @@ class TestLocate:
         """No value is within the tolerance: the first duration past the jump, to the last digits."""
         found = locate(lambda at: -1.0 if at < jump else 1.0, 0.0, 1.0, -1.0, 1.0, 0.0)
         assert jump <= found <= jump + 1e-14
-
-
-class TestSettle:
-    """A harmonic motion of amplitude 1, which the cubic of an interval of 0.5 misses by 0.5^4/384 = 2e-4 at most."""
-
-    START = State(0.0, (1.0,), (0.0,))
-
-    def settled(self, level: float, near: float, last: float) -> tuple[float | None, int]:
-        """Return when the motion passes a level, and how many intervals that took."""
-        runs = []
-
-        def again(time: float) -> Advance:
-            runs.append(time)
-            return Advance(State(time, (math.cos(time),), (-math.sin(time),)), (-math.cos(time),), (), 0.0)
-
-        whole = Interval(self.START, again(last), again)
-        runs.clear()
-        return settle(lambda state: state.angles[0] - level, whole, near, last, 1e-13), len(runs)
-
-    @pytest.mark.parametrize(("off", "most"), [(0.0, 1), (1e-4, 3), (-1e-4, 3), (1e-2, 4)])
-    def test_few_intervals_from_a_guess(self, off: float, most: int) -> None:
-        """The cubic leaves 1e-2 of the square of 2e-4, a straight line the product of two errors."""
-        found, runs = self.settled(math.cos(0.4), 0.4 + off, 0.5)
-        assert found == pytest.approx(0.4, abs=1e-12)  # the tolerance over the slope there
-        assert runs <= most
 
 
 class TestTurns:

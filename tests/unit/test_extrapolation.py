@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from bristle_sim.scene.build import Effects, Scene
 from bristle_sim.scene.integrate import extrapolation as repetitions
-from bristle_sim.scene.integrate.extrapolation import Advance, Extrapolation
+from bristle_sim.scene.integrate.extrapolation import Extrapolation
 from bristle_sim.scene.mechanism import Link, Mechanism, State
 from bristle_sim.scene.progress import Plan, Recording
 from bristle_sim.scene.run import run
@@ -24,23 +24,6 @@ from unit.test_stepping import carried, oscillator
 
 
 class TestExtrapolation:
-    def test_tolerance_scale_and_floor(self) -> None:
-        """The tolerance is relative to the scale; below the rounding of the first four repetitions nothing is asked."""
-        assert Extrapolation(1e-6).noise == 1e-6
-        assert Extrapolation(1e-6, 3.0).noise == pytest.approx(3e-6, rel=1e-15, abs=0.0)
-        exact = Extrapolation(0.0)
-        assert exact.most_rows == exact.rows == 4
-        assert exact.noise == repetitions.CLOSE.noise[3]
-
-    @pytest.mark.parametrize(("duration", "kept"), [(0.01, True), (0.2, False)])
-    def test_an_interval_cut_short_does_not_shorten_the_next(self, duration: float, kept: bool) -> None:
-        """What an interval of a tenth or less tells, at most four times itself, is no news about the length proposed before."""
-        stepper = Extrapolation(1e-6)
-        stepper.length = 0.5
-        accurate = Advance(State(duration, (0.0,), (0.0,)), (0.0,), (), 1e-6, errors={2: 1e-6, 3: 1e-6})
-        assert stepper.accepts(accurate, duration)
-        assert (stepper.length == 0.5) is kept
-
     @pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
     def test_uniform_motion_is_hardly_ever_refused(self, tolerance: float) -> None:
         """An oscillator's intervals are all alike, and each is aimed at half the tolerance: its phase alone is new."""
@@ -79,20 +62,6 @@ class TestAccuracy:
                 for power in range(row + 1):
                     scale = np.abs(weights) @ counts**-power
                     assert abs(weights @ counts**-power - (power == 0)) < 1e-14 * scale
-
-    def test_an_interval_ends_exactly_where_it_was_requested(self) -> None:
-        scene, start, _ = oscillator()
-        result = Extrapolation(1e-6).advance(scene, start, 0.1234)
-        assert result.state.time == 0.1234
-        # The acceleration at the end is that of the oscillator, found from the last step's change of rate.
-        assert result.accelerations[0] == pytest.approx(-result.state.angles[0], abs=1e-5)
-
-    def test_what_is_left_is_cut_evenly(self) -> None:
-        stepper = Extrapolation(1e-6)
-        for remaining in np.geomspace(1e-6, 1e3, 40).tolist():
-            pieces = remaining / stepper.propose(remaining)
-            assert pieces == pytest.approx(round(pieces), rel=1e-14)
-            assert remaining / pieces <= 1.2 * stepper.length
 
 
 def random_flight(rng: np.random.Generator) -> tuple[Scene, State, Callable[..., tuple[float, float]]]:

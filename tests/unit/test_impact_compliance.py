@@ -166,16 +166,6 @@ class TestBounds:
         wanted, found = impulse_and_velocity(plain), impulse_and_velocity(flipped) * signs
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9)
 
-    def test_single_impacts_are_those_of_the_array(self) -> None:
-        impacts = random_impacts(4, 60)
-        whole = energetic_impact(**impacts)
-        for index in range(60):
-            single = energetic_impact(**{key: value[index] for key, value in impacts.items()})
-            assert isinstance(single.impulse_normal, float)
-            assert single.outcome == whole.outcome[index]
-            found, wanted = impulse_and_velocity(single), impulse_and_velocity(whole)[index]
-            np.testing.assert_allclose(found, wanted, rtol=1e-10, atol=1e-12)
-
     @pytest.mark.parametrize("law", [poisson_impact, newton_impact])
     def test_the_other_laws_have_no_springs(self, law) -> None:
         arguments = (np.eye(2), [-1.0, 0.5], 0.3, 0.5)

@@ -320,36 +320,6 @@ def test_any_contact_ends_without_energy_gain(normal, tangential, correlation, a
 # Borders between the cases
 
 
-def test_slip_that_jams_until_it_stops():
-    """K_nn - mu s K_nt < 0: friction presses the point on faster than K_nn throws it back, until slip stops.
-
-    K = ((1, 0.9), (0.9, 1)), mu = 2, slip 0.5: v_n' = -0.8, v_t' = -1.1 per impulse, so slip stops at 0.5/1.1 with
-    v_n = -1 - 0.4/1.1; stick then has v_n' = 1 - 0.81, and elastic restitution mirrors the compression's work.
-    """
-    result = energetic_impact([[1.0, 0.9], [0.9, 1.0]], [-1.0, 0.5], 2.0, 1.0)
-    assert result.phases == ("compression slip", "compression stick", "restitution stick")
-    deepest = 1.0 + 0.4 / 1.1
-    first, second = 0.5 / 1.1, deepest / 0.19
-    works = -0.5 * first * (1.0 + deepest), -0.5 * second * deepest
-    restitutive = math.sqrt(-2.0 * sum(works) / 0.19)
-    np.testing.assert_allclose(result.phase_impulse, [first, second, 0.0, restitutive], rtol=1e-14)
-    np.testing.assert_allclose(result.phase_work_normal[:2], works, rtol=1e-14)
-    assert result.velocity_normal == pytest.approx(0.19 * restitutive, rel=1e-14)
-    assert result.velocity_normal > 1.0
-
-
-def test_slip_at_rest_where_restitution_has_more_friction():
-    """K = ((1, 0.8), (0.8, 1)), mu_1 = 0, mu_2 = 5, slip 1, v_n = -1: by hand.
-
-    Compression without friction: p_c = 1, v_t = 1.8. In restitution mu_2 would need v_n' = 1 - 4 < 0: v_n stays 0 with
-    dp_t = -(1/0.8) dp_n and v_t' = 0.8 - 1.25, so slip stops after 4; stick then has v_n' = 0.36.
-    """
-    result = energetic_impact([[1.0, 0.8], [0.8, 1.0]], [-1.0, 1.0], 0.0, 0.5, 5.0)
-    np.testing.assert_allclose(result.phase_impulse, [1.0, 0.0, 4.0, math.sqrt(2 * 0.125 / 0.36)], rtol=1e-14)
-    np.testing.assert_allclose(result.phase_work_normal, [-0.5, 0.0, 0.0, 0.125], rtol=1e-14, atol=1e-15)
-    assert result.phases == ("compression slip", "restitution slip", "restitution stick")
-
-
 def test_contact_that_jams():
     """One degree of freedom whose point also moves across its lever, as no mechanism at rest around it can.
 

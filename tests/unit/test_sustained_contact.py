@@ -35,29 +35,6 @@ def beside_bar(angle: float, along: float) -> RigidContacts:
     return rigid_contacts(Scene(ROD, Effects(obstacles=(obstacle,))), [obstacle], [None])
 
 
-class TestGrip:
-    """(K_nn - mu sign(v_t) K_nt) over that of the free rod, 1/m + lever^2/J."""
-
-    @pytest.mark.parametrize("rate", [-0.3, 0.0, 0.3])
-    @pytest.mark.parametrize("friction", [0.0, 0.4])
-    def test_on_the_workpart(self, rate: float, friction: float) -> None:
-        """K_nn = 3/m sin^2, K_nt = 3/m sin cos; free 1/m (1 + 12 (sin/2)^2); no slip, no friction."""
-        angle = 0.7
-        sine, cosine = math.sin(angle), math.cos(angle)
-        slip = math.copysign(1.0, rate) if rate else 0.0
-        expected = 3.0 * sine * (sine - friction * slip * cosine) / (1.0 + 3.0 * sine**2)
-        found = on_workpart(angle, friction).grip(*gaps_at(angle, rate))
-        assert found == pytest.approx(expected, rel=1e-13)
-
-    @pytest.mark.parametrize("along", [0.2, 0.5, 0.8])
-    def test_iterations_solve_to_rounding_and_no_further(self, along: float) -> None:
-        """Each leaves 1 - grip of the error: as many as it takes to 1e-17."""
-        contact = beside_bar(0.7, along)
-        left = abs(1.0 - contact.engage(*gaps_at(0.7, 0.1)))
-        rounds = contact.scene.space.iterations
-        assert left**rounds <= 1e-17 < left ** (rounds - 1)
-
-
 class TestSetBack:
     """Newton's method ends after three rounds: 1e-3 off is 1e-6, 1e-12 and then rounding."""
 
