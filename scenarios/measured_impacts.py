@@ -9,7 +9,7 @@ import sys
 
 from bristle_sim.cli import Picture, Scenario, main
 from bristle_sim.comparison import Report
-from bristle_sim.parameters.measured import Measured
+from bristle_sim.parameters import Measured
 
 
 def run(measured: Measured) -> Report:

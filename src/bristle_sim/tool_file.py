@@ -73,15 +73,11 @@ def read_tool(path: str | Path) -> Tool:
         ValueError: in one line, for a file that is no TOML, an unknown key, or a value that is out of range.
         OSError: for a file that cannot be read.
     """
-    typed, parts = read_keys(path), dict[str, Any]()
+    typed = read_keys(path)
+    absent = {part: None for part in MAY_BE_ABSENT if typed.get(part) == ABSENT}
+    idle = {*absent, *(key for part in absent for key in tool_keys()[part])}
     try:
-        for part, keys in tool_keys().items():
-            values = {name: typed[key] for key, (name, _) in keys.items() if key in typed}
-            if part:
-                parts[part] = None if part in MAY_BE_ABSENT and part in typed else PARTS[part][0](**values)
-            else:
-                parts |= values
-        return Tool(**parts)
+        return Tool().replace(**absent, **{key: text for key, text in typed.items() if key not in idle})
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
 

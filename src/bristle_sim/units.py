@@ -106,13 +106,6 @@ class Range:
         rule = self.allowed if self.whole else f"finite number with {self.allowed}"
         return ValueError(f"{self.key} = {shown(value)}: must be a {rule} ({unit}{why})")
 
-    def unusual(self, value: float, default: float | None) -> bool:
-        """Tell whether a value is so far from the default, or from what is usual, that its unit may be mistaken."""
-        if self.usual is None and not default:
-            return False
-        least, most = self.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
-        return value != 0.0 and not least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12)  # but for rounding
-
 
 MISTAKEN = 0.02  # a value this close to a likely mistake, relative, is taken for it
 
@@ -128,7 +121,8 @@ def unusual_value(declared: Any, default: Any, value: Any, given: Any) -> str:
     named = f"{declared.key} = {value:.6g}{unit}"
     if declared.mistaken is not None and math.isclose(value, declared.mistaken[0], rel_tol=MISTAKEN):
         return f"{named} is {declared.mistaken[1]}"
-    if not declared.unusual(value, default):
+    least, most = declared.usual or (abs(default or 0.0) / FAR, abs(default or 0.0) * FAR)
+    if value == 0.0 or most == 0.0 or least * (1.0 + 1e-12) < abs(value) < most * (1.0 - 1e-12):  # but for rounding
         return ""
     ratio = f" is {value / default:.3g} times the default, {default:.6g}{unit}" if default else " is unusual"
     return f"{named}{ratio}{_meant_unit(declared, given if isinstance(given, str) else f'{given:g}', default)}"
@@ -234,34 +228,35 @@ def declared_field(default: Any, declared: Any) -> Any:
     return field(default=default, metadata={"declaration": declared})
 
 
-def declarations(owner: Any) -> dict[str, Range | Choice]:
-    """Return the declarations of a parameter class or object by the names of its fields."""
-    kind = owner if isinstance(owner, type) else type(owner)
-    return {name: declared for name, (declared, _) in _declared(kind).items()}
-
-
-def _fields_of(owner: Any) -> dict[str, tuple[Range | Choice, Any]]:
-    fields = dataclasses.fields(owner)
-    return {
-        each.name: (each.metadata["declaration"], each.default) for each in fields if "declaration" in each.metadata
-    }
+def _fields_of(kind: Any) -> dict[str, tuple[Range | Choice, Any]]:
+    found = {each.name: (each.metadata.get("declaration"), each.default) for each in dataclasses.fields(kind)}
+    return {name: (declared, default) for name, (declared, default) in found.items() if declared is not None}
 
 
 _declared: Callable[[Any], dict[str, tuple[Range | Choice, Any]]] = functools.cache(_fields_of)
 """Declarations and defaults of a parameter class by the names of its fields."""
 
 
+def declarations(owner: Any) -> dict[str, Range | Choice]:
+    """Return the declarations of a parameter class or object by the names of its fields."""
+    return {
+        name: declared for name, (declared, _) in _declared(owner if isinstance(owner, type) else type(owner)).items()
+    }
+
+
 def validate(instance: Any) -> None:
-    """Check every declared field of a frozen dataclass instance and store it as a plain number or word."""
-    for name, (declared, _) in _declared(type(instance)).items():
-        object.__setattr__(instance, name, _checked(declared, getattr(instance, name)))
+    """Check every declared field of a frozen dataclass instance, store it as a plain number or word, and warn of unusual ones.
 
-
-def _checked(declared: Any, given: Any) -> Any:
-    """Return a value as a plain number or word, a text such as "27 mm" as if it was typed."""
-    if given is None and declared.optional:
-        return None
-    return declared.parse(given) if isinstance(given, str) else declared.check(given)
+    A text such as "27 mm" counts as typed.
+    """
+    for name, (declared, default) in _declared(type(instance)).items():
+        given = getattr(instance, name)
+        if given is None and declared.optional:
+            continue
+        value = declared.parse(given) if isinstance(given, str) else declared.check(given)
+        object.__setattr__(instance, name, value)
+        if value != default and (line := unusual_value(declared, default, value, given)):
+            warnings.warn(line, UnusualValueWarning, stacklevel=4)
 
 
 class UnusualValueWarning(UserWarning):
@@ -274,12 +269,7 @@ class Declared:
     __slots__ = ()
 
     def __post_init__(self) -> None:
-        for name, (declared, default) in _declared(type(self)).items():
-            given = getattr(self, name)
-            value = _checked(declared, given)
-            object.__setattr__(self, name, value)
-            if value != default and (line := unusual_value(declared, default, value, given)):
-                warnings.warn(line, UnusualValueWarning, stacklevel=3)
+        validate(self)
 
 
 def described(owner: type[T]) -> type[T]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters.measured import Measured
+from bristle_sim.parameters import Measured
 from bristle_sim.studies.measured_impacts import elastic_compliance, measured_impacts, read_ellipse, spheres
 
 FOLDER = os.environ.get("BRISTLE_MEASURED")

@@ -9,15 +9,19 @@ positive in the hub's sense of rotation; a bristle at angle phi points from its 
 """
 
 from bristle_sim.parameters.experiments import (
+    Assembly,
     Comparison,
     ContactStiffness,
     DoublePendulum,
+    MapGrid,
     Neighbours,
     Release,
+    Sampling,
     SinglePendulum,
+    Spreads,
     Strike,
 )
-from bristle_sim.parameters.force import Crater, ForceHistory, Measurement
+from bristle_sim.parameters.force import Crater, ForceHistory, Measured, Measurement
 from bristle_sim.parameters.parts import (
     PRINTED_BELT_STIFFNESS,
     RETRACTION_AT_RELEASE,
@@ -31,12 +35,11 @@ from bristle_sim.parameters.parts import (
     Surface,
     Workpart,
 )
-from bristle_sim.parameters.studies import Assembly, MapGrid, Sampling, Spreads
 from bristle_sim.parameters.tool import PARTS, Tool, operating_point, tool_keys
 
 __all__ = [
     "PARTS", "PRINTED_BELT_STIFFNESS", "RETRACTION_AT_RELEASE", "SHAPE_KEYS", "WIRE_KEYS", "Assembly", "Bar", "Belt",
     "Bristle", "Comparison", "Contact", "ContactStiffness", "Crater", "DoublePendulum", "ForceHistory", "Hub", "MapGrid",
-    "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
+    "Measured", "Measurement", "Neighbours", "Release", "Sampling", "SinglePendulum", "Spreads", "Strike", "Surface", "Tool", "Workpart",
     "operating_point", "tool_keys",
 ]  # fmt: skip

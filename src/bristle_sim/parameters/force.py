@@ -1,4 +1,4 @@
-"""Parameters of the force history and of the crater: the curve or the measured points, and the tip that cuts."""
+"""Parameters of what was measured or cuts: force history, measured impacts, crater."""
 
 from __future__ import annotations
 
@@ -140,4 +140,23 @@ class Crater(Declared):
         "1e-8 <= compression_time <= 0.0001 s",
         "time from first touch to deepest penetration, t_c",
         "Zhang 2020, eq. 3.20: t_c, from the camera; (3.19) ends at 1e-4",
+    )
+
+
+@described
+@dataclass(frozen=True, slots=True)
+class Measured(Declared):
+    """The law that is compared with measured impacts, and the file of those that the user has."""
+
+    tangential_compliance: float = quantity(
+        1.15,
+        "0 <= tangential_compliance <= 1e4",
+        "stiffness of the contact along its normal over that along the surface, eta^2",
+        "(2 - nu)/(2 (1 - nu)) with nu = 0.23, soda-lime glass and aluminium oxide (Stronge 2018, ch. 5)",
+    )
+    data: str | None = _text(
+        "data",
+        "file",
+        "measured impacts of an ellipse: MATLAB file with an array bounce_array",
+        "none: the file is its authors'",
     )

@@ -19,7 +19,7 @@ import numpy as np
 
 from bristle_sim.arrays import Array
 from bristle_sim.comparison import Quantity, Report, Table
-from bristle_sim.parameters.measured import Measured
+from bristle_sim.parameters import Measured
 from bristle_sim.theory.impact import Impact, energetic_impact, newton_impact, poisson_impact
 
 SPEED, RADIUS, FRICTION, RESTITUTION = 3.9, 0.0025, 0.092, 0.98  # m/s, m (Kharaz et al. 2001)
