@@ -257,18 +257,6 @@ def test_the_energy_coefficients_follow_from_mixed_rounding():
     assert abs(RADIUS * OMEGA + LENGTH / 2 * 845.6 - 15 - 3.615) < 5e-4
 
 
-def test_the_printed_impulse_of_the_bristle_needs_another_friction():
-    assert "mu = 0.1376" in ROWS["eq. 3.9: compressive impulse of the bristle"].why
-    # Half a unit of the friction's fourth decimal moves p_c by 1e-4 of it.
-    assert resultant(0.1376) == pytest.approx(1.619e-3, rel=2e-4)
-
-
-def test_the_printed_excursion_is_rounded_before_its_percentage():
-    assert round(321.798, -1) == 320
-    assert ROWS["fig. 4.3: excursion against 325 um"].status == REPRODUCED
-    assert abs(100 * (1 - 321.798 / 325) - 1.5) > 0.5
-
-
 def test_the_ratio_of_sums_is_the_printed_depth_at_five_plies_only():
     found = []
     for n in range(1, 301):
@@ -296,18 +284,6 @@ def test_centrifugal_stiffening_brings_the_bar_within_five_per_cent():
 
 
 # The audit as a whole
-
-
-def test_rows_are_well_formed():
-    rows = audit_rows()
-    assert len(rows) >= 40
-    assert len(ROWS) == len(rows)
-    for row in rows:
-        assert row.status in (REPRODUCED, DIFFERS, NOT_COMPUTABLE)
-        assert (row.computed is None) == (row.status == NOT_COMPUTABLE)
-        assert row.computed is None or math.isfinite(row.computed)
-        assert "nan" not in row.why.lower().split()
-        assert row.why or row.status == REPRODUCED
 
 
 @pytest.mark.parametrize(("printed", "half"), [("1.619e-3", 5e-7), ("57", 0.5), ("0.00041", 5e-6), ("2.760", 5e-4)])

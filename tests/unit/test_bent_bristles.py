@@ -3,7 +3,6 @@
 import dataclasses
 import math
 
-import numpy as np
 import pytest
 
 from bristle_sim.parameters import Belt, Bristle, Contact, Hub, Tool, Workpart
@@ -17,21 +16,6 @@ TOOL = Tool(
     bristle=Bristle(knee_angle_deg=30.0),
     contact=Contact("compliant", 1e-4),
 )
-
-
-@pytest.mark.parametrize("angle", [-60.0, -5.0, 20.0, 90.0])
-@pytest.mark.parametrize("position", [0.2, 0.75])
-def test_centre_and_inertia_by_quadrature(angle: float, position: float) -> None:
-    """The wire cut into 20 000 points of equal mass; its sums are good to the square of a piece, 1e-8."""
-    bristle = Bristle(knee_position=position, knee_angle_deg=angle)
-    along = (np.arange(20_000) + 0.5) / 20_000 * bristle.length
-    shank, bend = position * bristle.length, math.radians(angle)
-    over = np.maximum(along - shank, 0.0)
-    x, y = over * math.sin(bend), -np.minimum(along, shank) - over * math.cos(bend)
-    assert bristle.centre == pytest.approx((x.mean(), y.mean()), rel=1e-6, abs=1e-9)
-    assert bristle.inertia_about_root == pytest.approx(bristle.mass * (x**2 + y**2).mean(), rel=1e-6)
-    assert math.dist((0.0, 0.0), bristle.path[0]) == pytest.approx(shank)
-    assert math.dist(bristle.path[0], bristle.tip) == pytest.approx(bristle.length - shank)
 
 
 def test_a_vanishing_knee_is_a_straight_bristle() -> None:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import pytest
 
 from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
-from bristle_sim.render.colours import BLUE, ORANGE
 from bristle_sim.render.cost_figure import LEAST, OTHERS, best_methods, cost_figure, verdict
 
 
@@ -53,14 +52,6 @@ POINTS = {
 @pytest.fixture(scope="module")
 def figure():
     return cost_figure(Measured(POINTS))
-
-
-def test_curves_are_the_points_in_milliseconds(figure):
-    lines = {line.get_gid(): line for line in figure.axes[0].get_lines()}
-    assert list(lines["bristle_sim simulate"].get_xdata()) == pytest.approx([0.1, 0.2])
-    assert list(lines["bristle_sim simulate"].get_ydata()) == [1e-3, 1e-6]
-    assert lines["bristle_sim simulate"].get_color() == BLUE
-    assert lines["scipy dop853"].get_color() == ORANGE
 
 
 def test_the_best_of_each_peer_has_a_colour_and_the_others_are_grey(figure):

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool, Workpart
+from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
 from bristle_sim.render.map_figure import map_figure
 from bristle_sim.settings import Settings
 from bristle_sim.studies import cue_map as module
@@ -28,7 +28,6 @@ from bristle_sim.studies.strike_point import (
     NotCuedError,
     strike_of_keys,
 )
-from bristle_sim.theory import cueing
 
 FINE = Settings(accuracy=1e-9)
 
@@ -72,18 +71,6 @@ def test_the_answer_names_the_place_and_the_strike_where_the_bar_stands(monkeypa
     assert "there is no cued strike: " in away
     with pytest.raises(ValueError, match=r"^wire_links = 2: must be 1"):
         cue_map(Tool(bristle=Bristle(links=2)), Settings())
-
-
-def test_another_penetration_turns_the_bar_by_the_impact_angle(radial: Place):
-    """A radial strike comes at the same relative motion, only later in the hub's turn: theta moves with gamma alone."""
-    tool = Tool(workpart=Workpart(penetration=0.007))
-    geometry = (tool.hub.radius, tool.bristle.length)
-    turned = float(cueing.impact_angle(*geometry, 0.007) - cueing.impact_angle(*geometry, 0.0045))
-    found = radial_place(tool, simulation(FINE))
-    # Each of the two roots is as good as the lag, 1e-9 of angles of the order of 1 rad.
-    assert found.direction - radial.direction == pytest.approx(turned, abs=1e-8)
-    before = radial.strike["relative_speed_at_contact"]
-    assert found.strike["relative_speed_at_contact"] == pytest.approx(before, rel=1e-8)
 
 
 def test_the_tip_is_slower_on_either_side_of_its_fastest_place(radial: Place):
@@ -164,16 +151,6 @@ def test_passes_that_are_given_up_end_a_search_that_has_no_answer_yet():
         return {"lag_deg_at_contact": 80.0 - math.degrees(direction)}
 
     assert math.degrees(radial_place(Tool(), some, math.radians(66.0)).direction) == pytest.approx(80.0, abs=1e-8)
-
-
-def test_a_maximum_beside_directions_without_a_strike():
-    def strike(tool: Tool) -> Measures:
-        direction = math.atan2(tool.bar.horizontal, tool.bar.vertical)
-        if direction > 1.2:
-            raise NotCuedError("no strike")
-        return {"tip_speed_at_contact": direction}
-
-    assert fastest_place(Tool(), strike, 1.1).direction == pytest.approx(1.2, abs=1e-4)
 
 
 @pytest.mark.parametrize("peak", [0.3, 1.15, 2.9])

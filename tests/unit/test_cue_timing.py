@@ -5,40 +5,14 @@ from __future__ import annotations
 import math
 import re
 
-import numpy as np
 import pytest
 
 from bristle_sim.comparison import Report
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Tool
+from bristle_sim.parameters import Bar, Belt, Bristle, Tool
 from bristle_sim.reference import simulate_reference
 from bristle_sim.settings import Settings
 from bristle_sim.studies.cue_timing import cue_timing
 from bristle_sim.studies.strike_point import full_pass
-from bristle_sim.theory.cueing import released_motion
-
-DAMPINGS = (0.0, 0.3, 1.0, 4.0)
-
-
-@pytest.mark.parametrize("damping", DAMPINGS)
-def test_formula_of_the_released_bristle_obeys_its_equation(damping: float) -> None:
-    """I alpha'' + c alpha' + k alpha = 0 from rest, by finite differences."""
-    tool = Tool(belt=Belt(damping_ratio=damping))
-    rate = math.sqrt(tool.belt.stiffness / tool.bristle.inertia_about_root)
-    time = np.linspace(0.0, 2.0 / rate, 4001)
-    lag, speed = released_motion(tool, 0.7, time)
-    angle = -lag
-    assert (lag[0], speed[0]) == (0.7, 0.0)
-    step = time[1] - time[0]
-    slope, acceleration = np.gradient(angle, step)[1:-1], np.gradient(speed, step)[1:-1]
-    # Central differences leave (fastest rate x step)^2/6 = (8 x 5e-4)^2/6.
-    np.testing.assert_allclose(slope, speed[1:-1], atol=5e-6 * 0.7 * rate * 8.0)
-    residual = acceleration + 2.0 * damping * rate * speed[1:-1] + rate**2 * angle[1:-1]
-    np.testing.assert_allclose(residual, 0.0, atol=5e-6 * 0.7 * rate**2 * 64.0)
-
-
-def test_formula_needs_a_belt() -> None:
-    with pytest.raises(ValueError, match="stiffness = 0"):
-        released_motion(Tool(belt=Belt(0.0)), 0.7, 1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -107,21 +81,6 @@ def test_every_row_is_judged_by_the_same_side(cued: Report) -> None:
     assert all(row.reference is not None and row.ok for row in cued.quantities)
     bare = cue_timing(Tool(), math.radians(44.5), Settings(), with_reference=False)
     assert all(row.reference is None and row.ok is None for row in bare.quantities)
-
-
-def test_print_belongs_to_the_printed_tool_alone() -> None:
-    other = cue_timing(Tool(hub=Hub(speed=250.0)), math.radians(44.5), Settings(), with_reference=False)
-    assert all(row.printed is None for row in other.quantities)
-
-
-def test_the_released_wire_ends_on_the_bar_that_it_needs(cued: Report) -> None:
-    """Released tip, bar and hub's centre are in line, and at the highest speed the tip is on the workpart (fig. 2.3)."""
-    timing = cued.subject
-    bar, tool, (released, fastest) = timing.simulated, Tool(), timing.wires
-    towards = np.array([-bar.bar_horizontal, -bar.bar_vertical]) / bar.bar_distance
-    reach = bar.bar_distance - tool.bar_reach
-    np.testing.assert_allclose(released[-1], reach * towards, atol=1e-12)  # m; rounding and the event's instant
-    assert fastest[-1, 1] == pytest.approx(-tool.workpart_depth, abs=1e-8)  # radial to the accuracy, 1e-6
 
 
 def test_bars_need_a_bar() -> None:

@@ -2,14 +2,12 @@
 
 import math
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 
 from bristle_sim.dissertation import impact_figures
-from bristle_sim.dissertation.figures import NUMBERS, Selection, figures_report, redrawn
+from bristle_sim.dissertation.figures import NUMBERS, redrawn
 from bristle_sim.dissertation.redrawn import SOURCES, Axis, Panel, Redrawn, curve_of, largest_differences
-from bristle_sim.render.dissertation_figures import draw, save_figures
 
 MASS, LENGTH, RADIUS, SPEED, RATIO, GAMMA = 8.387e-5, 0.027, 0.0275, 261.8, 3.23, math.radians(23.4)
 
@@ -114,42 +112,6 @@ def test_the_operating_point(figures, number, x, y):
     assert mark.y == pytest.approx(y, rel=1e-6 if number < "4" else 5e-5)
 
 
-def test_the_total_work_is_the_same_everywhere(figures):
-    for curve in figures["2.19"].panels[0].curves:
-        np.testing.assert_allclose(curve.theory, -1.260658e-2, rtol=1e-6)
-
-
-def test_the_single_pendulum_is_stronges(figures):
-    """phi'_f/phi'(0) = -e* sqrt((1 - mu cot gamma)/(1 + mu cot gamma)), 0 from mu = tan gamma on."""
-    for friction, curve in zip((0.0, 0.1, 0.31, 0.5, 1.0), figures["2.26"].panels[0].curves, strict=True):
-        slide = friction / np.tan(curve.x)
-        expected = -0.42 * np.sqrt(np.maximum(1.0 - slide, 0.0) / (1.0 + slide))
-        np.testing.assert_allclose(curve.theory, expected, atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("number", "column"), [("2.28", (0.22313679, 0.19167816, 0.14180543, 0.12350185, 0.12120826)),
-                           ("2.29", (-0.19893234, -0.16850436, -0.12013221, -0.10226865, -0.10002302))]
-)  # fmt: skip
-def test_the_double_pendulum_over_the_mass_ratio(figures, number, column):
-    """Rates at mu = 0.5 that an exact solution by phases gives, to eight digits."""
-    curve = figures[number].panels[0].curves[1]
-    assert curve.name == "0.5"
-    # Between grid points the curve bends by (ln 1e4/120)^2/8 = 7e-4 of its change.
-    np.testing.assert_allclose(np.interp((1.0, 2.0, 10.0, 100.0, 1e4), curve.x, curve.theory), column, rtol=2e-3)
-    ends = [curve.theory[0], curve.theory[-1]]
-    np.testing.assert_allclose(ends, [column[0], column[-1]], atol=5e-9)
-
-
-def test_the_heavy_rod_and_the_hub_differ_by_its_radius(figures):
-    by_name = {curve.name: curve for curve in figures["2.30"].panels[0].curves}
-    rod, hub = by_name["$n$ = 700"], by_name["bristle on its hub"]
-    # v_C with L = 0.027 in place of r_h = 0.0275, at n -> infinity; n = 700 takes off 4e-4 more.
-    expected = (845.6 + 261.8) * 0.027 / (845.6 * 0.027 + 261.8 * 0.0275)
-    low = rod.theory[rod.x < 0.3] / np.interp(rod.x[rod.x < 0.3], hub.x, hub.theory)
-    np.testing.assert_allclose(low, expected, rtol=2e-3)
-
-
 def test_force_figures(figures):
     ball = figures["3.2"].panels[0]
     bend, peak = ball.marks
@@ -199,12 +161,6 @@ def test_motion_and_width(figures):
     assert width.levels[0].value == 6.51e-4
 
 
-def test_a_simulated_contact_needs_a_longer_path(figures):
-    at, path = figures["4.3"].panels[0].curves[0].points["contact"]
-    # A quarter wave takes 2/pi v t = 0.956 mm at 30.03 m/s in 50 us; the turning hub takes some per cent off.
-    assert path[-1] == pytest.approx(2.0 / math.pi * 30.03 * at[-1], rel=0.05)
-
-
 def test_depths(figures):
     exact, rounded = figures["4.13"].panels[0].curves
     at = {int(n): depth for n, depth in zip(exact.x, exact.theory, strict=True)}
@@ -249,41 +205,3 @@ def test_a_point_off_its_curve_is_seen():
     panel = Panel(Axis("x"), Axis("y"), (curve,))
     # 0.01 off where the larger of the two curve values is 1.
     assert largest_differences(Redrawn("0", "a line", (panel,))) == {"printed": pytest.approx(0.01)}
-
-
-def test_no_such_figure():
-    with pytest.raises(ValueError, match=r"only = '2\.25': must be"):
-        redrawn("2.25")
-
-
-def test_the_report_has_a_row_for_each_source():
-    found = figures_report(Selection("2.24"))
-    assert [row.name for row in found.quantities] == ["figure_2.24_energetic", "figure_2.24_compliant"]
-    assert all(row.ok for row in found.quantities)
-    assert found.subject[0].number == "2.24"
-
-
-def test_drawn_lines_are_the_data_in_the_units_named(figures):
-    (axes,) = draw(figures["2.8"]).axes
-    curve = figures["2.8"].panels[0].curves[0]
-    line = next(line for line in axes.lines if line.get_gid() == f"curve {curve.name}")
-    np.testing.assert_allclose(line.get_xdata(), 1e3 * curve.x)
-    np.testing.assert_allclose(line.get_ydata(), 1e3 * curve.theory)
-    assert "(mm)" in axes.get_xlabel()
-    assert "(mN·s)" in axes.get_ylabel()
-
-
-def test_several_figures_are_pages_of_one_pdf(figures, tmp_path):
-    target = tmp_path / "all.pdf"
-    assert save_figures([figures["2.9"], figures["table_3.1"], figures["4.6"]], target) == [target]
-    # A page is an object of its own, and its type stands in plain text.
-    assert target.read_bytes().count(b"/Type /Page ") == 3
-
-
-def test_pictures_are_named_after_their_numbers(figures, tmp_path):
-    before = dict(mpl.rcParams)
-    folder = tmp_path / "pictures"
-    written = save_figures([figures["2.9"], figures["table_3.1"]], folder)
-    assert [path.name for path in written] == ["figure_2.9.png", "table_3.1.png"]
-    assert sorted(folder.iterdir()) == sorted(written)
-    assert dict(mpl.rcParams) == before

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import ast
 import dataclasses
 import itertools
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-import bristle_sim
 from bristle_sim.parameters import Bristle, Tool
 from bristle_sim.reference import simulate_reference
-from bristle_sim.render.drawing import WireDrawing, close_up
+from bristle_sim.render.drawing import WireDrawing
 from bristle_sim.render.pass_figure import pass_figure
 from bristle_sim.render.story import key_events
 from bristle_sim.render.tool_films import pass_film
@@ -65,23 +62,6 @@ def test_pictures_show_the_recorded_centre_line_and_nothing_of_their_own(run):
         # The warp's inverse is linear between 4001 nodes: an instant off by rounding, times 40 m/s.
         assert shown == pytest.approx(1e3 * odd.centre_line[number], abs=1e-6)
         assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * odd.tip[number], abs=1e-6)
-
-
-WIRE_DRAWINGS = (
-    "render/drawing",
-    "render/pass_figure",
-    "render/tool_films",
-    "render/cue_figure",
-    "render/impact_film",
-)
-
-
-@pytest.mark.parametrize("module", WIRE_DRAWINGS)
-def test_what_draws_wires_knows_no_lengths_knees_or_link_angles(module):
-    """Kinematics need them; a picture is given points."""
-    tree = ast.parse((Path(bristle_sim.__file__).parent / f"{module}.py").read_text(encoding="utf-8"))
-    read = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)}
-    assert not read & {"length", "lengths", "path", "knee_angle_deg", "knee_position", "links", "angles"}
 
 
 @pytest.fixture(scope="module", params=[-30.0, 0.0, 30.0, 45.0])
@@ -138,14 +118,6 @@ def test_scene_and_reference_agree_on_the_centre_line():
     # Accuracy 1e-6, magnified tenfold as elsewhere: of 55 mm and 40 m/s.
     assert places[0] == pytest.approx(places[1], abs=1e-5 * 0.055)
     assert velocities[0] == pytest.approx(velocities[1], abs=1e-5 * 40.0)
-
-
-def test_close_up_holds_wire_bar_and_surface_at_the_aspect_asked_for(run):
-    tool, course = Tool(), run.course()
-    view = close_up(course.centre_line, tool, 1.5)
-    assert (view.right - view.left) / (view.top - view.bottom) == pytest.approx(1.5)
-    assert view.left < 1e3 * min(run.tip[:, 0].min(), -tool.bar.horizontal - tool.bar.radius)
-    assert view.bottom < -1e3 * tool.workpart_depth < view.top
 
 
 def test_a_wire_is_as_thick_as_the_drawing_shows_it():

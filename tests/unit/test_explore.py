@@ -15,7 +15,7 @@ from bristle_sim.cli import command
 
 pytest.importorskip("flask")
 
-from bristle_sim.cli.explore import bench, explore
+from bristle_sim.cli.explore import bench
 from bristle_sim.cli.explore.server import application, server
 
 
@@ -83,10 +83,6 @@ def test_every_key_has_its_words() -> None:
     assert [each["key"] for each in knobs] == list(pass_of.keys())
     assert all(each["meaning"] and each["source"] and each["range"] for each in knobs)
     assert bench.knobs(pass_of, bench.assignments_of(bs.Tool(hub=bs.Hub(speed=300.0)), pass_of))[0]["start"] == 300.0
-
-
-def test_a_notebook_shows_the_page() -> None:
-    assert '<iframe src="http://127.0.0.1:' in explore(bs.Tool())._repr_html_()
 
 
 def test_two_tools_are_compared(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -70,11 +70,6 @@ def test_a_pipe_receives_what_is_complete(tmp_path: Path):
     assert list(tmp_path.iterdir()) == [pipe]
 
 
-def test_a_device_stays_one():
-    write(Path(os.devnull), "anything")
-    assert is_special(Path(os.devnull))
-
-
 @pytest.mark.skipif(not Path("/dev/fd").exists(), reason="needs names of open streams")
 def test_an_open_stream_goes_on_where_it_is(tmp_path: Path):
     """Its name resolves to the file that it is redirected to, which must be neither replaced nor emptied."""
@@ -88,16 +83,6 @@ def test_an_open_stream_goes_on_where_it_is(tmp_path: Path):
         stream.write("after")
     assert target.read_text() == "before whole after"
     assert list(tmp_path.iterdir()) == [target]
-
-
-def test_a_stream_that_is_not_open_is_named():
-    with pytest.raises(OSError, match="/dev/fd/987654"):
-        write(Path("/dev/fd/987654"), "anything")
-
-
-def test_regular_files_and_folders_are_not_special(tmp_path: Path):
-    (tmp_path / "file").write_text("")
-    assert not any(map(is_special, (tmp_path, tmp_path / "file", tmp_path / "nowhere")))
 
 
 def test_an_error_names_the_file_that_was_meant(tmp_path: Path):
@@ -133,12 +118,3 @@ def test_threads_do_not_share_a_partial_file(tmp_path: Path):
     assert len(set(names)) == 2
     assert target.read_text() in ("one", "two")
     assert list(tmp_path.iterdir()) == [target]
-
-
-def test_one_thread_may_write_one_file_twice_at_once(tmp_path: Path):
-    target = tmp_path / "out.txt"
-    with complete_or_absent(target) as outer:
-        outer.write_text("outer")
-        write(target, "inner")
-        assert target.read_text() == "inner"
-    assert target.read_text() == "outer"

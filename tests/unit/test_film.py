@@ -14,7 +14,7 @@ import pytest
 from bristle_sim.parameters import Tool
 from bristle_sim.render import film
 from bristle_sim.render.colours import BLACK
-from bristle_sim.render.film import HEADER, LEFTS, Film, slow_motion
+from bristle_sim.render.film import Film, slow_motion
 from bristle_sim.render.tool_films import pass_film
 from bristle_sim.trajectory import Trajectory
 from swinging_bristle import make_trajectory
@@ -54,15 +54,6 @@ def test_what_is_still_is_drawn_once(monkeypatch):
     assert len(drawn) == 1
     # Rows count from the top: y = 20 of 48 is row 28, and a pixel's centre is half a pixel off its index.
     assert np.array(places) == pytest.approx(np.array([[28.0, 10.0], [28.0, 40.0]]), abs=1.0)
-
-
-def test_the_header_shows_time_and_slow_down():
-    film = Dot(640, 480)
-    picture = np.asarray(film.frame(0.5))
-    assert film.texts[1:3] == ("time  500.000 ms", "slowed       1\N{MULTIPLICATION SIGN}")
-    dark = np.argwhere(picture[: round(HEADER * 480), :, 0] < 128)
-    assert dark[:, 1].min() >= round(LEFTS[0] * 640) - 1
-    assert dark[:, 1].max() > LEFTS[1] * 640
 
 
 # The reader of imageio-ffmpeg leaves its pipes to the garbage collector.
@@ -142,11 +133,6 @@ def test_progress_is_for_terminals_alone(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(film.sys, "stderr", Terminal())
     Dot().write(tmp_path / "b.gif", 10.0)
     assert film.sys.stderr.getvalue() == ""
-
-
-def test_a_film_needs_no_standard_error(tmp_path, monkeypatch):
-    monkeypatch.setattr("sys.stderr", None)
-    assert Dot().write(tmp_path / "a.gif", fps=5.0).exists()
 
 
 def test_progress_counts_frames_on_standard_error(tmp_path, monkeypatch, capsys):

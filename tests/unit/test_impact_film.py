@@ -11,7 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from bristle_sim.parameters import Bristle, Contact, Hub, Strike, Surface
-from bristle_sim.render.contact_motion import ContactMotion, contact_motion
+from bristle_sim.render.contact_motion import ContactMotion
 from bristle_sim.render.impact_film import ImpactFilm, draw_chain
 from bristle_sim.scene.strike import Chain
 from bristle_sim.scene.strike import strike as strike_chain
@@ -50,12 +50,6 @@ def test_films_show_the_printed_compression_and_say_so(contact: Contact) -> None
     assert "compression 50 µs (as printed, for the film)" in written
 
 
-def test_films_show_a_requested_duration() -> None:
-    shown = with_visible_contact(bristle(contact=Contact("compliant", 2e-5)))
-    assert contact_motion(shown.strikes["compliant"].contact).touch_end == pytest.approx(2e-5, rel=0.02)  # see scene
-    assert shown.timing == "contact_duration as requested"
-
-
 def test_films_of_rods_too_small_or_slow_for_it_show_the_limit_and_say_so() -> None:
     tiny = oblique_impact(Hub(), Bristle(length=1e-5), Strike(), Surface(), Contact(), Settings()).subject
     slow = rods(rate_1=-1e-5, rate_2=-2e-5)
@@ -82,31 +76,6 @@ def test_film_shows_the_motion(pendulum: Impacts, pendulum_motion: ContactMotion
         assert scene.texts[0] == caption
     scene.show(scene.warp.film[-1])
     assert scene.texts[0] == "rebound"
-
-
-def test_forces_in_the_film_follow_slip(pendulum: Impacts, pendulum_motion: ContactMotion) -> None:
-    scene = ImpactFilm(pendulum, width=320, height=180)
-    stop = pendulum_motion.slip_stop
-    assert stop is not None
-    sides = []
-    for time in (0.9 * stop, stop + 0.1 * (pendulum_motion.touch_end - stop)):
-        scene.move(time)
-        normal, friction = (each.get_path().get_extents() for each in scene.tip.forces)
-        sides.append(0.5 * (friction.x0 + friction.x1 - normal.x0 - normal.x1))
-        assert scene.tip.forces[0].get_visible()
-    assert sides[0] < 0.0 < sides[1]
-    scene.move(float(pendulum_motion.time[-1]))
-    assert not any(each.get_visible() for each in scene.tip.forces)
-
-
-def test_ways_in_the_close_up_are_to_scale(strike: Impacts, strike_motion: ContactMotion) -> None:
-    scene = ImpactFilm(strike, width=320, height=180)
-    scene.move(0.5 * strike_motion.touch_end)
-    along, depth = (strike_motion.at(name, 0.5 * strike_motion.touch_end) for name in ("along", "depth"))
-    assert scene.tip.scale.unit == "nm"
-    assert scene.tip.rod.get_xydata()[0] == pytest.approx([1e9 * along, -1e9 * depth], rel=1e-9)
-    assert scene.tip.trail.get_xydata()[-1] == pytest.approx([1e9 * along, -1e9 * depth], rel=1e-9)
-    assert scene.tip.rod.axes.get_aspect() == scene.tip.stretch == 1.0
 
 
 @pytest.mark.parametrize("state", [Strike(impact_angle_deg=1.0), Strike(impact_angle_deg=90.0)])

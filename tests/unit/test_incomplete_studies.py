@@ -9,23 +9,17 @@ import sys
 from pathlib import Path
 
 import numpy as np
-import pymunk
 import pytest
 
-from bristle_sim.benchmarks import machine
-from bristle_sim.benchmarks.accuracy_cost.cases import release_flight
-from bristle_sim.benchmarks.accuracy_cost.measure import Point
-from bristle_sim.benchmarks.accuracy_cost.results import AccuracyCost, tables
-from bristle_sim.contact_space.jacobian import MassCentres, joint_rows
+from bristle_sim.contact_space.jacobian import joint_rows
 from bristle_sim.parameters import Bar, Belt, Hub, Neighbours, Tool, Workpart
 from bristle_sim.reference.strike import strike_reference
-from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.inertia_figure import inertia_figure
 from bristle_sim.render.tool_films import inertia_film, row_film
 from bristle_sim.render.whole_tool_figure import whole_tool_figure
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.bent_bristles import Slide, against_film, slide_of
+from bristle_sim.studies.bent_bristles import slide_of
 from bristle_sim.studies.cue_map import MapGrid, position_map
 from bristle_sim.studies.inertia_driven import inertia_driven
 from bristle_sim.studies.neighbours import neighbours
@@ -81,22 +75,6 @@ def test_a_thrown_bristle_that_does_not_come_back_leaves_the_bar_cued_one_to_dra
     assert [line.get_label() for line in figure.axes[0].lines if not line.get_label().startswith("_")] == ["bar-cued"]
 
 
-def test_costs_without_effects_have_no_panel_of_growth():
-    case = release_flight()
-    point = Point(case.name, "bristle_sim simulate", "accuracy=1e-06", 1e-7, 1e-3, 1e-3, 100)
-    peer = dataclasses.replace(point, method="scipy dop853", cpu_s=2e-3)
-    measured = AccuracyCost((case,), (point, peer), missing={"mujoco": "not installed"})
-    assert len(cost_figure(measured).axes) == 1
-    circumstances = machine.surroundings() | {"clock": "process CPU time", "command": "none"}
-    assert any("pip install 'bristle-sim[peers]'" in line for line in tables(measured, circumstances))
-
-
-def test_pictures_of_a_tool_without_bar_and_workpart_show_hub_and_wire():
-    svg = simulate(Tool(bar=None, workpart=None), start_relative_angle=-0.5)._repr_html_()
-    assert svg.count("<circle") == 1
-    assert "<line" not in svg
-
-
 @pytest.mark.parametrize(
     "tool",
     [
@@ -136,32 +114,9 @@ def test_tolerances_need_bar_and_workpart(absent: str):
         tolerances(dataclasses.replace(Tool(), **{absent: None}), Spreads(), Sampling(), Settings())
 
 
-def test_a_crater_needs_friction():
-    tool = Tool(workpart=Workpart(friction=0.0))
-    assert strike_measures(tool, simulate(tool, stop_after="strike"))["crater_depth"] is None
-
-
 def test_a_belt_without_stiffness_throws_nothing_back():
     found = inertia_driven(Tool(belt=Belt(stiffness=0.0), hub=Hub(radius=0.0)), Settings(), with_reference=False)
     assert {row.simulated for row in found.quantities} == {None}
-
-
-def joined(kind: type[pymunk.Constraint], *arguments: object, turned: float = 0.0) -> int:
-    """How many rows a joint of two bodies has, one of them turned then."""
-    bodies = pymunk.Body(1.0, 1.0), pymunk.Body(1.0, 1.0)
-    joint = kind(*bodies, *arguments)
-    bodies[1].angle = turned
-    return len(joint_rows(joint, MassCentres()))
-
-
-def test_joints_whose_anchors_coincide_or_whose_limits_meet():
-    """Without a distance there is no direction to push in; limits that meet are a rigid joint."""
-    assert joined(pymunk.PinJoint, (0.0, 0.0), (0.0, 0.0)) == 0
-    assert joined(pymunk.SlideJoint, (0.0, 0.0), (0.0, 0.0), 0.0, 1.0) == 0
-    assert joined(pymunk.SlideJoint, (0.0, 0.0), (1.0, 0.0), 1.0, 1.0) == 1
-    assert joined(pymunk.RotaryLimitJoint, 0.0, 0.0) == 1
-    assert joined(pymunk.RotaryLimitJoint, -1.0, 1.0) == 0
-    assert joined(pymunk.RatchetJoint, 0.0, 1.0, turned=0.5) == 0
 
 
 @pytest.mark.parametrize(
@@ -190,14 +145,3 @@ def test_without_ffmpeg_a_film_can_be_a_gif(tmp_path: Path, monkeypatch: pytest.
             tmp_path / "film.mp4"
         )
     assert not list(tmp_path.iterdir())
-
-
-def test_slides_that_do_not_go_forward_are_not_those_of_the_film():
-    back = Slide(-1e-3, 2e-3, 1e-4, 5e-5, None, None, math.nan)
-    assert "unlike in the film" in against_film({"reverse": back, "straight": back, "forward": back})
-    assert "neither turns nor stops" in str(back)
-
-
-def test_a_machine_that_tells_nothing_of_itself(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(machine, "Path", lambda _: Path("nowhere"))
-    assert machine.surroundings()["processor"]

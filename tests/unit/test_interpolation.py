@@ -75,24 +75,6 @@ def test_a_course_keeps_every_sample_and_both_sides_of_an_impact(swung: Trajecto
             swung.course(until=until)
 
 
-def test_motion_needs_two_instants(swung: Trajectory):
-    single = {name: getattr(swung, name)[:1] for name in ("time", *Motion.SAMPLED)}
-    with pytest.raises(ValueError, match="must have samples of two different instants"):
-        dataclasses.replace(swung, **single, contacts=()).at(0.0)
-
-
-def test_motion_between_samples_is_as_accurate_as_the_samples(run: Trajectory):
-    """Compared with a run of the same accuracy, 1e-6, that is sampled ten times as closely."""
-    fine = simulate(Tool(), Settings(samples_per_period=10 * Settings().samples))
-    time = np.random.default_rng(1).uniform(0.0, fine.time[-1], 1000)
-    found, expected = run.at(time), fine.at(time)
-    np.testing.assert_allclose(found.angles, expected.angles, atol=1e-6)
-    np.testing.assert_allclose(found.tip, expected.tip, atol=1e-6 * Tool().bristle.length * 2.0)  # two radii
-    np.testing.assert_allclose(found.rates, expected.rates, atol=1e-6 * np.abs(run.rates).max())
-    np.testing.assert_allclose(found.relative_angle, expected.relative_angle, atol=1e-6)
-    np.testing.assert_allclose(found.hub_angle, -0.5 * np.pi + 261.8 * time, rtol=1e-14, atol=1e-14)
-
-
 @pytest.mark.parametrize(
     "tool",
     [Tool(hub=Hub(speed=400.0)), Tool(bristle=dataclasses.replace(Tool().bristle, length=0.03))],
@@ -163,8 +145,3 @@ def test_motion_in_a_contact_resolved_in_time_is_that_of_a_more_accurate_run():
 def test_motion_outside_the_run_is_refused(run: Trajectory, time):
     with pytest.raises(ValueError, match=r"^time = [^\n]*: must be from 0 to 0\.0\d+, within the run \(in s\)$"):
         run.at(time)
-
-
-def test_a_side_must_be_one_of_two(run: Trajectory):
-    with pytest.raises(ValueError, match=r"^side = 'left': must be before or after$"):
-        run.at(0.0, side="left")

@@ -220,13 +220,6 @@ def test_what_draws_imports_nothing_that_integrates():
         assert integrating(path.read_text(encoding="utf-8")) == [], path
 
 
-def test_an_import_that_integrates_is_seen():
-    assert integrating("from bristle_sim.scene.strike import ChainStrike")
-    assert integrating("def later():\n    from bristle_sim.reference import simulate_reference")
-    assert integrating("from bristle_sim.studies.cue_map import CueMap, position_map")
-    assert integrating("from scipy import integrate")
-
-
 def test_scripts_import_only_the_package():
     """And the standard library: what a script needs else belongs in a layer."""
     for path in SCRIPTS:

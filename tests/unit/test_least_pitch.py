@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 from bristle_sim.parameters import Belt, Tool, Workpart
 from bristle_sim.scene.simulate import simulate
 from bristle_sim.settings import Settings
-from bristle_sim.studies.least_pitch import LonePass, least_pitch, nearest_approach, polyline_distance
+from bristle_sim.studies.least_pitch import least_pitch, polyline_distance
 
 RADIUS, LENGTH, DIAMETER = 0.0275, 0.027, 7.1e-4
 
@@ -80,16 +80,6 @@ def test_the_least_pitch_by_brute_force(whole):
     assert by_brute_force(run, found - near, until) < DIAMETER < by_brute_force(run, found + near, until)
     for larger in np.linspace(found + 0.01, 1.5, 4):
         assert by_brute_force(run, larger, until) > DIAMETER
-
-
-def test_the_nearest_approach_says_when():
-    run = lone_pass()
-    lone = LonePass(run)
-    distance, when = nearest_approach(lone, math.radians(16.0), strike(run))
-    delay = math.radians(16.0) / run.hub_speed
-    at = np.array([when])
-    assert polyline_distance(lone.centre_line(at), lone.centre_line(at - delay))[0] == distance < DIAMETER
-    assert 0.0 < when <= strike(run)
 
 
 def test_distances_of_bent_lines_against_points_on_them():

@@ -7,13 +7,13 @@ import re
 import numpy as np
 import pytest
 
-from bristle_sim.parameters import Bar, Belt, Bristle, Hub, Neighbours, Tool, Workpart
+from bristle_sim.parameters import Belt, Bristle, Hub, Neighbours, Tool, Workpart
 from bristle_sim.render.drawing import touch_places
 from bristle_sim.render.neighbours_figure import instants, neighbours_figure, pitches_to_draw
 from bristle_sim.render.tool_films import row_film
 from bristle_sim.settings import Settings
 from bristle_sim.studies import least_pitch as module
-from bristle_sim.studies.neighbours import neighbours, over_pitch, row_series
+from bristle_sim.studies.neighbours import neighbours, row_series
 
 ALONE = {"relative_speed_at_contact": 877.09, "lag_deg_at_contact": 2.743, "normal_final_impulse": 2.751e-3}
 """The strike of a bristle without neighbours, which two integrations agree on."""
@@ -73,14 +73,6 @@ def test_the_answer_names_pitches_and_what_a_touch_does():
     assert away.answer.endswith("At 15° bristle 2 does not strike: end of the planned time.")
 
 
-def test_over_the_pitch_the_strike_changes_where_theory_says():
-    subject = report().subject
-    least = next(each.by_theory for each in subject.least if each.of_follower)
-    found = over_pitch(subject, [least - 0.05, least + 0.05])
-    below, above = found["relative_speed_at_contact"]
-    assert below < 0.5 * ALONE["relative_speed_at_contact"] < above
-
-
 def test_the_series_has_every_bristle():
     series = row_series(report(bristles=3, pitch_deg=50.0).subject)
     assert {f"relative_angle_{number} (rad)" for number in (1, 2, 3)} <= set(series)
@@ -128,16 +120,6 @@ def test_a_row_that_the_foremost_bristle_stops_leaves_the_last_one_unjudged():
     assert any("(jam)" in each for each in found.remarks)
 
 
-def test_a_strike_with_hardly_any_relative_speed_is_judged_by_the_hub_s():
-    """Friction on a thin bar lets the bristle down radially: 4e-4 rad/s of 272 are 1e-6, whatever they are of each other."""
-    surface = Workpart(friction=0.6536)
-    tool = Tool(bar=Bar(radius=5.875e-5, friction=0.6536), workpart=surface)
-    found = neighbours(tool, Neighbours(search="no"), Settings(accuracy=3.127e-3, hub_turn=2.0))
-    row = next(each for each in found.quantities if each.name == "relative_speed_at_contact")
-    assert abs(row.theory) < 1e-2
-    assert row.ok
-
-
 def test_a_long_row_has_as_little_time_as_two_bristles():
     """Each of twelve takes a sixth of the steps of each of two; those of a hundred iterations count twice."""
     steps = Settings(maximum_steps=1200, hub_turn=1000.0)
@@ -175,13 +157,6 @@ class TestPictures:
         assert touch_places([flat, upright], 7e-4) == pytest.approx(np.array([[10.0, 0.35]]))
         assert touch_places([upright, flat], 7e-4) == pytest.approx(np.array([[10.0, 0.35]]))
         assert touch_places([flat, upright + np.array([0.0, 1e-4])], 7e-4).shape == (0, 2)
-
-    def test_where_bent_wires_touch(self):
-        """The outer link of one, and the end of the other above it."""
-        bent = np.array([[0.0, 0.0], [0.0, -0.01], [0.02, -0.01]])
-        assert touch_places([bent, np.array([[0.01, 0.03], [0.01, 7e-4 - 0.01]])], 7e-4) == pytest.approx(
-            np.array([[10.0, -9.65]])
-        )
 
     def test_the_film_marks_touches_and_says_how_fast_the_spoilt_strike_is(self):
         subject = report().subject

@@ -90,14 +90,3 @@ class TestNoticed:
             replace(each, compressive_work=(normal, -tangential)) if each is drag else each for each in run.contacts
         ]
         assert verdicts(Tool(), SETTINGS, replace(run, contacts=tuple(helping)))["friction_work"] is False
-
-
-def test_rebounds_on_an_overdamped_belt_do_not_enter_the_bar() -> None:
-    """The belt brings the wire back within a microsecond: each rebound is followed, e* at a time, not taken for rest."""
-    tool = Tool(belt=Belt(damping_ratio=300.0), bar=Bar(restitution=0.5), workpart=None)
-    run = simulate(tool, Settings(hub_turn=0.34))
-    taps = [each for each in run.contacts if each.law == "energetic" and each.outcome == "rebound"]
-    assert len(taps) > 5
-    for each in taps:
-        assert each.velocity_after[0] < -each.velocity_before[0]
-    assert verdicts(tool, Settings(), run)["deepest_overlap"] is True

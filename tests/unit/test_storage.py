@@ -65,11 +65,6 @@ def test_parameters_must_be_plain(run: Trajectory, tmp_path: Path):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_missing_file_is_said_to_be_missing(tmp_path: Path):
-    with pytest.raises(FileNotFoundError):
-        Trajectory.load(tmp_path / "none.npz")
-
-
 def refused(path: Path, why: str = "") -> None:
     with pytest.raises(ValueError, match=rf"{re.escape(path.name)}: cannot be read as a trajectory [^\n]*{why}"):
         Trajectory.load(path)
@@ -152,20 +147,6 @@ def test_other_arrays_are_refused(saved: Path, name: str, change, why: str):
         array = stored[own]
     rewrite(saved, **{own: change(array)})
     refused(saved, why)
-
-
-@pytest.mark.parametrize("name", ["time", "inner_time"])
-def test_times_must_be_in_order(run: Trajectory, saved: Path, name: str):
-    times = run.time if name == "time" else run.inner_samples.time
-    rewrite(saved, **{name: times[::-1]})
-    refused(saved, f"{name}: must not descend")
-
-
-def test_a_run_has_a_sample(saved: Path):
-    with np.load(saved) as stored:
-        empty = {name: stored[name][:0] for name in ARRAYS[:9]}
-    rewrite(saved, **empty)
-    refused(saved, "time: must have at least one sample")
 
 
 def test_damaged_files_are_refused_or_read_completely(run: Trajectory, saved: Path):

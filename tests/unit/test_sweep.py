@@ -130,12 +130,6 @@ def test_workers_and_stores_that_are_none_are_refused(given: dict[str, Any]):
         sweep(power, SPACE, **given)
 
 
-def test_results_do_not_depend_on_the_size_of_a_block(monkeypatch: pytest.MonkeyPatch):
-    expected = sweep(power, SPACE)
-    monkeypatch.setattr(sweep_store, "BLOCK", 3)
-    assert sweep(power, SPACE).identical(expected)
-
-
 def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
     """Of a long sweep, where standard error is no terminal too, unless it is not wanted; of a short one if it is."""
     for patience, progress, words in (
@@ -188,23 +182,6 @@ def test_a_function_that_cannot_be_sent_is_refused_in_one_line():
     with pytest.raises(ValueError, match="must be picklable, to be sent to the workers") as refusal:
         sweep(functools.partial(power, y=LOCK), {"x": [1.0, 2.0]}, workers=2)
     assert "\n" not in str(refusal.value)
-
-
-def test_shapes_are_those_of_the_first_point_whatever_runs_them():
-    """The second point is done long before the first, whose results have another shape."""
-
-    def shaped(x: float) -> Any:
-        time.sleep(0.2 * (x < 1.0))
-        return x if x < 1.0 else [x, x]
-
-    found = sweep(shaped, {"x": [0.0, 1.0]}, workers=ThreadPoolExecutor(2))
-    assert np.array_equal(found["result"], [0.0, math.nan], equal_nan=True)
-
-
-def test_the_space_given_is_left_as_it_is():
-    axis = xarray.DataArray([1.0, 2.0], dims="x", attrs={"note": "mine"})
-    assert sweep(power, {"x": axis, "y": 1.0}, units={"x": "m"})["x"].attrs == {"units": "m"}
-    assert axis.attrs == {"note": "mine"}
 
 
 def test_a_cluster_gives_the_serial_results_and_survives_the_loss_of_a_worker(tmp_path: Path):

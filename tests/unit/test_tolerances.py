@@ -69,14 +69,6 @@ def test_intervals_of_the_indices_shrink_and_enclose_what_is_known():
     assert widths[1] == pytest.approx(0.25 * widths[0], rel=0.4)
 
 
-def test_same_seed_same_numbers_and_another_seed_others():
-    intervals = dict.fromkeys(SLOPES, (-1.0, 1.0))
-    one, same, other = (sobol_study(linear, intervals, ("sum", "alone"), 16, seed=seed) for seed in (1, 1, 2))
-    assert np.array_equal(one.total_interval, same.total_interval)
-    assert np.array_equal(one.values, same.values)
-    assert not np.array_equal(one.values, other.values)
-
-
 def test_propagation_of_a_linear_model_is_exact():
     changes = propagated(linear, dict.fromkeys(SLOPES, 0.5), dict.fromkeys(SLOPES, 0.1))
     assert changes["sum"] == pytest.approx({key: 0.1 * slope for key, slope in SLOPES.items()}, abs=1e-15)

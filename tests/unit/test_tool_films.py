@@ -50,19 +50,6 @@ def test_bad_slow_motion_is_refused(bad):
         slow_motion(**{"start": 0.0, "end": 1.0, "duration": 8.0} | bad)
 
 
-def test_scene_shows_the_run(run):
-    scene = pass_film(run, Tool(), width=320, height=240, duration=4.0, until=END)
-    film_time = float(scene.warp.film_time(run.time[20]))
-    scene.show(film_time)
-    # The sample's instant comes back from the warp but for rounding, times a tip speed of some 20 m/s.
-    assert scene.wires[0][0].wire.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
-    assert scene.trail.get_xydata()[-1] == pytest.approx(1e3 * run.tip[20], abs=1e-9)
-    retraction, clock = -math.degrees(run.relative_angle[20]), 1e3 * run.time[20]
-    texts = [text.replace("\N{MINUS SIGN}", "-") for text in scene.texts[1:]]
-    assert float(texts[0].split()[1]) == pytest.approx(clock, abs=0.5e-3)  # half of the last digit shown
-    assert float(texts[2].split()[1].rstrip("°")) == pytest.approx(retraction, abs=0.05)
-
-
 def test_scene_tells_the_strike_and_marks_it_where_it_is(run):
     scene = pass_film(run, Tool(), width=320, height=240, duration=4.0, until=END)
     for offset, caption in ((-0.1, "released: the belt throws the tip"), (0.1, "strike"), (0.6, "rebound")):

@@ -15,18 +15,6 @@ from bristle_sim.scene.simulate import simulate
 from bristle_sim.stop_reason import StopReason
 from bristle_sim.trajectory import ContactHistory, ContactRecord, Cost, Event, Trajectory
 
-ARRAYS = (
-    "time",
-    "hub_angle",
-    "angles",
-    "rates",
-    "centre_line",
-    "centre_line_velocity",
-    "kinetic_energy",
-    "potential_energy",
-    "normal_force",
-)
-
 
 def history(samples: int = 7) -> ContactHistory:
     ramp = np.linspace(0.0, 1.0, samples)
@@ -82,21 +70,6 @@ def trajectory() -> Trajectory:
         cost=Cost(0.25, 0.2, 1234, 1e-9),
         parameters={"hub_speed": 2.0, "step": None, "law": "energetic", "nested": {"friction": 0.1}},
     )
-
-
-def assert_same(one: Trajectory, other: Trajectory) -> None:
-    for name in ARRAYS:
-        assert getattr(one, name).dtype == getattr(other, name).dtype
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name), strict=True)
-    for name in ("hub_speed", "events", "stop_reason", "cost", "parameters"):
-        assert getattr(one, name) == getattr(other, name)
-    assert len(one.contacts) == len(other.contacts)
-    for mine, yours in zip(one.contacts, other.contacts, strict=True):
-        assert dataclasses.replace(mine, history=None) == dataclasses.replace(yours, history=None)
-        assert (mine.history is None) == (yours.history is None)
-        if mine.history is not None and yours.history is not None:
-            for each in dataclasses.fields(ContactHistory):
-                np.testing.assert_array_equal(getattr(mine.history, each.name), getattr(yours.history, each.name))
 
 
 def test_relative_motion(trajectory: Trajectory):
@@ -188,11 +161,6 @@ def test_the_first_cell_of_a_notebook():
     assert run.plot()._repr_png_().startswith(b"\x89PNG")
 
 
-def test_a_run_is_filmed(run: Trajectory, tmp_path: Path):
-    film = run.animate(tmp_path / "pass.gif", duration=0.2, fps=10, size=(160, 120))
-    assert film.read_bytes().startswith(b"GIF8")
-
-
 def test_events_are_found_by_name(trajectory: Trajectory):
     assert trajectory.event_time("bar touch") == 0.1
     assert trajectory.event_time("bar touch", last=True) == 0.2
@@ -244,12 +212,3 @@ def test_runs_are_equal_by_value(trajectory: Trajectory):
     unknown = dataclasses.replace(trajectory, normal_force=np.full_like(trajectory.time, np.nan))
     assert unknown == dataclasses.replace(unknown, normal_force=unknown.normal_force.copy())
     assert trajectory != "run"
-
-
-def test_columns_hold_every_sample_with_its_unit(trajectory: Trajectory):
-    columns = trajectory.columns()
-    assert {len(column) for column in columns.values()} == {len(trajectory.time)}
-    assert np.array_equal(columns["time (s)"], trajectory.time)
-    assert np.array_equal(columns["angle_1 (rad)"], trajectory.angles[:, 0])
-    assert np.array_equal(columns["tip_y (m)"], trajectory.tip[:, 1])
-    assert all(name.endswith(")") for name in columns)
