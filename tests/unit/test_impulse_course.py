@@ -96,8 +96,8 @@ def test_contact_resolved_in_time_lies_on_the_course(chain: Chain, surface: Surf
     history = strike(chain, surface, Contact("compliant"), Settings()).contact.history
     assert history is not None
     recorded = recorded_course(history)
-    # 24 intervals of half a wave of force or more: the trapezoidal rule leaves (pi/24)^2/12 of the impulse.
-    trapezoidal = (math.pi / 24.0) ** 2 / 12.0
+    # Where a phase is a single interval, at most pi/5 of half a wave of force, a chord leaves (pi/5)^3/12 of its impulse of 2.
+    trapezoidal = (math.pi / 5.0) ** 3 / 24.0
     assert recorded.impulse[-1] == pytest.approx(course.impulse[-1], rel=trapezoidal)
     for name in ("normal_velocity", "tangential_velocity"):
         expected = np.interp(recorded.impulse, course.impulse, getattr(course, name))
