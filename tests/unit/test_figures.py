@@ -15,8 +15,7 @@ from bristle_sim.benchmarks.accuracy_cost.measure import Effect, Point
 from bristle_sim.cli import Scenario, command
 from bristle_sim.render.cost_figure import cost_figure
 from bristle_sim.render.crater_figure import MEASURED, MICRO
-from bristle_sim.render.panels import add_panel
-from bristle_sim.render.style import blank_figure
+from bristle_sim.render.style import add_panel, blank_figure
 from bristle_sim.render.wire_figure import wire_figure
 from figure_faults import faults
 

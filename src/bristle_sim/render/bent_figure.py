@@ -11,8 +11,7 @@ from matplotlib.lines import Line2D
 
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT, VERMILION
 from bristle_sim.render.drawing import View
-from bristle_sim.render.panels import add_panel, say
-from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, blank_figure, styled
+from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, add_panel, blank_figure, say, styled
 from bristle_sim.studies.bent_bristles import BentBristles, Slide, against_film, slide_path
 from bristle_sim.trajectory import ContactRecord
 

@@ -16,8 +16,7 @@ from bristle_sim.benchmarks.accuracy_cost.cases import Case
 from bristle_sim.benchmarks.accuracy_cost.measure import OURS, Point, cheapest, package_of
 from bristle_sim.benchmarks.accuracy_cost.results import NOT_IN_TIME, AccuracyCost
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from bristle_sim.render.panels import note
-from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, styled
+from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
 
 WIDTH = 16.0
 """Printed width of the page's text, cm."""

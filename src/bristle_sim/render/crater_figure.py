@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, SERIES, VERMILION
-from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import blank_figure, signed, styled
+from bristle_sim.render.style import add_panel, blank_figure, note, signed, styled
 from bristle_sim.studies.crater_study import (
     IMPACT_ANGLES_DEG,
     MEASURED,

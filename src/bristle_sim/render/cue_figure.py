@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
 from bristle_sim.render.drawing import View, WireDrawing, draw_bar, draw_tool, name_parts
-from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, axes_at, blank_figure, signed, styled
+from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, add_panel, axes_at, blank_figure, note, signed, styled
 from bristle_sim.studies.cue_timing import CueTiming
 from bristle_sim.theory.cueing import Cue, released_motion
 

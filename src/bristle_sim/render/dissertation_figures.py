@@ -1,6 +1,6 @@
 """Draw the dissertation's figures, one a page or all on one sheet.
 
-Closed forms are lines, what checks them points, and the operating point a dot.
+Closed forms are lines, the results that check them points, and the operating point a dot.
 """
 
 from __future__ import annotations
@@ -8,16 +8,18 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
-from bristle_sim.dissertation.redrawn import Panel, Redrawn
+from bristle_sim.dissertation.redrawn import SOURCES, Panel, Redrawn
 from bristle_sim.files import complete_or_absent
-from bristle_sim.render.colours import BLACK, GREY, LIGHT
-from bristle_sim.render.panels import draw_named_panel, explain_points
-from bristle_sim.render.style import axes_at, blank_figure, save_figure, styled
+from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES, VERMILION
+from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled
 
 SHEET_DOTS_PER_INCH = 100.0
 """A sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in."""
@@ -33,6 +35,30 @@ FOOT, HEAD, TITLES = 1.0, 1.2, 1.2
 
 TABLE_MARGIN = 1.2
 """By how much a table is wider than a panel, which has its scale there, cm."""
+
+NOTHING = 1e-12
+"""Less than this, in the unit shown, is rounding of zero."""
+
+OPERATING_POINT: dict[str, Any] = {
+    "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "markeredgewidth": 0.65,
+    "linestyle": "none",
+}  # fmt: skip
+"""Look of a mark without a label: the dissertation marks its operating point with a blue round dot."""
+
+_SIDES = {"right": ((6, -9), "left"), "left": ((-5, -11), "right"), "above": ((0, 5), "center")}
+"""Offset of a mark's label in points, and its alignment."""
+
+_CIRCLE: dict[str, Any] = {"marker": "o", "markersize": 3.8, "markerfacecolor": "white"}
+_LOOKS: dict[str, dict[str, Any]] = {
+    **dict.fromkeys(("energetic", "printed", "motion"), _CIRCLE),
+    "compliant": {"marker": "x", "markersize": 4.2},
+    "engine": {"marker": "s", "markersize": 3.4, "color": VERMILION, "linestyle": "-", "linewidth": 0.7},
+    "contact": {"marker": "x", "markersize": 3.4, "color": BLACK, "linestyle": "-", "linewidth": 0.7},
+    "table": {"marker": "s", "markersize": 3.6, "markerfacecolor": "white"},
+    "sampled": {"marker": ".", "markersize": 4.0, "color": GREY},
+}
+
+Cells = Sequence[tuple[Redrawn, Panel | None]]
 
 
 @styled()
@@ -75,14 +101,12 @@ def save_figures(figures: Iterable[Redrawn], target: Path) -> list[Path]:
     return [save_figure(draw(figure), target / f"{figure.name}.png") for figure in figures]
 
 
-Cells = Sequence[tuple[Redrawn, Panel | None]]
-
-
 def _page(cells: Cells, columns: int, size: tuple[float, float], titles: float, dots_per_inch: float) -> Figure:
     """Draw panels and tables in rows of cells with room for titles (cm) above each, and a key of points at the foot."""
     rows = -(-len(cells) // columns)
     width, height = size[0], size[1] + titles
     page = blank_figure(columns * width, rows * height + FOOT + (0.0 if titles else HEAD), dots_per_inch)
+    key: dict[Any, Line2D] = {}
     for number, (figure, panel) in enumerate(cells):
         row, column = divmod(number, columns)
         left, bottom = column * width, FOOT + (rows - 1 - row) * height
@@ -92,8 +116,10 @@ def _page(cells: Cells, columns: int, size: tuple[float, float], titles: float, 
         if panel is None:
             _draw_table(axes, figure.table)
         else:
-            draw_named_panel(axes, panel)
-    explain_points(page, [panel for _, panel in cells if panel is not None])
+            _draw_panel(axes, panel)
+            key |= {line.get_label(): line for line in _point_entries(panel)}
+    if key:
+        page.legend(handles=[*key.values()], loc="lower center", ncols=min(len(key), 4), columnspacing=1.4)
     return page
 
 
@@ -117,3 +143,63 @@ def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
         weight = "bold" if line in (0, last) else "normal"
         for right, cell in enumerate(row, start=1):
             axes.text(right - 0.1, line + 0.5, cell, ha="right", va="center", fontweight=weight, fontsize=6.0)
+
+
+def _draw_panel(axes: Axes, panel: Panel) -> None:
+    """Draw a panel; its curves are named in a row above it, or inside it where the names are long."""
+    x, y = panel.x.factor, panel.y.factor
+    names = [Line2D([], [], linestyle="none", label=f"{panel.family}:")] if panel.family else []
+    for curve, color in zip(panel.curves, SERIES, strict=False):
+        (line,) = axes.plot(x * curve.x, y * curve.theory, color=color, label=curve.name, gid=f"curve {curve.name}")
+        names.append(line)
+        for source, (at, values) in curve.points.items():
+            look = {"color": color, "linestyle": "none", "markeredgewidth": 0.9, **_LOOKS[source]}
+            axes.plot(x * at, y * values, **look, zorder=3)
+    levels, dashes = {}, iter([(4.0, 2.0), (1.0, 1.5)])
+    for level in panel.levels:
+        look = {"color": GREY, "linewidth": 0.9, "dashes": (3.0, 2.0) if level.upright else next(dashes), "zorder": 1}
+        draw_level, factor = (axes.axvline, x) if level.upright else (axes.axhline, y)
+        levels[level.label] = draw_level(factor * level.value, label=level.label, **look)
+    for mark in panel.marks:
+        place = (x * mark.x, y * mark.y)
+        if mark.label:
+            axes.plot(*place, "o", color=BLACK, markersize=4.5, zorder=5)
+            offset, side = _SIDES[mark.side]
+            note(axes, mark.label, place, offset, ha=side, color=BLACK, zorder=5)
+        else:
+            axes.plot(*place, zorder=5, **OPERATING_POINT)
+    axes.set(xscale="log" if panel.x.log else "linear", yscale="log" if panel.y.log else "linear")
+    _limit(axes, panel)
+    axes.set_xlabel(panel.x.label, fontsize=7.0, labelpad=2.0)
+    axes.set_ylabel(panel.y.label, fontsize=7.0, labelpad=2.0)
+    lines = [line for line in (*names, *levels.values()) if str(line.get_label()).strip()]
+    look = {"fontsize": 6.5, "handlelength": 1.1, "handletextpad": 0.4, "labelspacing": 0.25}
+    if panel.family:
+        look |= {"loc": "lower left", "bbox_to_anchor": (-0.12, 0.985), "ncols": len(lines), "columnspacing": 0.7}
+    else:
+        look |= {"loc": "best", "frameon": True, "framealpha": 0.8, "edgecolor": "none"}
+    axes.legend(handles=lines, **look)
+
+
+def _limit(axes: Axes, panel: Panel) -> None:
+    """Draw values that differ by rounding alone as equal, down to zero; leave room for labels above."""
+    values = np.concatenate([panel.y.factor * curve.theory for curve in panel.curves])
+    low, high = float(values.min()), float(values.max())
+    if high - low < max(1e-3 * max(abs(low), abs(high)), NOTHING):
+        bottom, top = min(1.3 * low, 0.0), max(1.3 * high, 0.0)
+        axes.set_ylim(bottom, top if top - bottom > NOTHING else 1.0)
+    if panel.top is not None:
+        axes.set_ylim(0.0, panel.y.factor * panel.top or 1.0)
+    if any(mark.side == "above" for mark in panel.marks):
+        axes.set_ylim(top=high + 0.1 * (high - low))
+
+
+def _point_entries(panel: Panel) -> list[Line2D]:
+    """Return entries of a legend that say what the points of each source, and the mark without a label, are."""
+    entries = []
+    for source in dict.fromkeys(source for curve in panel.curves for source in curve.points):
+        look = {"color": BLACK, "markeredgewidth": 0.9, "linestyle": "none", **_LOOKS[source]}
+        entries.append(Line2D([], [], label=SOURCES[source].words, **look))
+    if any(not mark.label for mark in panel.marks):
+        entries.append(Line2D([], [], label="operating point", **OPERATING_POINT))
+    return entries

@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLUE, GREY, VERMILION
-from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import MICROSECONDS, blank_figure, styled
+from bristle_sim.render.style import MICROSECONDS, add_panel, blank_figure, note, styled
 from bristle_sim.studies.contact_course import TimedContact
 from bristle_sim.studies.force_comparison import ForceComparison
 from bristle_sim.theory.force_history import BRISTLE

@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.panels import add_panel, note, say
-from bristle_sim.render.style import blank_figure, scale_for, styled
+from bristle_sim.render.style import add_panel, blank_figure, note, say, scale_for, styled
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 

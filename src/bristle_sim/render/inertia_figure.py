@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLUE, GREY, VERMILION
-from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import blank_figure, styled
+from bristle_sim.render.style import add_panel, blank_figure, note, styled
 from bristle_sim.studies.inertia_driven import InertiaDriven
 
 

@@ -12,8 +12,7 @@ from matplotlib.lines import Line2D
 
 from bristle_sim.parameters import Bar
 from bristle_sim.render.colours import BLACK, BLUE, GREY, VERMILION
-from bristle_sim.render.panels import add_panel
-from bristle_sim.render.style import MILLIMETRES, QUANTITIES, axes_at, blank_figure, styled
+from bristle_sim.render.style import MILLIMETRES, QUANTITIES, add_panel, axes_at, blank_figure, styled
 from bristle_sim.studies.cue_map import MOVES, CueMap
 
 if TYPE_CHECKING:

@@ -8,8 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, VERMILION
-from bristle_sim.render.panels import add_panel
-from bristle_sim.render.style import blank_figure, styled
+from bristle_sim.render.style import add_panel, blank_figure, styled
 from bristle_sim.studies.measured_impacts import MEASURED_SPHERES, Spheres, sphere_rebound
 
 PANELS = (

@@ -12,8 +12,7 @@ from matplotlib.figure import Figure
 from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, SERIES, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, touch_places
-from bristle_sim.render.panels import add_panel, note, say
-from bristle_sim.render.style import MILLIMETRES, QUANTITIES, blank_figure, styled
+from bristle_sim.render.style import MILLIMETRES, QUANTITIES, add_panel, blank_figure, note, say, styled
 from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
 
 BESIDE = 0.02

@@ -1,4 +1,4 @@
-"""One look for every picture: letters, lines and sizes, units with readable prefixes, and files.
+"""One look for every picture: letters, panels with titles and notes, units with readable prefixes, and files.
 
 Figures are built on :class:`matplotlib.figure.Figure` alone: no display, no global state, and pyplot is not imported.
 Sizes are printed centimetres; a full-width figure is 16 cm wide with 7 to 8 point text.
@@ -19,15 +19,16 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.files import checked_target, complete_or_absent
+from bristle_sim.render.colours import GREY
 
 MILLIMETRES, MILLISECONDS, MICROSECONDS = 1e3, 1e3, 1e6
-"""Of what is drawn in one metre or one second; everything else is in SI units."""
+"""Millimetres in a metre, milliseconds and microseconds in a second."""
 
 FIGURE_SUFFIXES = (".png", ".svg", ".pdf")
 CENTIMETRES_PER_INCH = 2.54
 
 _LOOK = mpl.rc_params_from_file(Path(__file__).with_name("look.mplstyle"), use_default_template=False)
-
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 QUANTITIES: dict[str, tuple[str, str, float]] = {
     "lag_deg_at_contact": ("lag at the strike", "°", 1.0),
@@ -37,7 +38,7 @@ QUANTITIES: dict[str, tuple[str, str, float]] = {
     "normal_compressive_work": ("normal work of compression", "mJ", -1e3),
     "crater_depth": ("crater depth", "µm", 1e6),
 }
-"""Title of what a strike is judged by, unit shown, and factor to it."""
+"""Title, unit shown, and factor to it, of each quantity that a strike is judged by."""
 
 
 @contextmanager
@@ -71,12 +72,31 @@ def axes_at(figure: Figure, left: float, bottom: float, width: float, height: fl
         return figure.add_axes(place, **options)
 
 
+def add_panel(
+    figure: Figure, place: tuple[float, float, float, float], title: str, subtitle: str = "", **options: Any
+) -> Axes:
+    """Add axes at a place (left, bottom, width, height) in cm, with a title that the next letter of the figure leads."""
+    letter = "abcdefghij"[sum(bool(axes.get_title(loc="left")) for axes in figure.axes) % 10]
+    axes = axes_at(figure, *place, **options)
+    axes.set_title(f"$\\bf{{{letter}}}$  {title}", loc="left", fontsize=8.5, pad=17.0)
+    note(axes, subtitle, (0.0, 1.0), (0.0, 4.5), xycoords="axes fraction")
+    return axes
+
+
+def note(axes: Axes, words: str, place: tuple[float, float], offset: tuple[float, float], **look: Any) -> None:
+    """Write small words beside a place, ``offset`` in points."""
+    axes.annotate(words, place, offset, **{"textcoords": "offset points", "fontsize": 7.0, "color": GREY, **look})
+
+
+def say(axes: Axes, words: str) -> None:
+    """Write words in the middle of a panel that has nothing to show, without scales."""
+    axes.set(xticks=[], yticks=[])
+    axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center", color=GREY)
+
+
 def signed(value: float, decimals: int, width: int = 0) -> str:
     """Format a number, with a real minus sign unless it rounds to zero."""
     return f"{round(value, decimals) + 0.0:{width}.{decimals}f}".replace("-", "\N{MINUS SIGN}")
-
-
-_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
-from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import QUANTITIES, axes_at, blank_figure, styled
+from bristle_sim.render.style import QUANTITIES, add_panel, axes_at, blank_figure, note, styled
 from bristle_sim.studies.tolerances import Study
 
 MOST = 6

@@ -7,8 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
-from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import MILLISECONDS, blank_figure, styled
+from bristle_sim.render.style import MILLISECONDS, add_panel, blank_figure, note, styled
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 
 PASSES = 12

@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION
-from bristle_sim.render.panels import add_panel, note
-from bristle_sim.render.style import MICROSECONDS, blank_figure, scale_for, styled
+from bristle_sim.render.style import MICROSECONDS, add_panel, blank_figure, note, scale_for, styled
 from bristle_sim.studies.flexible_wire import FlexibleWire, WireStudy, measures
 
 LOOKS = {

@@ -12,8 +12,7 @@ from bristle_sim.arrays import Array
 from bristle_sim.render.colours import BLACK, BLUE, ORANGE, VERMILION
 from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, moving_arrow, point_arrow
 from bristle_sim.render.film import HEADER, Film, slow_motion
-from bristle_sim.render.panels import say
-from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, signed, styled
+from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, say, signed, styled
 from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.theory.wire import hinge_stiffness
 
