@@ -42,7 +42,7 @@ def main(pass_of: Scenario, arguments: Sequence[str]) -> int:
     quantities = _table([["quantity", "unit", *names, "difference"], *rows], 2)
     say("\n".join([*answers, "", *keys, "", *quantities]))
     if target is not None:
-        from bristle_sim.render.comparison_page import write_comparison
+        from bristle_sim.render.report import write_comparison
 
         write_comparison(target, names, reports, changed, rows)
         say(f"--report: wrote {target}")

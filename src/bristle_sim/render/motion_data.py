@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,8 @@ STRIKE_SHOWN = 0.01
 PLAYED, IN_CONTACT = 8000, 0.08
 """Steps of the slider, a millisecond each when it plays, and the least part of them that a contact resolved in time gets."""
 
+Columns = dict[str, Array]
+
 
 def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     """Return a pass up to the end of its story: times in ms, lengths in mm, speeds in m/s, angles as JSON needs them.
@@ -33,37 +34,25 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     many as that takes. Nodes that share an instant are the motion before and after it.
     """
     interpolation, end = Interpolation(run), story_end(run)
-    time = np.unique(interpolation.course(end, 2).time)
-    starts, ends, added = time[:-1], time[1:], [time]
-    for _ in range(ROUNDS):
-        page = _between(interpolation(starts), interpolation(ends, "before"))
-        wrong = _differs(interpolation(page.time), page)
-        middles = 0.5 * (starts + ends)[wrong]
-        starts, ends = np.concatenate([starts[wrong], middles]), np.concatenate([middles, ends[wrong]])
-        added.append(middles)
-        if not wrong.any():
-            break
-    time = np.sort(np.concatenate(added))
-    before, after = interpolation(time, "before"), interpolation(time)
-    columns = {name: np.stack([_columns(each)[name] for each in (before, after)], axis=1) for name in _columns(after)}
-    double = np.any(
-        [np.any(np.abs(np.diff(each, axis=1)) > 1e-9, axis=(1, 2)) for each in columns.values()], axis=0
-    ) & (time > time[0])
-    kept = np.stack([double, np.ones_like(double)], axis=1)
-    bar, speed = tool.bar, run.hub_speed
-    shown = [each for each in run.contacts if each.time <= end]
+    time = _nodes(interpolation, end)
+    before, after = _columns(interpolation(time, "before")), _columns(interpolation(time))
+    columns = {name: np.stack([before[name], after[name]], axis=1) for name in after}
+    jumps = [np.abs(np.diff(each, axis=1)).max(axis=(1, 2)) > 1e-9 for each in columns.values()]
+    kept = np.stack([np.any(jumps, axis=0) & (time > time[0]), np.ones(time.size, dtype=bool)], axis=1)
     return {
         # To attoseconds and picometres, so that speeds within a short contact are true, and no more, to keep a page small.
         "time": np.round(MILLISECONDS * np.stack([time, time], axis=1)[kept], 12).tolist(),
         **{name: np.round(each[kept], 9).tolist() for name, each in columns.items()},
-        "hub": [float(run.hub_angle[0]), speed / MILLISECONDS],
+        "hub": [float(run.hub_angle[0]), run.hub_speed / MILLISECONDS],
         "clock": _clock(run, end).tolist(),
         "hubRadius": tool.hub.radius * MILLIMETRES,
         "wire": tool.bristle.wire_diameter * MILLIMETRES,
-        "bar": None if bar is None else [each * MILLIMETRES for each in (*bar.centre, bar.radius)],
+        "bar": None if tool.bar is None else [each * MILLIMETRES for each in (*tool.bar.centre, tool.bar.radius)],
         "surface": None if tool.workpart is None else -tool.workpart_depth * MILLIMETRES,
         "contacts": [
-            [each.obstacle, *(1e3 * part for part in (each.time, each.duration, *each.impulse))] for each in shown
+            [each.obstacle, *(1e3 * part for part in (each.time, each.duration, *each.impulse))]
+            for each in run.contacts
+            if each.time <= end
         ],
         "phases": [
             [MILLISECONDS * each.start, each.caption]
@@ -73,52 +62,52 @@ def motion_data(run: Trajectory, tool: Tool) -> dict[str, Any]:
     }
 
 
-def _columns(motion: Motion) -> dict[str, Array]:
+def _nodes(interpolation: Interpolation, end: float) -> Array:
+    """Return the instants, s, between which the page's interpolation differs by less than it shows."""
+    time = np.unique(interpolation.course(end, 2).time)
+    starts, ends, nodes = time[:-1], time[1:], [time]
+    for _ in range(ROUNDS):
+        tried = starts + TRIED * (ends - starts)
+        motion = [interpolation(starts), interpolation(ends, "before"), interpolation(tried)]
+        wrong = _differs(MILLISECONDS * (ends - starts), *map(_columns, motion))
+        if not wrong.any():
+            break
+        middles = 0.5 * (starts + ends)[wrong]
+        starts, ends = np.concatenate([starts[wrong], middles]), np.concatenate([middles, ends[wrong]])
+        nodes.append(middles)
+    return np.sort(np.concatenate(nodes))
+
+
+def _columns(motion: Motion) -> Columns:
     """Return the columns of the nodes, each of shape (n, m); m/s are mm/ms."""
     count = motion.time.size
-    angle = np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS])
     return {
         "line": (motion.centre_line * MILLIMETRES).reshape(count, -1),
         "velocity": motion.centre_line_velocity.reshape(count, -1),
-        "retraction": np.asarray(angle.T),
+        "retraction": np.degrees([motion.retraction, -motion.relative_rate / MILLISECONDS]).T,
         "force": motion.normal_force[:, np.newaxis],
     }
 
 
-def _between(start: Motion, end: Motion) -> Motion:
-    """Return the motion a part TRIED of the way between nodes as the page has it."""
-    s, step = TRIED, end.time - start.time
+def _differs(length: Array, start: Columns, end: Columns, motion: Columns) -> Any:
+    """Return in which intervals of a length, ms, the page's interpolation differs visibly from the motion at TRIED."""
+    s, h = TRIED, length[:, np.newaxis]
 
-    def cubic(name: str, slope: str, sign: float = 1.0) -> tuple[Array, Array]:
-        """Return Hermite's cubic and its slope."""
-        p, v, q, w = (getattr(each, key) for each, key in ((start, name), (start, slope), (end, name), (end, slope)))
-        h = step.reshape(-1, *[1] * (p.ndim - 1))
-        v, w = sign * h * v, sign * h * w
+    def cubic(p: Array, v: Array, q: Array, w: Array) -> tuple[Array, Array]:
+        """Return Hermite's cubic and its slope from values and slopes at both ends."""
+        v, w = h * v, h * w
         place = q + (1.0 - s) ** 2 * (1.0 + 2.0 * s) * (p - q) + s * (1.0 - s) * ((1.0 - s) * v - s * w)
         return place, (6.0 * s * (s - 1.0) * (p - q) + (1.0 - s) * (1.0 - 3.0 * s) * v + s * (3.0 * s - 2.0) * w) / h
 
-    line, velocity = cubic("centre_line", "centre_line_velocity")
-    retraction, _ = cubic("retraction", "relative_rate", -1.0)
-    return dataclasses.replace(
-        start,
-        time=start.time + s * step,
-        centre_line=line,
-        centre_line_velocity=velocity,
-        angles=-retraction[:, np.newaxis],
-        hub_angle=np.zeros_like(step),
-        normal_force=start.normal_force + s * (end.normal_force - start.normal_force),
-    )
-
-
-def _differs(one: Motion, other: Motion) -> Any:
-    """Return at which instants two motions differ by what a page would show."""
-    differences = {
-        "line": MILLIMETRES * np.abs(one.centre_line - other.centre_line).max(axis=(1, 2)),
-        "speed": np.abs(one.tip_speed - other.tip_speed),
-        "retraction": np.degrees(np.abs(one.retraction - other.retraction)),
-        "force": np.abs(one.normal_force - other.normal_force),
+    line, velocity = cubic(start["line"], start["velocity"], end["line"], end["velocity"])
+    sides = (each["retraction"][:, [column]] for each in (start, end) for column in (0, 1))
+    pairs = {
+        "line": (line, motion["line"]),
+        "speed": [np.linalg.norm(each[:, -2:], axis=1, keepdims=True) for each in (velocity, motion["velocity"])],
+        "retraction": (cubic(*sides)[0], motion["retraction"][:, :1]),
+        "force": (start["force"] + s * (end["force"] - start["force"]), motion["force"]),
     }
-    return np.any([found > SHOWN[name] for name, found in differences.items()], axis=0)
+    return np.any([np.abs(a - b).max(axis=1) > SHOWN[name] for name, (a, b) in pairs.items()], axis=0)
 
 
 def _clock(run: Trajectory, end: float) -> Array:

@@ -1,4 +1,4 @@
-"""Write what a scenario found as one HTML page that opens offline: answer, table, figures, motion, parameters, versions."""
+"""Pages of HTML that open offline: a scenario's report, two passes compared, the motion alone, and the bench."""
 
 from __future__ import annotations
 
@@ -22,6 +22,8 @@ from bristle_sim.comparison import Report, cells
 from bristle_sim.files import complete_or_absent
 from bristle_sim.parameters import Tool
 from bristle_sim.render.motion_data import motion_data
+from bristle_sim.render.pass_figure import pass_figure
+from bristle_sim.render.style import save_figure
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.units import Choice, Range
 
@@ -29,10 +31,11 @@ Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""
 
 LIBRARIES = ("numpy", "scipy", "pymunk", "matplotlib")
-"""Those whose version may change a digit or a line."""
+"""Libraries whose version may change a digit or a line."""
 
 SHORT, LONG = 16, 60
 """Letters of a cell that stays in one line, and of one that needs a wide column."""
+
 BEFORE_UNIT = re.compile(
     r"(?<=\d) (?=(?:[mµnk]?(?:s|m|N|J|W|Hz|g)|m/s|rad/s|rpm|mN|µN|%|°|deg)\b|%|°)|(?<=N) (?=[sm]\b)"
 )
@@ -59,8 +62,8 @@ def write_report(
     """Write a report as a page without any reference to other files, which appears only when complete.
 
     Name, question and parameters are the scenario's; the command makes the page again. ``plot`` draws the figure to a path,
-    or all figures to a folder, and a remark says why where it cannot; ``video`` is a film that has been made. An interactive view shows the motion if the report's
-    subject has a ``tool`` and a ``trajectory``.
+    or all figures to a folder; where it cannot, a remark says why. ``video`` is a film that has been made. A slider shows the
+    motion if the report's subject has a ``tool`` and a ``trajectory``.
 
     Raises:
         OSError: naming the file, if it cannot be written.
@@ -69,7 +72,7 @@ def write_report(
     figures, missing = list[Markup](), ""
     if plot is not None:
         try:
-            figures = embedded_figures(report, plot, plot_is_folder, name.replace("_", " "))
+            figures = _embedded_figures(report, plot, plot_is_folder, name.replace("_", " "))
         except ValueError as error:
             missing = f"no figure: {error}"
     rows = status_table(report.extra.get("rows"))
@@ -92,26 +95,60 @@ def write_report(
         "versions": {"bristle_sim": bristle_sim.__version__, "Python": platform.python_version()}
         | {library: metadata.version(library) for library in LIBRARIES},
     }
-    with complete_or_absent(path) as partial:
-        partial.write_text(_page(content), encoding="utf-8")
+    _write(path, "report.html.jinja", alone=False, **content)
+
+
+def write_comparison(
+    path: Path,
+    names: Sequence[str],
+    reports: Sequence[Report],
+    changed: Sequence[Sequence[str]],
+    rows: Sequence[Sequence[str]],
+) -> None:
+    """Write the comparison of two passes as a page, which appears only when complete.
+
+    Args:
+        path: of the page.
+        names, reports: of the two passes.
+        changed: key and both values of each key that differs.
+        rows: label, unit, both values and the difference of each number.
+
+    Raises:
+        OSError: naming the file, if it cannot be written.
+    """
+
+    def plot(report: Report, target: Path) -> None:
+        save_figure(pass_figure(report.subject.trajectory, report.subject.tool), target)
+
+    passes = [(name, each.answer, *_embedded_figures(each, plot)) for name, each in zip(names, reports, strict=True)]
+    _write(path, "comparison.html.jinja", names=names, passes=passes, changed=changed, rows=rows)
 
 
 def view_page(run: Trajectory) -> str:
     """Return the motion with its slider as a frame for a notebook, whose page keeps its own style and names."""
-    page = _page({"alone": True, "name": "run", "motion": motion_data(run, run.tool)})
-    return (
-        f'<iframe srcdoc="{escape(page)}" style="width:100%;height:44rem;border:0" title="motion of the run"></iframe>'
-    )
+    page = _page("report.html.jinja", alone=True, name="run", motion=motion_data(run, run.tool))
+    look = 'style="width:100%;height:44rem;border:0" title="motion of the run"'
+    return f'<iframe srcdoc="{escape(page)}" {look}></iframe>'
 
 
-def _page(content: dict[str, Any]) -> str:
+def explore_page(knobs: Sequence[dict[str, Any]]) -> str:
+    """Return the page for the knobs of :func:`bristle_sim.cli.explore.bench.knobs`; it asks its own server for runs."""
+    return _page("explore.html.jinja", keys=knobs)
+
+
+def _page(template: str, **content: Any) -> str:
     """Return the page of some content; spaces between a number and its unit do not break, names may after an underscore."""
     loader, strict = jinja2.PackageLoader("bristle_sim.render", "."), jinja2.StrictUndefined
     environment = jinja2.Environment(loader=loader, autoescape=True, undefined=strict)
     environment.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
     environment.filters["bound"] = lambda text: BEFORE_UNIT.sub("\N{NO-BREAK SPACE}", str(text))
     environment.filters["breakable"] = lambda name: Markup("_<wbr>").join(str(name).split("_"))
-    return environment.get_template("report.html.jinja").render({"alone": False, **content})
+    return environment.get_template(template).render(content)
+
+
+def _write(path: Path, template: str, **content: Any) -> None:
+    with complete_or_absent(path) as partial:
+        partial.write_text(_page(template, **content), encoding="utf-8")
 
 
 def verdict(report: Report) -> str:
@@ -148,8 +185,8 @@ def _look(column: Sequence[object]) -> str:
     return "short" if longest <= SHORT else "long" if longest > LONG else ""
 
 
-def embedded_figures(
-    report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool, name: str = "the run"
+def _embedded_figures(
+    report: Report, plot: Callable[[Report, Path], None], plot_is_folder: bool = False, name: str = "the run"
 ) -> list[Markup]:
     """Draw the figures as elements of the page: an SVG without its XML head, another picture by its bytes."""
     found = []

@@ -1,6 +1,6 @@
 """The bench: a page with a knob for every key of the tool, and the run that follows each move.
 
-``bench`` computes a run for typed values, ``server`` answers the browser; the page itself is ``render.explore_page``.
+``bench`` computes a run for typed values, ``server`` answers the browser; the page itself is made by ``render.report``.
 """
 
 from __future__ import annotations

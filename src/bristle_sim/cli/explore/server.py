@@ -15,7 +15,7 @@ from flask import Flask, Response, jsonify, request
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 
 from bristle_sim.cli.explore import bench
-from bristle_sim.render.explore_page import explore_page
+from bristle_sim.render.report import explore_page
 
 GIVE_UP = 120.0
 """Longest time that a run may take, s; a wire of many links takes more."""
