@@ -46,8 +46,8 @@ class Dot(Film):
 
 def test_what_is_still_is_drawn_once(monkeypatch):
     film, drawn, places = Dot(), [], []
-    draw = film.drawing.canvas.draw
-    monkeypatch.setattr(film.drawing.canvas, "draw", lambda: drawn.append(draw()))
+    draw = film.canvas.draw
+    monkeypatch.setattr(film.canvas, "draw", lambda: drawn.append(draw()))
     for time in (0.0, 1.0):
         rows, columns = np.nonzero(np.asarray(film.frame(time))[10:, :, 0] < 128)  # below the header
         places.append([10.0 + rows.mean(), columns.mean()])

@@ -17,9 +17,7 @@ from bristle_sim.trajectory import ContactRecord
 
 SHAPES = {"reverse": VERMILION, "straight": BLUE, "forward": GREEN}
 
-BEFORE, AFTER = 0.6e-3, 1.1e-3
-"""Time shown before the first touch and after the last, s."""
-
+BEFORE, AFTER = 0.6e-3, 1.1e-3  # time shown before the first touch and after the last, s
 MARKS: dict[str, dict[str, Any]] = {
     "path before touch": {"linestyle": "--", "linewidth": 1.0},
     "in touch": {"linewidth": 2.6},
@@ -64,7 +62,6 @@ def bent_figure(bent: BentBristles) -> Figure:
 
 
 def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, contact: ContactRecord) -> None:
-    """Draw the wire at the strike, and the tip's path from before it to after it."""
     run, color = bent.trajectories[shape], SHAPES[shape]
     end = contact.time + contact.duration
     origin = run.tip[np.searchsorted(run.time, contact.time)]
@@ -84,7 +81,6 @@ def _draw_places(wires: Axes, paths: Axes, bent: BentBristles, shape: str, conta
 
 
 def _draw_slide(axes: Axes, shape: str, contact: ContactRecord, slide: Slide | None) -> None:
-    """Draw the displacement along the workpart, with the end of compression and the turn of the slip marked."""
     history, color = contact.history, SHAPES[shape]
     if history is None:
         return
@@ -97,7 +93,6 @@ def _draw_slide(axes: Axes, shape: str, contact: ContactRecord, slide: Slide | N
 
 
 def _finish(wires: Axes, paths: Axes, slides: Axes) -> None:
-    """Give the upper panels equal scales and the workpart below their zero, and label all."""
     after = [line for line in paths.lines if line.get_linestyle() != "--"]
     for axes, lines, shape in ((wires, list(wires.lines), 4.6 / 5.6), (paths, after, 8.0 / 5.6)):
         points = np.concatenate([np.column_stack(line.get_data()) for line in lines] or [np.zeros((1, 2))])

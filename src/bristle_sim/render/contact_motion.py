@@ -12,11 +12,8 @@ from bristle_sim.studies.bent_bristles import slide_path
 from bristle_sim.studies.contact_course import pieces
 from bristle_sim.trajectory import ContactRecord
 
-BEFORE, AFTER = 0.10, 0.18
-"""Free motion shown before and after, as fractions of the time in touch."""
-
-BRIEF = 1e-3
-"""Slip that stops earlier, as a fraction of the time in touch, is none to show."""
+BEFORE, AFTER = 0.10, 0.18  # free motion shown before and after, as fractions of the time in touch
+BRIEF = 1e-3  # slip that stops earlier, as a fraction of the time in touch, is none to show
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,15 +18,11 @@ from bristle_sim.benchmarks.accuracy_cost.results import NOT_IN_TIME, AccuracyCo
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from bristle_sim.render.style import MILLISECONDS, axes_at, blank_figure, note, styled
 
-WIDTH = 16.0
-"""Printed width of the page's text, cm."""
-
+WIDTH = 16.0  # printed width of the page's text, cm
 PANEL, HEAD, ROW, NOTES = (6.3, 5.6), 1.35, 10.7, 2.45
 """Size of a panel, height of its title and verdict, height of a row of panels, and how far below a panel its notes are, cm."""
 
-OWN = (BLUE, PURPLE, SKY, BLACK)
-"""Colours of our methods, in their order."""
-
+OWN = (BLUE, PURPLE, SKY, BLACK)  # colours of our methods, in their order
 PEERS = {"scipy": ORANGE, "mujoco": GREEN, "exudyn": VERMILION, "heyoka": "#7a5c00"}
 OTHERS = "#c4c4c4"
 """Colour of peers' methods that are not their package's best."""
@@ -39,8 +35,7 @@ PALE: dict[str, Any] = {"color": OTHERS, "linewidth": 0.8, "marker": ".", "marke
 TARGETS = tuple(10.0**-power for power in range(6, -1, -1))
 """Errors, the first of which is compared; where a package does not reach it, the next that it reaches."""
 
-LEAST = 1e-16
-"""An error of less is drawn here: an answer that is right to the last digit has no logarithm."""
+LEAST = 1e-16  # an error of less is drawn here: an answer that is right to the last digit has no logarithm
 
 
 @styled()
@@ -67,7 +62,6 @@ def cost_figure(measured: AccuracyCost) -> Figure:
 
 
 def _growth_panel(axes: Axes, measured: AccuracyCost) -> None:
-    """Draw CPU time over the number of links and of bristles."""
     names = {"links": "a strike of a wire, its links", "bristles": "a row up to its strikes, its bristles"}
     for (what, label), color, marker in zip(names.items(), (BLUE, ORANGE), "os", strict=True):
         rows = [row for row in measured.effects if row.what == what]

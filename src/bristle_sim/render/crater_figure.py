@@ -31,12 +31,8 @@ from bristle_sim.theory.crater_kinematics import PRINTED_KINEMATICS
 
 MICRO = 1e6
 
-LEAN = math.radians(11.5)
-"""Lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)."""
-
-LEAST_FRICTION, MOST_FRICTION = 0.4, 4.0
-"""Friction coefficients shown (Zhang 2020, fig. 4.14 goes from 0.45 to 4)."""
-
+LEAN = math.radians(11.5)  # lean of the rake face back from the workpart's normal, rad (Zhang 2020, eq. 4.36)
+LEAST_FRICTION, MOST_FRICTION = 0.4, 4.0  # friction coefficients shown (Zhang 2020, fig. 4.14 goes from 0.45 to 4)
 OWN: dict[str, Any] = {"marker": "*", "color": ORANGE, "markersize": 9, "markeredgecolor": BLACK, "linestyle": "none"}
 """Look of the study's own values."""
 
@@ -82,7 +78,6 @@ def _draw_plies(axes: Axes, study: CraterStudy) -> None:
 
 
 def _draw_chip(axes: Axes, study: CraterStudy) -> None:
-    """Draw workpart, path, rake face and the two shear planes, in um; x is the tip's direction of travel."""
     gamma, upright = study.impact_angle, math.pi / 2.0 + LEAN
     path = MICRO * float(PRINTED_KINEMATICS.tip_displacement(study.crater.compression_time))
     tip, depth = path * _direction(-gamma), path * math.sin(gamma)
@@ -153,7 +148,6 @@ def _finding(rows: list[tuple[str, float, str]]) -> str:
 
 
 def _draw_estimates(axes: Axes, rows: list[tuple[str, float, str]]) -> None:
-    """Draw a bar for every estimate, with its difference from the measured depth."""
     measured = MICRO * MEASURED
     axes.axvspan(0.9 * measured, 1.1 * measured, color=GREY, alpha=0.18, linewidth=0.0)
     axes.axvline(measured, color=BLACK, linewidth=1.2)

@@ -16,8 +16,7 @@ from bristle_sim.render.style import MILLIMETRES, MILLISECONDS, add_panel, axes_
 from bristle_sim.studies.cue_timing import CueTiming
 from bristle_sim.theory.cueing import Cue, released_motion
 
-POINTS = 400
-"""Instants of the formula's curve."""
+POINTS = 400  # instants of the formula's curve
 
 
 @styled()
@@ -41,7 +40,6 @@ def cue_figure(timing: CueTiming) -> Figure:
 
 
 def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
-    """Draw the simulated release and the formula's, each up to its own cue time, which is marked and named."""
     lines = [("simulated", BLUE, "-", timing.motion)]
     if timing.formula is not None:
         instants = np.linspace(0.0, timing.formula.cue_time, POINTS)
@@ -71,7 +69,6 @@ def _draw_motion(retraction: Axes, speed: Axes, timing: CueTiming) -> None:
 
 
 def _draw_plan(axes: Axes, timing: CueTiming) -> None:
-    """Draw the tool and the bars it needs, with the wire as released and fastest."""
     tool, (released, fastest) = replace(timing.tool, bar=None), timing.wires
     given, radius = timing.bar, timing.bar.radius
     cues = {"simulated": (timing.simulated, BLUE, "-"), "formula": (timing.formula, VERMILION, "--")}

@@ -21,9 +21,7 @@ from bristle_sim.files import complete_or_absent
 from bristle_sim.render.colours import BLACK, GREY, LIGHT, SERIES, VERMILION
 from bristle_sim.render.style import axes_at, blank_figure, note, save_figure, styled
 
-SHEET_DOTS_PER_INCH = 100.0
-"""A sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in."""
-
+SHEET_DOTS_PER_INCH = 100.0  # a sheet is 1300 pixels wide: it is read on a screen as it is, without zooming in
 CELL, PAGE_CELL = (8.25, 5.9), (15.0, 8.2)
 """Width and height of a panel with its scales, of several on a page and of the only one, cm."""
 
@@ -33,12 +31,8 @@ PANEL = (1.7, 1.2, 2.15, 1.7)
 FOOT, HEAD, TITLES = 1.0, 1.2, 1.2
 """Heights of the key of points, of a page's title and note, and of the titles in a sheet's row, cm."""
 
-TABLE_MARGIN = 1.2
-"""By how much a table is wider than a panel, which has its scale there, cm."""
-
-NOTHING = 1e-12
-"""Less than this, in the unit shown, is rounding of zero."""
-
+TABLE_MARGIN = 1.2  # by how much a table is wider than a panel, which has its scale there, cm
+NOTHING = 1e-12  # less than this, in the unit shown, is rounding of zero
 OPERATING_POINT: dict[str, Any] = {
     "marker": "o", "color": "#1f4fff", "markersize": 6.5, "markeredgecolor": "white", "markeredgewidth": 0.65,
     "linestyle": "none",
@@ -131,7 +125,6 @@ def _bold(figure: Redrawn) -> str:
 
 
 def _draw_table(axes: Axes, table: Sequence[Sequence[str]]) -> None:
-    """Draw rows that fill the axes, the head first and the sums last."""
     last = len(table) - 1
     axes.set_axis_off()
     axes.set(xlim=(0.0, len(table[0])), ylim=(len(table), 0.0))

@@ -20,12 +20,8 @@ from bristle_sim.parameters import Tool
 from bristle_sim.render.colours import BLACK, BLUE, GREEN, GREY, LIGHT
 from bristle_sim.render.style import MILLIMETRES, scale_for
 
-LONGEST_SCALE_BAR = 0.28
-"""Longest scale bar as a fraction of the axes' width."""
-
-BAR_SHOWN = 2.0
-"""A bar farther from the hub's centre than the wires ever are, by this factor, is out of the picture."""
-
+LONGEST_SCALE_BAR = 0.28  # longest scale bar as a fraction of the axes' width
+BAR_SHOWN = 2.0  # a bar farther from the hub's centre than the wires ever are, by this factor, is out of the picture
 HUB_COLOUR, BAR_COLOUR = "#f3f3f3", "#bdbdbd"
 
 GROUND: dict[str, Any] = {"facecolor": LIGHT, "edgecolor": GREY, "linewidth": 0.8, "hatch": "////"}

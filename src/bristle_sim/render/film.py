@@ -30,11 +30,13 @@ from bristle_sim.render.style import MILLISECONDS, Scale, signed, styled
 HIGHEST_RATE = {".gif": 50.0, ".mp4": 1000.0}
 """Most frames per second by kind of film; a gif counts time in hundredths of a second."""
 
-LONGEST_FILM = 3600.0
-"""Longest film, s."""
+LONGEST_FILM = 3600.0  # longest film, s
+NODES = 4001  # instants of a time warp: enough for a bump of a thousandth of the run to be smooth
+HEADER = 0.135  # fraction of the picture's height above the drawing: caption and read-outs
+LEFTS = (0.02, 0.25, 0.47, 0.735)  # where the read-outs begin, as fractions of the picture's width
+DOTS_PER_INCH = 100.0
 
-NODES = 4001
-"""Instants of a time warp: enough for a bump of a thousandth of the run to be smooth."""
+GIF_COLOURS, GIF_SAMPLES = 64, 30  # colours of a gif's one palette, and from how many frames it is taken
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,40 +80,8 @@ def slow_motion(
     physical = np.linspace(start, end, NODES)
     distance = (physical - np.reshape(focus, (-1, 1))) / (width * (end - start))
     shape = 1.0 + (slower - 1.0) * np.exp(-0.5 * distance**2).max(axis=0, initial=0.0)
-    steps = 0.5 * (shape[1:] + shape[:-1]) * np.diff(physical)
-    elapsed = np.concatenate([[0.0], np.cumsum(steps)])
+    elapsed = np.concatenate([[0.0], np.cumsum(0.5 * (shape[1:] + shape[:-1]) * np.diff(physical))])
     return TimeWarp(elapsed * (duration / elapsed[-1]), physical, shape * (duration / elapsed[-1]))
-
-
-HEADER = 0.135
-"""Fraction of the picture's height above the drawing: caption and read-outs."""
-
-LEFTS = (0.02, 0.25, 0.47, 0.735)
-"""Where the read-outs begin, as fractions of the picture's width."""
-
-DOTS_PER_INCH = 100.0
-
-
-class Drawing:
-    """A figure of which only what moves is drawn anew."""
-
-    def __init__(self, figure: Figure) -> None:
-        """Draw nothing yet."""
-        self.canvas: Any = FigureCanvasAgg(figure)
-        self._still: Any = None
-
-    def picture(self, moving: Sequence[Artist]) -> Image.Image:
-        """Return the figure as it is now, with these artists over everything still, which is drawn the first time."""
-        if self._still is None:
-            with styled():
-                for artist in moving:
-                    artist.set_animated(True)
-                self.canvas.draw()
-            self._still = self.canvas.copy_from_bbox(self.canvas.figure.bbox)
-        self.canvas.restore_region(self._still)
-        for artist in moving:
-            artist.draw(self.canvas.get_renderer())
-        return Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB")
 
 
 class Film(ABC):
@@ -122,7 +92,7 @@ class Film(ABC):
         moving: artists of the figure that are drawn with every frame, in this order, over everything still.
         hands: those among them that show the instant: lines across panels over time.
         texts: caption and read-outs.
-        drawing: the figure, drawn.
+        canvas: the figure, drawn.
     """
 
     size, letter_size = (640, 480), 13.0
@@ -137,7 +107,8 @@ class Film(ABC):
         self.letters = self.letter_size * min(width / self.size[0], height / self.size[1])
         with styled():
             self.figure = Figure(figsize=(width / DOTS_PER_INCH, height / DOTS_PER_INCH), dpi=DOTS_PER_INCH)
-        self.drawing = Drawing(self.figure)
+        self.canvas: Any = FigureCanvasAgg(self.figure)
+        self._still: Any = None
         self._colours = (BLACK, BLACK, *colours)
         self.moving: list[Artist] = []
         self.hands: list[Line2D] = []
@@ -158,9 +129,18 @@ class Film(ABC):
         self.texts = (caption, f"time {signed(shown, 3, 8)} {self.clock.unit}", slowed, *texts)
 
     def frame(self, film_time: float) -> Image.Image:
-        """Return the picture at a film time, s."""
+        """Return the picture at a film time, s; everything still is drawn the first time."""
         self.show(film_time)
-        picture, (width, height) = self.drawing.picture(self.moving), self.pixels
+        if self._still is None:
+            with styled():
+                for artist in self.moving:
+                    artist.set_animated(True)
+                self.canvas.draw()
+            self._still = self.canvas.copy_from_bbox(self.figure.bbox)
+        self.canvas.restore_region(self._still)
+        for artist in self.moving:
+            artist.draw(self.canvas.get_renderer())
+        picture, (width, height) = Image.fromarray(np.asarray(self.canvas.buffer_rgba())).convert("RGB"), self.pixels
         pen, (caption, *texts) = ImageDraw.Draw(picture), self.texts
         bold, mono = _font("DejaVuSans-Bold", 1.39 * self.letters), _font("DejaVuSansMono", self.letters)
         pen.text((LEFTS[0] * width, 0.33 * HEADER * height), caption, BLACK, bold, "lm")
@@ -202,8 +182,7 @@ def _counted(times: Sequence[float]) -> Iterable[float]:
     with contextlib.suppress(ImportError):
         from tqdm import tqdm
 
-        look = {"unit": "frame", "leave": False, "file": sys.stderr}
-        counted: Iterable[float] = tqdm(times, **look)
+        counted: Iterable[float] = tqdm(times, unit="frame", leave=False, file=sys.stderr)
         return counted
     return times
 
@@ -219,7 +198,6 @@ def _require_encoder(target: Path) -> None:
 
 
 def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:
-    """Write h264 in yuv420p."""
     from imageio_ffmpeg import count_frames_and_secs, write_frames
 
     # Two encoding threads leave the drawing its own core; fixed numbers of threads give the same file anywhere.
@@ -236,10 +214,6 @@ def _write_mp4(partial: Path, film: Film, times: Sequence[float], fps: float) ->
         written = count_frames_and_secs(str(partial))[0]
     if written != len(times):
         raise OSError(f"{partial.name}: ffmpeg failed, it wrote {written} of {len(times)} frames")
-
-
-GIF_COLOURS, GIF_SAMPLES = 64, 30
-"""Colours of a gif's one palette, and from how many frames it is taken."""
 
 
 def _write_gif(partial: Path, film: Film, times: Sequence[float], fps: float) -> None:

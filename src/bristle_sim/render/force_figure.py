@@ -17,8 +17,7 @@ from bristle_sim.theory.force_history import BRISTLE
 MOST_DOTS = 400
 """Points drawn one by one: between the samples of an oscilloscope there is nothing to see, a line stands for more."""
 
-MARGIN = 0.25
-"""Part of the contact's duration shown before its start and after its end, where a file holds them."""
+MARGIN = 0.25  # part of the contact's duration shown before its start and after its end, where a file holds them
 
 
 @styled()
@@ -33,7 +32,6 @@ def force_figure(comparison: ForceComparison) -> Figure:
 
 
 def _draw_forces(axes: Axes, comparison: ForceComparison) -> None:
-    """Draw force over time: curve, simulated resultant and its components."""
     curve, measured, contact = comparison.curve, comparison.measured, comparison.contact
     time = np.linspace(0.0, curve.duration, 301)
     first, longest = 0.0, curve.duration
@@ -62,7 +60,6 @@ def _draw_forces(axes: Axes, comparison: ForceComparison) -> None:
 
 
 def _draw_contact(axes: Axes, contact: TimedContact) -> None:
-    """Draw the simulated force and its components."""
     shown = np.linspace(0.0, float(contact.time[-1]), 1001)
     axes.plot(
         MICROSECONDS * shown, contact.resultant(shown), color=VERMILION, label="simulated: resultant", gid="simulated"

@@ -14,9 +14,7 @@ from bristle_sim.render.style import add_panel, blank_figure, note, say, scale_f
 from bristle_sim.studies.impacts import Impacts
 from bristle_sim.studies.impulse_course import ImpulseCourse, energetic_course, recorded_course
 
-LEFT, FOOT, WIDTH, HEIGHT = 1.45, 1.9, 13.4, 4.9
-"""Left and lower edge, width and height of the panel, cm."""
-
+LEFT, FOOT, WIDTH, HEIGHT = 1.45, 1.9, 13.4, 4.9  # left and lower edge, width and height of the panel, cm
 PHASE_COLOURS = {
     "compression slip": "#e6eef6",
     "compression reverse slip": "#d3e2f0",
@@ -26,9 +24,7 @@ PHASE_COLOURS = {
     "restitution stick": "#e7e7df",
 }
 
-NARROW = 0.09
-"""A phase that takes less than this fraction of the panel is not named in it."""
-
+NARROW = 0.09  # a phase that takes less than this fraction of the panel is not named in it
 LINES = (("$v_t$", VERMILION, "tangential_velocity"), ("$v_n$", BLUE, "normal_velocity"))
 
 
@@ -45,7 +41,6 @@ def impact_figure(impacts: Impacts) -> Figure:
 
 
 def _coefficients(impacts: Impacts) -> str:
-    """Write angles and coefficients of the impact at hand."""
     surface = impacts.surface
     angles = ", ".join(f"{math.degrees(-angle):.4g}°" for angle in impacts.chain.angles)
     later = "" if surface.restitution_friction is None else f", μ₂ = {surface.restitution_friction:.4g}"
@@ -96,7 +91,6 @@ def _shade_phases(axes: Axes, course: ImpulseCourse, factor: float) -> None:
 
 
 def _write_above(axes: Axes, height: float, words: str, start: float, end: float, **look: Any) -> None:
-    """Write words centred over a phase, unless it is too narrow for any."""
     if end - start >= NARROW * axes.get_xlim()[1]:
         look |= {"transform": axes.get_xaxis_transform(), "ha": "center", "va": "top", "fontsize": 7.0}
         axes.text(0.5 * (start + end), height, words, linespacing=1.05, **look)

@@ -28,18 +28,12 @@ PANELS = (
 )
 MOTIONS = {"slip": "the tip slips", "reverse slip": "the tip slips back", "stick": "the tip sticks"}
 
-ROUNDING = 1e-6
-"""Velocities below this fraction of the fastest are drawn as zero."""
-
+ROUNDING = 1e-6  # velocities below this fraction of the fastest are drawn as zero
 ARROW, LONGEST_FORCE = 0.3, 0.28
 """Lengths of the tip's velocity before the impact and of the largest force, as fractions of the heights of their drawings."""
 
-LEAST_DEPTH = 0.08
-"""The depth of a grazing tip is stretched until it takes this much of the drawing's height."""
-
-LETTERS = 15.0
-"""Height of the letters in a picture of normal size, px."""
-
+LEAST_DEPTH = 0.08  # the depth of a grazing tip is stretched until it takes this much of the drawing's height
+LETTERS = 15.0  # height of the letters in a picture of normal size, px
 CRATER = 0.02
 """Depth at which the tip leaves, as a fraction of the largest, from which on the picture says why it does not come back up."""
 
@@ -56,7 +50,6 @@ class TipDrawing:
     """
 
     def __init__(self, axes: Axes, motion: ContactMotion, last_rod: Array, letters: float) -> None:
-        """Draw what is still, with letters of that height, px."""
         self._motion, box = motion, axes.get_window_extent()
         self.scale = scale_for(max(float(np.ptp(motion.along)), float(np.ptp(motion.depth))), "m")
         way = np.stack([motion.along, -motion.depth], axis=-1) * self.scale.factor
@@ -161,7 +154,6 @@ class ImpactFilm(Film):
         return f"{half}: {MOTIONS[sliding]}" if sliding in MOTIONS else phase, *texts
 
     def _draw_panel(self, number: int, title: str, unit: str, lines: dict[str, str]) -> None:
-        """Draw quantities over time, shaded phase by phase, one panel below the other."""
         motion, letters, height = self.motion, 0.6 * self.letters, (1.0 - HEADER - 0.13) / len(PANELS)
         bottom = 0.10 + (len(PANELS) - 1 - number) * height
         axes = self.figure.add_axes((0.685, bottom, 0.305, height - 0.035))

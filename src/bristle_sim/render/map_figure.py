@@ -68,7 +68,6 @@ def map_figure(found: CueMap, maps: xr.Dataset) -> Figure:
 
 
 def _draw_map(figure: Figure, axes: Axes, maps: xr.Dataset, values: np.ndarray | None, unit: str, colors: str) -> None:
-    """Draw values over the bar's position with their scale, and the line of no lag."""
     x, y = (maps[each].values * MILLIMETRES for each in ("bar_horizontal", "bar_vertical"))
     values = np.full((y.size, x.size), math.nan) if values is None else values
     finite = values[np.isfinite(values)]

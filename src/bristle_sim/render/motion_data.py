@@ -18,9 +18,7 @@ ROUNDS, TRIED = 12, 0.4
 SHOWN = {"line": 0.001, "speed": 0.01, "retraction": 0.001, "force": 0.0007}
 """Errors of the page's interpolation, a tenth of the last digit that it shows or less: mm, m/s, degrees and N."""
 
-STRIKE_SHOWN = 0.01
-"""Part of the run for which an impact at an instant is shown."""
-
+STRIKE_SHOWN = 0.01  # part of the run for which an impact at an instant is shown
 PLAYED, IN_CONTACT = 8000, 0.08
 """Steps of the slider, a millisecond each when it plays, and the least part of them that a contact resolved in time gets."""
 

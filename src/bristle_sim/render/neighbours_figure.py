@@ -15,9 +15,7 @@ from bristle_sim.render.drawing import WireDrawing, close_up, draw_film_tool, to
 from bristle_sim.render.style import MILLIMETRES, QUANTITIES, add_panel, blank_figure, note, say, styled
 from bristle_sim.studies.neighbours import NeighbourRow, root_pitch, strike_values
 
-BESIDE = 0.02
-"""How far beside a least pitch the strike is computed, deg."""
-
+BESIDE = 0.02  # how far beside a least pitch the strike is computed, deg
 STRIKES = ("relative_speed_at_contact", "lag_deg_at_contact", "normal_final_impulse")
 
 LEAST = {

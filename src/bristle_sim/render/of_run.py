@@ -14,11 +14,8 @@ from bristle_sim.arrays import Array
 from bristle_sim.trajectory import Trajectory
 from bristle_sim.trajectory.pictures import Html
 
-LINES = "white-space:pre-wrap;min-width:0"
-"""Lines of a summary wrap, instead of squeezing the drawing."""
-
-WIDTH = 260
-"""Width of a summary's drawing, px; its height follows from what it shows."""
+LINES = "white-space:pre-wrap;min-width:0"  # lines of a summary wrap, instead of squeezing the drawing
+WIDTH = 260  # width of a summary's drawing, px; its height follows from what it shows
 
 
 def plot(run: Trajectory, until: float | None) -> Figure:

@@ -24,9 +24,7 @@ from bristle_sim.trajectory import ContactRecord, Event, Motion, Trajectory
 DRAWING, PANEL, ROW = (8.7, 6.6), (13.4, 2.9), 3.2
 """Width and height of the drawing of the tool and of a panel over time, and the distance of the panels, cm."""
 
-BADGE_GAP = 0.035
-"""Least distance between the numbers above a panel, as a fraction of its width."""
-
+BADGE_GAP = 0.035  # least distance between the numbers above a panel, as a fraction of its width
 _GHOSTS = {"bar touch": ORANGE, "bar release": VERMILION, "strike": BLACK, "start": BLUE}
 """Events at which the drawing of the tool shows the wire, with its colour; other events are grey."""
 
@@ -122,7 +120,6 @@ def spread(positions: ArrayLike, gap: float, lowest: float, highest: float) -> A
 def _draw_lines(
     axes: Axes, label: str, time: Array, lines: dict[str, tuple[Array, dict[str, Any]]], marks: Sequence[_Mark]
 ) -> None:
-    """Draw quantities over time and the numbered instants; several lines are named in a row above them."""
     for name, (values, look) in lines.items():
         axes.plot(time * MILLISECONDS, values, label=name, gid=name, **look)
     for mark in marks:
@@ -138,7 +135,6 @@ def _draw_lines(
 
 
 def _draw_strike(axes: Axes, run: Trajectory, struck: ContactRecord) -> None:
-    """Draw the force of a strike that is resolved in time, enlarged."""
     time = np.linspace(struck.time, struck.time + struck.duration, 200)
     axes.plot(MICROSECONDS * (time - struck.time), run.at(time).normal_force, color=VERMILION)
     axes.set_title("in the strike, over µs", fontsize=6.5, loc="left", pad=2.0)
@@ -148,7 +144,6 @@ def _draw_strike(axes: Axes, run: Trajectory, struck: ContactRecord) -> None:
 
 
 def _number_instants(axes: Axes, marks: Sequence[_Mark]) -> None:
-    """Write the numbers of the table above the panel, each led to its instant."""
     first, last = axes.get_xlim()
     times = [mark.event.time * MILLISECONDS for mark in marks]
     above = axes.get_xaxis_transform()
@@ -176,7 +171,6 @@ def _draw_path(axes: Axes, course: Motion, tool: Tool, strike: float | None) -> 
 
 
 def _draw_ghosts(axes: Axes, tool: Tool, run: Trajectory, marks: Sequence[_Mark]) -> None:
-    """Draw the wire at the first touch, the release and the strike, numbered at its root."""
     ghosts = [mark for mark in marks if mark.color != GREY]
     height = float(np.ptp(axes.get_ylim()))
     radius = max(tool.hub.radius * MILLIMETRES - 0.045 * height, 0.0)
@@ -192,7 +186,6 @@ def _draw_ghosts(axes: Axes, tool: Tool, run: Trajectory, marks: Sequence[_Mark]
 
 
 def _badge(axes: Axes, place: ArrayLike, mark: _Mark, transform: Transform | None = None) -> None:
-    """Write an instant's number in a circle."""
     x, y = np.asarray(place, dtype=float)
     box = {"boxstyle": "circle,pad=0.18", "facecolor": "white", "edgecolor": mark.color, "linewidth": 0.8}
     look: dict[str, Any] = {"fontsize": 6.5, "ha": "center", "va": "center", "bbox": box, "zorder": 6}

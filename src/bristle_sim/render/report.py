@@ -30,20 +30,14 @@ from bristle_sim.units import Choice, Range
 Parameter = tuple[Range | Choice, Any, Any]
 """A key's declaration, its value in this run, and its default."""
 
-LIBRARIES = ("numpy", "scipy", "pymunk", "matplotlib")
-"""Libraries whose version may change a digit or a line."""
-
-SHORT, LONG = 16, 60
-"""Letters of a cell that stays in one line, and of one that needs a wide column."""
-
+LIBRARIES = ("numpy", "scipy", "pymunk", "matplotlib")  # libraries whose version may change a digit or a line
+SHORT, LONG = 16, 60  # letters of a cell that stays in one line, and of one that needs a wide column
 BEFORE_UNIT = re.compile(
     r"(?<=\d) (?=(?:[mµnk]?(?:s|m|N|J|W|Hz|g)|m/s|rad/s|rpm|mN|µN|%|°|deg)\b|%|°)|(?<=N) (?=[sm]\b)"
 )
 """A space between a number and its unit, or within a unit."""
 
-ALIGNED = re.compile(r"\S {3,}\S|\n")
-"""A line of a table in plain text, for which the page has a table of its own."""
-
+ALIGNED = re.compile(r"\S {3,}\S|\n")  # a line of a table in plain text, for which the page has a table of its own
 MEDIA = {".png": "image/png", ".mp4": "video/mp4", ".gif": "image/gif"}
 
 
@@ -178,7 +172,6 @@ def status_table(rows: Sequence[Mapping[str, Any]] | None) -> dict[str, Any] | N
 
 
 def _look(column: Sequence[object]) -> str:
-    """Return the class of a column's cells: numbers stand at the right, short words in one line."""
     if all(isinstance(value, float | int | None) for value in column):
         return "number"
     longest = max(len(str(value)) for value in column)

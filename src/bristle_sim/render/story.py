@@ -9,15 +9,9 @@ import numpy as np
 
 from bristle_sim.trajectory import Event, Trajectory
 
-MOST_LABELS = 9
-"""As many labels as fit above a panel of full width."""
-
-AFTERMATH = 0.12
-"""How long the story goes on after the tip has left the workpart, as a fraction of the time before."""
-
-SAME_INSTANT = 1e-9
-"""Events nearer to each other than this are one, s."""
-
+MOST_LABELS = 9  # as many labels as fit above a panel of full width
+AFTERMATH = 0.12  # how long the story goes on after the tip has left the workpart, as a fraction of the time before
+SAME_INSTANT = 1e-9  # events nearer to each other than this are one, s
 CARRIED = math.radians(1.0)
 """A bristle that starts nearer than this to the radial direction is carried along, not thrown, rad."""
 

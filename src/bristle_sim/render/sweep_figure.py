@@ -17,11 +17,8 @@ from bristle_sim.render.style import axes_at, blank_figure, styled
 if TYPE_CHECKING:
     import xarray as xr
 
-COLUMNS, WIDTH, HEIGHT = 3, 6.0, 5.2
-"""Panels in a row, and their size with its margins, cm."""
-
-TITLE = 32
-"""Letters in a line of a panel's title."""
+COLUMNS, WIDTH, HEIGHT = 3, 6.0, 5.2  # panels in a row, and their size with its margins, cm
+TITLE = 32  # letters in a line of a panel's title
 
 
 @styled()
@@ -61,14 +58,12 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
 
 
 def _shown(found: xr.Dataset, name: str) -> tuple[np.ndarray, str]:
-    """Return values in a person's unit, and their label with it."""
     factor, unit = _scale(found, name)
     label = str(found[name].attrs.get("long_name", name.removesuffix("_deg").replace("_", " ")))
     return found[name].values * factor, label + (f" ({unit})" if unit else "")
 
 
 def _scale(found: xr.Dataset, name: str) -> tuple[float, str]:
-    """Return the factor to a person's unit, and the unit."""
     unit, size = readable_unit(str(found[name].attrs.get("units", "1")), found[name].values.ravel().tolist())
     return 1.0 / size, {"1": "", "deg": "°"}.get(unit, unit)
 

@@ -12,11 +12,8 @@ from bristle_sim.render.colours import BLACK, BLUE, SKY, VERMILION
 from bristle_sim.render.style import QUANTITIES, add_panel, axes_at, blank_figure, note, styled
 from bristle_sim.studies.tolerances import Study
 
-MOST = 6
-"""Inputs shown for each output."""
-
-ROW = 4.1
-"""Height of an output's panels with their titles, cm."""
+MOST = 6  # inputs shown for each output
+ROW = 4.1  # height of an output's panels with their titles, cm
 
 
 @styled()
@@ -47,7 +44,6 @@ def tolerance_figure(study: Study) -> Figure:
 
 
 def _draw_indices(axes: Axes, study: Study, number: int) -> None:
-    """Draw bars of the total index with the first-order index as points, both with their intervals, largest first."""
     chosen = np.argsort(-study.total[number])[:MOST]
     places, first = np.arange(chosen.size), study.first_order[number, chosen]
     axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7, gid="total")

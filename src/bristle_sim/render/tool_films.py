@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from bristle_sim.studies.inertia_driven import InertiaDriven
     from bristle_sim.studies.neighbours import NeighbourRow
 
-CAPTION_SHOWN = 0.5
-"""Film time for which the instant of the strike keeps its caption, s."""
-
+CAPTION_SHOWN = 0.5  # film time for which the instant of the strike keeps its caption, s
 ROW_SLOWER, ROW_AFTER = 10.0, 0.15
 """How much slower touches and strikes in a row are shown than the rest; how long a film of a row goes on after the last
 bristle's strike, as a fraction of the time before."""
@@ -55,6 +53,7 @@ class Stage:
 class ToolFilm(Film):
     """Tools side by side with any number of wires and links, and rings where wires of one tool touch."""
 
+    @styled()
     def __init__(
         self,
         stages: Sequence[Stage],
@@ -70,25 +69,21 @@ class ToolFilm(Film):
         super().__init__(warp, *pixels, colours)
         self.stages, self.story, self._readings = stages, tuple(story), readings
         self.wires: list[list[WireDrawing]] = []
-        with styled():
-            width, height = pixels[0] / len(stages), pixels[1] * (1.0 - HEADER)
-            shown = np.concatenate([np.reshape(stage.shown, (-1, 2)) for stage in stages])
-            for number, stage in enumerate(stages):
-                axes = self.figure.add_axes((number / len(stages), 0.0, 1.0 / len(stages), 1.0 - HEADER))
-                draw_film_tool(
-                    axes, stage.tool, close_up(shown, stages[0].tool, width / height, margin), 0.75 * self.letters
-                )
-                (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
-                wires = [WireDrawing(axes, stage.tool, color=color, details=stage.details) for _, color in stage.wires]
-                (self.star,) = axes.plot([], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
-                (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
-                self.wires.append(wires)
-                self.moving += [
-                    self.trail,
-                    *(artist for wire in wires for artist in wire.artists),
-                    self.star,
-                    self.rings,
-                ]
+        aspect = pixels[0] / len(stages) / (pixels[1] * (1.0 - HEADER))
+        view = close_up(
+            np.concatenate([np.reshape(each.shown, (-1, 2)) for each in stages]), stages[0].tool, aspect, margin
+        )
+        for number, stage in enumerate(stages):
+            axes = self.figure.add_axes((number / len(stages), 0.0, 1.0 / len(stages), 1.0 - HEADER))
+            draw_film_tool(axes, stage.tool, view, 0.75 * self.letters)
+            (self.trail,) = axes.plot([], [], color=SKY, linewidth=1.6, zorder=3)
+            self.wires.append(
+                [WireDrawing(axes, stage.tool, color=each, details=stage.details) for _, each in stage.wires]
+            )
+            (self.star,) = axes.plot([], [], "*", color=VERMILION, markersize=22, markeredgecolor="white", zorder=3)
+            (self.rings,) = axes.plot([], [], "o", markersize=26, markerfacecolor="none", color=BLACK, zorder=6)
+            wires = [artist for wire in self.wires[-1] for artist in wire.artists]
+            self.moving += [self.trail, *wires, self.star, self.rings]
 
     def move(self, time: float) -> tuple[str, ...]:
         """Move wires, trails, stars and rings to an instant of the film's clock, s."""
@@ -97,21 +92,17 @@ class ToolFilm(Film):
             now = [motion(time) for motion, _ in stage.wires]
             for drawing, each in zip(drawings, now, strict=True):
                 drawing.place(each.centre_line)
-            if len(self.stages) == 1:
-                self._mark(stage, now, time, caption)
+            if stage.trail is not None:
+                past = stage.trail.tip[: np.searchsorted(stage.trail.time, time, side="right")]
+                self.trail.set_data(*(MILLIMETRES * np.vstack([past, now[0].tip])).T)
+            if stage.strike is not None:
+                self.star.set_data(*(MILLIMETRES * stage.strike[:, np.newaxis]))
+                self.star.set_visible(caption == "strike")
+            if len(now) > 1:
+                lines = [each.centre_line for each in now]
+                self.rings.set_data(*touch_places(lines, stage.tool.bristle.wire_diameter).T)
             every += now
         return caption, *self._readings(every)
-
-    def _mark(self, stage: Stage, now: Sequence[Motion], time: float, caption: str) -> None:
-        """Draw the trail, the star and the rings."""
-        if stage.trail is not None:
-            past = stage.trail.tip[: np.searchsorted(stage.trail.time, time, side="right")]
-            self.trail.set_data(*(MILLIMETRES * np.vstack([past, now[0].tip])).T)
-        if stage.strike is not None:
-            self.star.set_data(*(MILLIMETRES * stage.strike[:, np.newaxis]))
-            self.star.set_visible(caption == "strike")
-        if len(now) > 1:
-            self.rings.set_data(*touch_places([each.centre_line for each in now], stage.tool.bristle.wire_diameter).T)
 
 
 def pass_film(
@@ -129,10 +120,8 @@ def pass_film(
     """
     motion, contact = Interpolation(run), run.first_contact("workpart")
     course = motion.course(story_end(run) if until is None else until)
-    strike = run.event_time("strike")
-    warp = slow_motion(
-        float(run.time[0]), float(course.time[-1]), duration, () if strike is None else (strike,), slower=slower
-    )
+    focus = () if (strike := run.event_time("strike")) is None else (strike,)
+    warp = slow_motion(float(run.time[0]), float(course.time[-1]), duration, focus, slower=slower)
     shown = 0.0 if strike is None else float(warp.physical_time(warp.film_time(strike) + CAPTION_SHOWN)) - strike
     place = None if strike is None else motion(strike).tip
     stage = Stage(tool, [(motion, BLUE)], course.centre_line, details=True, trail=course, strike=place)
@@ -141,9 +130,13 @@ def pass_film(
     def readings(now: Sequence[Motion]) -> tuple[str, str]:
         speed = f"tip {now[0].tip_speed:5.1f} m/s"
         force = f"{speed} {now[0].normal_force:5.1f} N" if in_time else f"tip speed {now[0].tip_speed:5.1f} m/s"
-        return f"retraction {signed(math.degrees(float(now[0].retraction)), 1, 6)}°", force
+        return _retraction(now[0]), force
 
     return ToolFilm([stage], warp, phases(run, shown), readings, (BLACK, BLACK), (width, height))
+
+
+def _retraction(motion: Motion, whose: str = "") -> str:
+    return f"retraction {whose}{signed(math.degrees(float(motion.retraction)), 1, 6)}°"
 
 
 def row_film(row: NeighbourRow, *, width: int = 640, height: int = 480, duration: float = 12.0) -> ToolFilm:
@@ -159,14 +152,13 @@ def row_film(row: NeighbourRow, *, width: int = 640, height: int = 480, duration
     shown = np.concatenate([motion(np.linspace(begin, until, 200)).centre_line for motion in motions])
 
     def readings(now: Sequence[Motion]) -> tuple[str]:
-        return (f"retraction of bristle {len(now)} {signed(math.degrees(float(now[-1].retraction)), 1, 6)}°",)
+        return (_retraction(now[-1], f"of bristle {len(now)} "),)
 
     stage = Stage(row.tool, list(zip(motions, colors, strict=True)), shown)
     return ToolFilm([stage], warp, _story(row), readings, colors[-1:], (width, height), margin=0.08)
 
 
 def _story(row: NeighbourRow) -> tuple[Phase, ...]:
-    """Return what happens from when on, in order."""
     found = [Phase(-math.inf, "turning with the hub"), *(Phase(each, "wires touch each other") for each in row.touches)]
     for number, run in enumerate(row.bristles, 1):
         name, contact = f"bristle {number}", run.first_contact("workpart")
@@ -202,8 +194,7 @@ def inertia_film(driven: InertiaDriven, *, width: int = 960, height: int = 480, 
 
     def without(time: float) -> Motion:
         """Return the other one's motion; until it enters the pulley it goes straight on with its belt."""
-        late, early = max(time + radial.time, 0.0), min(time + radial.time, 0.0)
-        now = thrown(min(late, radial.time))
+        now, early = thrown(min(max(time + radial.time, 0.0), radial.time)), min(time + radial.time, 0.0)
         velocity = now.centre_line_velocity @ turn if early == 0.0 else np.broadcast_to(belt, now.centre_line.shape)
         return dataclasses.replace(
             now, centre_line=now.centre_line @ turn + early * belt, centre_line_velocity=velocity
@@ -212,13 +203,9 @@ def inertia_film(driven: InertiaDriven, *, width: int = 960, height: int = 480, 
     def readings(now: Sequence[Motion]) -> tuple[str, str]:
         return f"bar-cued tip {now[0].tip_speed:5.1f} m/s", f"thrown by inertia {now[1].tip_speed:5.1f} m/s"
 
-    words = "with the bar, and without it, {}"
-    story = (
-        Phase(-math.inf, words.format("still on the straight belt")),
-        Phase(-radial.time, words.format("round the pulley")),
-    )
+    words = "with the bar, and without it, "
+    story = (Phase(-math.inf, f"{words}still on the straight belt"), Phase(-radial.time, f"{words}round the pulley"))
     shown, bare = cued.course(contact.time).centre_line, dataclasses.replace(driven.tool, bar=None)
     stages = [Stage(driven.tool, [(with_bar, BLUE)], shown, details=True), Stage(bare, [(without, VERMILION)], shown)]
-    return ToolFilm(
-        stages, slow_motion(-contact.time, 0.0, duration), story, readings, (BLUE, VERMILION), (width, height)
-    )
+    warp = slow_motion(-contact.time, 0.0, duration)
+    return ToolFilm(stages, warp, story, readings, (BLUE, VERMILION), (width, height))

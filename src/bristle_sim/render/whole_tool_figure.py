@@ -10,8 +10,7 @@ from bristle_sim.render.colours import BLACK, BLUE, GREY, SKY, VERMILION
 from bristle_sim.render.style import MILLISECONDS, add_panel, blank_figure, note, styled
 from bristle_sim.studies.whole_tool import BAND, WholeTool, load_cell_series
 
-PASSES = 12
-"""Bristles that pass in the second panel."""
+PASSES = 12  # bristles that pass in the second panel
 
 
 @styled()

@@ -59,7 +59,6 @@ def wire_figure(struck: FlexibleWire, study: WireStudy) -> Figure:
 
 
 def _draw_force(figure: Figure, struck: FlexibleWire) -> Axes:
-    """Draw the contact force of the rigid bristle and of the wire."""
     rigid, own = (measures(struck.strike, each.contact) for each in (struck.rigid, struck.wire))
     times = rigid["peak_force"] / own["peak_force"]
     axes = add_panel(figure, (1.4, 8.1, 6.3, 4.2), f"the rigid bristle pushes {times:.2g} times as hard")

@@ -16,14 +16,9 @@ from bristle_sim.render.style import MICROSECONDS, MILLIMETRES, Scale, say, sign
 from bristle_sim.studies.flexible_wire import FlexibleWire
 from bristle_sim.theory.wire import hinge_stiffness
 
-LONGEST_FORCE = 0.22
-"""Arrow of the largest force as it is drawn, in lengths of the wire."""
-
-ARRIVED = 0.1
-"""Fraction of the largest bending moment at which the wave has reached the hinge next to the root."""
-
-GRID = 400
-"""Instants of the map of bending moments."""
+LONGEST_FORCE = 0.22  # arrow of the largest force as it is drawn, in lengths of the wire
+ARRIVED = 0.1  # fraction of the largest bending moment at which the wave has reached the hinge next to the root
+GRID = 400  # instants of the map of bending moments
 
 
 class WireFilm(Film):
@@ -72,7 +67,6 @@ class WireFilm(Film):
         return caption, f"wire {signed(pushed, 1, 5)} N", f"rigid {signed(rigid, 1, 5)} N"
 
     def _draw_wires(self, axes: Axes, letters: float) -> None:
-        """Draw hub and workpart to scale, and add what moves: the wire, the rigid bristle and the force's arrow."""
         tool, box, runs = self.struck.strike.tool, axes.get_window_extent(), (self.struck.wire, self.struck.rigid)
         points = np.concatenate([np.reshape(run.centre_line, (-1, 2)) for run in runs])
         span = float(np.ptp(points[:, 1]))
@@ -92,7 +86,6 @@ class WireFilm(Film):
 
 
 def _force(run: Any) -> tuple[Array, Array]:
-    """Return time since the first touch, s, and normal force, N, of a strike."""
     history = run.contact.history
     return history.time - history.time[0], history.normal_force
 

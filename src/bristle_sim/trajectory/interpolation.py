@@ -127,7 +127,6 @@ class Interpolation:
 
 
 def _states(samples: WireMotion) -> Array:
-    """Return angles and corners with their slopes, shape (samples, 2, columns)."""
     places, slopes = (samples.angles, samples.centre_line), (samples.rates, samples.centre_line_velocity)
     rows = samples.time.size
     return np.stack([np.hstack([each.reshape(rows, -1) for each in both]) for both in (places, slopes)], axis=1)

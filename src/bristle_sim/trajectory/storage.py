@@ -84,7 +84,6 @@ def read(path: Path) -> dict[str, Any]:
 
 
 def _checked(meta: dict[str, Any], stored: Mapping[str, Array]) -> dict[str, Any]:
-    """Return the arguments from metadata and arrays, whose lengths, types and order fit together."""
     sizes = {"2": 2}
     arrays, inner = _arrays(stored, "", SAMPLES, sizes), None
     _require("time", arrays["time"].size > 0, "have at least one sample")
@@ -133,7 +132,6 @@ def _arrays(
 
 
 def _record(kind: type[T], row: dict[str, Any]) -> T:
-    """Return a record whose values are of the types that its fields declare."""
     found = kind(**row)
     for name, hint in get_type_hints(kind).items():
         _require(f"{kind.__name__}.{name}", _fits(getattr(found, name), hint), f"be of type {hint}")
