@@ -16,8 +16,9 @@ from bristle_sim.studies.inertia_driven import InertiaDriven
 def inertia_figure(driven: InertiaDriven) -> Figure:
     """Draw retractions in degrees and rates relative to the hub in rad/s."""
     figure = blank_figure(16.0, 8.2)
-    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction")
-    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub")
+    turn = add_panel(figure, (1.5, 1.2, 6.2, 5.6), "retraction", xlabel="turn of the hub (°)", ylabel="retraction (°)")
+    labels = {"xlabel": "retraction (°)", "ylabel": "rate (rad/s)"}
+    phase = add_panel(figure, (9.5, 1.2, 6.2, 5.6), "rate relative to the hub", **labels)
     contact = driven.pass_with_bar.first_contact("workpart")
     end = "no strike" if contact is None else f"{math.hypot(*contact.velocity_before):.1f} m/s at the strike"
     runs = [(driven.pass_with_bar, BLUE, "bar-cued", end)]
@@ -27,16 +28,15 @@ def inertia_figure(driven: InertiaDriven) -> Figure:
     for run, color, name, words in runs:
         course = run.course()
         retraction, speed = np.degrees(course.retraction), course.relative_rate
-        turned = np.degrees(course.hub_angle - run.hub_angle[0])
-        for axes, x, y in ((turn, turned, retraction), (phase, retraction, speed)):
+        for axes, x, y in (
+            (turn, np.degrees(course.hub_angle - run.hub_angle[0]), retraction),
+            (phase, retraction, speed),
+        ):
             axes.plot(x, y, color=color, label=name)
             axes.plot([x[-1]], [y[-1]], "o", color=color, markersize=4.0, zorder=4)
+            axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
         note(phase, words, (retraction[-1], speed[-1]), (6.0, 5.0), ha="left", color=color)
-    for axes in (turn, phase):
-        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     phase.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    turn.set(xlabel="turn of the hub (°)", ylabel="retraction (°)")
-    phase.set(xlabel="retraction (°)", ylabel="rate (rad/s)")
     phase.margins(x=0.05, y=0.12)
     turn.legend(loc="lower left", bbox_to_anchor=(-0.02, 0.99), ncols=2, columnspacing=1.2)
     return figure

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,7 +22,7 @@ LEAST = {
     "least_pitch_to_own_strike_deg": ("no touch until its own strike", (4, 2)),
     "least_pitch_whole_pass_deg": ("no touch in the whole pass", (9, 2)),
 }
-"""What the pitches right of a line are, and the line's dashes."""
+"""Words for the pitches right of a line, and the line's dashes."""
 
 
 def pitches_to_draw(row: NeighbourRow) -> list[float]:
@@ -39,18 +38,17 @@ def pitches_to_draw(row: NeighbourRow) -> list[float]:
 @styled()
 def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapping[str, Array]) -> Figure:
     """Draw a row at two instants, and its last bristle's strike over the pitch in degrees."""
-    figure = blank_figure(16.0, 13.4)
+    figure, last = blank_figure(16.0, 13.4), f"bristle {len(row.bristles)}"
     for left, (title, time) in zip((0.2, 8.2), instants(row), strict=True):
         words = f"pitch {row.neighbours.pitch_deg:g}°, {1e3 * time:.3f} ms"
         _draw_row(add_panel(figure, (left, 6.4, 7.6, 5.8), title, words), row, time)
     alone = strike_values(row.tool, row.lone)
-    look: dict[str, Any] = {"color": VERMILION, "markersize": 2.6, "zorder": 3}
     for left, name in zip((1.5, 6.8, 12.0), STRIKES, strict=True):
         title, unit, factor = QUANTITIES[name]
-        axes = add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of bristle {len(row.bristles)}")
+        axes = add_panel(figure, (left, 1.9, 3.7, 3.2), title, f"of {last}")
         if (value := alone[name]) is not None:
             axes.axhline(factor * value, color=BLUE, linewidth=1.0, zorder=2, label="bristle alone")
-        axes.plot(pitches, factor * strikes[name], "o", label=f"bristle {len(row.bristles)} of the row", **look)
+        axes.plot(pitches, factor * strikes[name], "o", label=f"{last} of the row", color=VERMILION, markersize=2.6)
         for each in row.least:
             words, dashes = LEAST[each.name]
             if (least := each.by_theory) is not None:
@@ -58,8 +56,8 @@ def neighbours_figure(row: NeighbourRow, pitches: Sequence[float], strikes: Mapp
         axes.set(xlabel="pitch (°)", ylabel={"°": "degrees"}.get(unit, unit), xlim=(0.0, None))
         if np.isnan(strikes[name]).all():
             say(axes, "no strike at any pitch")
-    handles, names = axes.get_legend_handles_labels()
-    figure.legend(handles, names, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4)
+    handles, _ = axes.get_legend_handles_labels()
+    figure.legend(handles=handles, loc="lower center", ncols=3, borderaxespad=0.2, columnspacing=1.4)
     return figure
 
 

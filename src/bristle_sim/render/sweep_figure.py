@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.figure import Figure
 
+from bristle_sim.arrays import Array
 from bristle_sim.comparison import readable_unit
 from bristle_sim.render.colours import BLUE, GREY
 from bristle_sim.render.style import axes_at, blank_figure, styled
@@ -28,9 +29,8 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
     Raises:
         ValueError: if no point has a result.
     """
-    names = [
-        str(name) for name, each in found.data_vars.items() if name != "failure" and np.isfinite(each.values).any()
-    ]
+    quantities = [str(name) for name in found.data_vars if name != "failure"]
+    names = [name for name in quantities if np.isfinite(found[name].values).any()]
     if not names:
         raise ValueError(f"--plot: must have results to draw; {found['failure'].values.ravel()[0]}")
     rows = math.ceil(len(names) / COLUMNS)
@@ -43,13 +43,16 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
         axes.set_title("\n".join(textwrap.wrap(label, TITLE)), loc="left", fontsize=7.5)
         axes.set_xlabel(x_label, fontsize=7.0, labelpad=2.0)
         if not others:
-            axes.plot(x, values, ".-", color=BLUE, markersize=4.0, gid=f"quantity {name}")
-            axes.set_xlim(_padded(x))
+            axes.plot(x, values, ".-", color=BLUE, markersize=4.0)
+            low, high = float(x.min()), float(x.max())  # also those without a result
+            room = 0.05 * (high - low) or 0.5
+            axes.set_xlim(low - room, high + room)
             continue
         ((y, y_label),) = others
         axes.grid(visible=False)
         axes.set_ylabel(y_label, fontsize=7.0, labelpad=2.0)
-        values = found[name].transpose(*reversed(keys)).values * _scale(found, name)[0]
+        if found[name].dims[0] == keys[0]:
+            values = values.T
         image = axes.pcolormesh(x, y, values, cmap="viridis", shading="nearest", rasterized=True)
         left, bottom, width, height = axes.get_position().bounds
         colours = figure.colorbar(image, cax=figure.add_axes((left + 1.04 * width, bottom, 0.04 * width, height)))
@@ -57,19 +60,10 @@ def sweep_figure(found: xr.Dataset, keys: Sequence[str]) -> Figure:
     return figure
 
 
-def _shown(found: xr.Dataset, name: str) -> tuple[np.ndarray, str]:
-    factor, unit = _scale(found, name)
-    label = str(found[name].attrs.get("long_name", name.removesuffix("_deg").replace("_", " ")))
-    return found[name].values * factor, label + (f" ({unit})" if unit else "")
-
-
-def _scale(found: xr.Dataset, name: str) -> tuple[float, str]:
-    unit, size = readable_unit(str(found[name].attrs.get("units", "1")), found[name].values.ravel().tolist())
-    return 1.0 / size, {"1": "", "deg": "°"}.get(unit, unit)
-
-
-def _padded(values: np.ndarray) -> tuple[float, float]:
-    """Return limits that hold all values of a key, those without a result too."""
-    low, high = float(values.min()), float(values.max())
-    room = 0.05 * (high - low) or 0.5
-    return low - room, high + room
+def _shown(found: xr.Dataset, name: str) -> tuple[Array, str]:
+    """Return values in a person's unit, and their label with it."""
+    values, about = found[name].values, found[name].attrs
+    unit, size = readable_unit(str(about.get("units", "1")), values.ravel().tolist())
+    unit = {"1": "", "deg": "°"}.get(unit, unit)
+    label = str(about.get("long_name", name.removesuffix("_deg").replace("_", " ")))
+    return values * (1.0 / size), label + (f" ({unit})" if unit else "")

@@ -24,8 +24,8 @@ def tolerance_figure(study: Study) -> Figure:
     for number, output in enumerate(study.outputs):
         bottom = height - ROW * (number + 1) + 0.9
         title, unit, factor = QUANTITIES.get(output, (output.replace("_", " "), "", 1.0))
-        axes, values = add_panel(figure, (1.3, bottom, 5.4, 2.1), title), factor * study.values[number]
-        axes.hist(values, bins="auto", color=SKY, gid="histogram")
+        axes, values = add_panel(figure, (1.3, bottom, 5.4, 2.1), title, yticks=[]), factor * study.values[number]
+        axes.hist(values, bins="auto", color=SKY)
         axes.axvspan(*np.percentile(values, (2.5, 97.5)), color=BLUE, alpha=0.12, linewidth=0.0)
         axes.axvline(float(values.mean()), color=BLACK, linewidth=0.9)
         axes.set_yticks([])
@@ -33,11 +33,12 @@ def tolerance_figure(study: Study) -> Figure:
         words = f"{values.mean():.4g} ± {values.std(ddof=1):.2g} {unit}"
         note(axes, words, (1.0, 1.0), (0.0, 3.0), xycoords="axes fraction", ha="right")
         _draw_indices(axes_at(figure, 10.3, bottom, 5.3, 2.4), study, number)
+    words = "first-order index, 95 % intervals as lines"
     handles = [
         Patch(facecolor=SKY, label="passes"),
         Patch(facecolor=BLUE, alpha=0.12, label="95 % of them"),
         Patch(facecolor=VERMILION, alpha=0.45, label="total Sobol index"),
-        Line2D([], [], color=BLUE, marker="o", markersize=3.2, label="first-order index, 95 % intervals as lines"),
+        Line2D([], [], color=BLUE, marker="o", markersize=3.2, label=words),
     ]
     figure.legend(handles=handles, loc="lower center", ncols=4, columnspacing=1.4)
     return figure
@@ -45,9 +46,9 @@ def tolerance_figure(study: Study) -> Figure:
 
 def _draw_indices(axes: Axes, study: Study, number: int) -> None:
     chosen = np.argsort(-study.total[number])[:MOST]
-    places, first = np.arange(chosen.size), study.first_order[number, chosen]
-    axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7, gid="total")
-    axes.plot(first, places - 0.17, "o", color=BLUE, markersize=3.2, gid="first order")
+    places = np.arange(chosen.size)
+    axes.barh(places, study.total[number, chosen], color=VERMILION, alpha=0.45, height=0.7)
+    axes.plot(study.first_order[number, chosen], places - 0.17, "o", color=BLUE, markersize=3.2)
     sides = ((study.total_interval, VERMILION, 0.17), (study.first_order_interval, BLUE, -0.17))
     for intervals, color, shift in sides:
         axes.hlines(places + shift, *intervals[number, chosen].T, color=color, linewidth=0.9)

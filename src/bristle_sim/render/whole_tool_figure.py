@@ -25,7 +25,18 @@ def whole_tool_figure(whole: WholeTool | None) -> Figure:
     figure = blank_figure(16.0, 12.8)
     _one_bristle(add_panel(figure, (1.5, 8.4, 12.8, 3.4), "one bristle in a turn, on the workpart"), whole)
     title = f"{whole.assembly.bristles:g} bristles behind a load cell of {whole.assembly.bandwidth:g} Hz"
-    _load_cell(add_panel(figure, (1.5, 1.2, 12.8, 4.7), title), whole)
+    labels = {"xlabel": "time (ms)", "ylabel": "normal force (N)"}
+    axes, series = add_panel(figure, (1.5, 1.2, 12.8, 4.7), title, **labels), load_cell_series(whole)
+    force, end = series["normal_force (N)"], MILLISECONDS * PASSES * whole.period
+    time = np.concatenate([series["time (s)"] + number * whole.period for number in range(PASSES)])
+    low, high = np.percentile(force, BAND)
+    axes.axhspan(low, high, color=SKY, alpha=0.35, linewidth=0.0)
+    axes.plot(MILLISECONDS * time, np.tile(force, PASSES), color=BLUE)
+    axes.axhline(force.mean(), color=BLACK, linewidth=0.8)
+    for level, words in ((high, f"95 %:\n{high:.2f} N"), (low, f"5 %:\n{low:.2f} N")):
+        note(axes, words, (end, level), (3.0, 0.0), ha="left", va="center")
+    axes.set_xlim(0.0, end)
+    axes.margins(y=0.15)
     return figure
 
 
@@ -49,17 +60,3 @@ def _one_bristle(axes: Axes, whole: WholeTool) -> None:
         scale.yaxis.set_visible(bool(scale.lines))
     axes.axhline(0.0, color=GREY, linewidth=0.6)
     axes.set(xlabel="turn of the hub (°)", xlim=(0.0, 360.0), xticks=np.linspace(0.0, 360.0, 13))
-
-
-def _load_cell(axes: Axes, whole: WholeTool) -> None:
-    series = load_cell_series(whole)
-    force, end = series["normal_force (N)"], MILLISECONDS * PASSES * whole.period
-    low, high = np.percentile(force, BAND)
-    time = np.concatenate([series["time (s)"] + number * whole.period for number in range(PASSES)])
-    axes.axhspan(low, high, color=SKY, alpha=0.35, linewidth=0.0)
-    axes.plot(MILLISECONDS * time, np.tile(force, PASSES), color=BLUE)
-    axes.axhline(force.mean(), color=BLACK, linewidth=0.8)
-    for level, words in ((high, f"95 %:\n{high:.2f} N"), (low, f"5 %:\n{low:.2f} N")):
-        note(axes, words, (end, level), (3.0, 0.0), ha="left", va="center")
-    axes.set(xlabel="time (ms)", ylabel="normal force (N)", xlim=(0.0, end))
-    axes.margins(y=0.15)
