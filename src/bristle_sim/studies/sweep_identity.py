@@ -1,21 +1,20 @@
 """The identity of a swept function: a digest of all that it refers to, so that a store never returns stale results.
 
-The user's functions, classes and modules stand for their instructions and values, installed ones for name and version, this
-package for its files. cloudpickle would note line numbers, and a random number for each class.
+joblib's hash walks the values. The user's functions, classes and modules stand for their instructions and values, installed
+ones for name and version, this package for its files. A pickle by value would note line numbers, and a random number for
+each class.
 """
 
 from __future__ import annotations
 
-import copyreg
 import dis
 import functools
 import hashlib
 import sys
 import sysconfig
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.util import find_spec
-from operator import methodcaller
 from pathlib import Path
 from pickle import PicklingError, whichmodule  # type: ignore[attr-defined]
 from types import (
@@ -29,16 +28,16 @@ from types import (
 )
 from typing import Any
 
-import bristle_sim
+import numpy as np
+from joblib.hashing import NumpyHasher
 
-PLAIN = (type(None), bool, int, float, complex, str, type(...), range)
-"""Types whose representation is their value."""
+import bristle_sim
 
 CODE = "co_code co_consts co_names co_varnames co_freevars co_argcount co_kwonlyargcount co_flags co_exceptiontable"
 """Parts of compiled code that decide what it does, unlike file names and line numbers."""
 
+FUNCTION = "__qualname__ __code__ __defaults__ __kwdefaults__ __closure__"
 ACCESSORS = (property, staticmethod, classmethod, functools.cached_property, functools._lru_cache_wrapper)
-REFERENCES = ("LOAD_GLOBAL", "LOAD_NAME", "IMPORT_NAME")
 
 
 def name_of(function: Any) -> str:
@@ -57,74 +56,57 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
     for path in sorted(package.rglob("*.py")):
         files.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
     try:
-        parts = _digest(function, (), {}), files.digest(), *map(_version, ("numpy", "pymunk", "scipy")), version
+        parts = files.digest(), *map(_version, ("numpy", "pymunk", "scipy")), version, function
+        return str(_Identity(hash_name="sha256").hash(parts))
     except (TypeError, ValueError, AttributeError, ImportError, RecursionError, PicklingError) as error:
         why = " ".join(str(error).split())
         raise ValueError(
             f"function = {name_of(function)}: must not refer to objects whose changes a store cannot see ({why})"
         ) from error
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
 
 
-def _digest(value: Any, path: tuple[int, ...], known: dict[int, tuple[Any, str]]) -> str:
-    """Return a digest of a value and all below it; ``path`` has the identities of the values that it is a part of."""
-    if type(value) in PLAIN:
-        return f"{type(value).__name__} {value!r}"
-    if id(value) in path:
-        return f"again {len(path) - path.index(id(value))}"
-    if id(value) not in known:
-        if isinstance(value, bytes):
-            parts = [hashlib.sha256(value).hexdigest()]
-        else:
-            parts = [_digest(each, (*path, id(value)), known) for each in _content(value)]
-        kind = type(value).__qualname__, sorted(parts) if isinstance(value, set | frozenset) else parts
-        known[id(value)] = value, hashlib.sha256(repr(kind).encode()).hexdigest()  # with the value, which keeps its id
-    return known[id(value)][1]
+class _Identity(NumpyHasher):
+    """Hashes functions, classes and modules by the parts that decide what they do; a part may refer back to its owner."""
+
+    def reducer_override(self, value: Any) -> Any:
+        """Return what pickle takes for a value: a call that makes nothing, and the parts as its state."""
+        parts = None if value is tuple else _parts(value)
+        return NotImplemented if parts is None else (tuple, (), parts)
 
 
-def _content(value: Any) -> Iterable[Any]:
-    """Return the parts of a value that decide what it is."""
+def _parts(value: Any) -> Any:
+    """Return the parts of a value that decide what it is; None where pickle knows them."""
     module = value.__name__ if isinstance(value, ModuleType) else getattr(value, "__module__", "")
-    found: Iterable[Any]
+    found: Any = None
     if isinstance(value, ModuleType | FunctionType | type) and _is_library(module or "__main__"):
         found = module, getattr(value, "__qualname__", ""), _version(module)
-    elif type(value) in (list, tuple, set, frozenset):
-        found = list(value)
-    elif type(value) in (dict, MappingProxyType):
-        found = [each for item in value.items() for each in item]
+    elif isinstance(value, frozenset):
+        found = set(value)
+    elif isinstance(value, MappingProxyType):
+        found = dict(value)
     elif isinstance(value, CodeType):
         found = [getattr(value, name) for name in CODE.split()]
     elif isinstance(value, CellType):
         found = [] if value == CellType() else [value.cell_contents]
     elif isinstance(value, FunctionType):
-        found = _function_content(value)
+        found = [getattr(value, name) for name in FUNCTION.split()], list(_named(value))
     elif isinstance(value, type):
         found = value.__qualname__, value.__bases__, [each for each in vars(value).items() if _is_own(*each)]
     elif isinstance(value, ACCESSORS):
         found = [getattr(value, each, None) for each in ("__wrapped__", "func", "fget", "fset", "fdel")]
-    else:
-        reduced = copyreg.dispatch_table.get(type(value), methodcaller("__reduce_ex__", 4))(value)
-        if isinstance(reduced, str) and not _is_library(whichmodule(value, reduced)):
-            raise TypeError(f"{reduced} is known by its name alone")
-        found = [list(each) if isinstance(each, Iterator) else each for each in (type(value).__module__, *reduced)]
+    elif isinstance(value, np.ufunc) and not _is_library(whichmodule(value, value.__name__)):
+        raise TypeError(f"{value.__name__} is known by its name alone")
     return found
 
 
-def _function_content(function: FunctionType) -> Iterator[Any]:
-    """Yield a function's instructions, and the values of the names in them."""
-    yield from (
-        function.__qualname__,
-        function.__code__,
-        function.__defaults__,
-        function.__kwdefaults__,
-        function.__closure__,
-    )
+def _named(function: FunctionType) -> Iterator[Any]:
+    """Yield the values of the global names in a function, and of the modules that it imports."""
     steps = [each for code in _codes(function.__code__) for each in dis.get_instructions(code)]
     names = {str(each.argval) for each in steps}
-    for kind, name in sorted({(each.opname, each.argval) for each in steps if each.opname in REFERENCES}):
-        if kind != "IMPORT_NAME":
+    for kind, name in sorted({(each.opname, str(each.argval)) for each in steps}):
+        if kind in ("LOAD_GLOBAL", "LOAD_NAME"):
             yield name, _used(function.__globals__.get(name), names)
-        elif find_spec(name) and not _is_library(name):
+        elif kind == "IMPORT_NAME" and find_spec(name) and not _is_library(name):
             yield name, _used(import_module(name), names)
 
 
