@@ -30,7 +30,7 @@ from bristle_sim.studies.timed_contact import contact_fields, timed_contact, wor
 from bristle_sim.theory.force_fit import ForceFit, fit_force_history
 from bristle_sim.theory.force_history import BRISTLE, ForceCurve
 
-MARGIN = 0.1
+SUMMED_BEYOND = 0.1
 """Part of the contact's duration before its start and after its end over which the points' impulse is summed."""
 
 FORM = 0.05
@@ -94,29 +94,29 @@ def force_comparison(
     measured, contact, no_contact = _measured_force(measurement), None, ""
     curve = BRISTLE if measured is None else measured.fit.curve
     peak, gamma = curve.peak_time(), math.radians(history.impact_angle_deg)
-    rate = None if history.speed_ratio is None else history.speed_ratio * hub.speed
-    impulse = float(curve.impulse(peak)) if rate is None else None
-    time = peak if history.compression_time is None else history.compression_time
+    timed: dict[str, float] = {"compression_time": history.compression_time or peak}
+    if history.speed_ratio is None:
+        timed["impulse"] = float(curve.impulse(peak))
+    else:
+        timed["rate"] = history.speed_ratio * hub.speed
     try:
-        contact = timed_contact(
-            hub, bristle, surface, gamma, settings, compression_time=time, rate=rate, impulse=impulse
-        )
+        contact = timed_contact(hub, bristle, surface, gamma, settings, **timed)
     except ValueError as error:
         no_contact = str(error)
     subject = ForceComparison(curve, contact, measured, no_contact)
-    tolerance = 10.0 * max(1e-6, settings.accuracy)  # timed_contact's own, and what a coarse contact adds to it
-    main = _main_rows(subject, history, tolerance)
-    fields = contact_fields(contact) if contact is None else contact_fields(contact, end=float(contact.time[-1]))
-    if contact is None and measured is not None:
-        fields = {"outcome": None}  # a measurement is fitted whether this bristle could make such a contact or not
+    main = _main_rows(subject, history, 10.0 * max(1e-6, settings.accuracy))  # ten times timed_contact's own tolerance
+    if contact is not None:
+        fields, works = contact_fields(contact, end=float(contact.time[-1])), [work_row(contact)]
+        speed = f"{contact.tip_speed:.2f} m/s with mu = {contact.surface.friction:g}"
+        simulated = f"resultant force of a bristle whose tip strikes at {speed}"
+    else:  # a measurement is fitted whether this bristle could make such a contact or not
+        fields, works = {"outcome": None} if measured else contact_fields(None), []
+        simulated = f"nothing; {no_contact}"
+    source = ("theory: the curve as printed in (3.19)",) if measured is None else _measured_in_words(measured)
     return Report(
         **fields,
-        quantities=(
-            *main,
-            *(() if contact is None else (work_row(contact),)),
-            *(() if measured is None else _measured_rows(measured)),
-        ),
-        remarks=_remarks(subject),
+        quantities=(*main, *works, *(_measured_rows(measured) if measured else ())),
+        remarks=(*source, f"simulated: {simulated}"),
         extra={"measured_fit": None if measured is None else _as_dict(measured.fit)},
         subject=subject,
         answer=_answer(subject, main),
@@ -130,10 +130,7 @@ def _answer(subject: ForceComparison, main: Sequence[Quantity]) -> str:
     own = f"{curve} {amount(peak.theory or 0.0, 'N')}"
     if peak.simulated is None or time.simulated is None or impulse.simulated is None:
         return f"There is no simulated force: {subject.no_contact}. By {own} is the peak."
-    same = (
-        all(each.ok for each in (time, impulse) if each.tolerance is not None) and time.tolerance and impulse.tolerance
-    )
-    compared = "at the same" if same else "at an"
+    compared = "at the same" if time.ok and impulse.ok else "at an"
     return (
         f"The simulated force peaks at {amount(peak.simulated, 'N')}, {own} ({peak.relative_difference or 0.0:+.0%}), {compared}"
         f" impulse of {amount(impulse.simulated, 'N s')} and compression time of {amount(time.simulated, 's')}."
@@ -159,32 +156,11 @@ def _main_rows(subject: ForceComparison, history: ForceHistory, tolerance: float
     return rows(units, simulated, theory, {}, printed, lambda name: tolerance if same.get(name) else None)
 
 
-def _remarks(subject: ForceComparison) -> tuple[str, ...]:
-    contact, measured = subject.contact, subject.measured
-    source = ("theory: the curve as printed in (3.19)",) if measured is None else _measured_in_words(measured)
-    simulated = f"simulated: nothing; {subject.no_contact}"
-    if contact is not None:
-        speed = f"{contact.tip_speed:.2f} m/s with mu = {contact.surface.friction:g}"
-        simulated = f"simulated: resultant force of a bristle whose tip strikes at {speed}"
-    return *source, simulated
-
-
 def _as_dict(fit: ForceFit) -> dict[str, Any]:
     """Return the values and standard errors by name, start in s, baseline and the residuals' root mean square in N."""
-    return {
-        "start": fit.start,
-        "baseline": fit.baseline,
-        "values": dict(zip(fit.names, fit.values.tolist(), strict=True)),
-        "standard_errors": dict(zip(fit.names, fit.standard_errors.tolist(), strict=True)),
-        "root_mean_square": fit.root_mean_square,
-    }
-
-
-def _in_words(fit: ForceFit) -> str:
-    """Describe a fit for the terminal by its values, standard errors and residuals."""
-    pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
-    shown = ", ".join(f"{name} = {value:.5g} +- {error:.1g}" for name, value, error in pairs)
-    return f"{shown}; residuals {fit.root_mean_square:.2g} N"
+    values, errors = (dict(zip(fit.names, each.tolist(), strict=True)) for each in (fit.values, fit.standard_errors))
+    numbers = {name: getattr(fit, name) for name in ("start", "baseline", "root_mean_square")}
+    return numbers | {"values": values, "standard_errors": errors}
 
 
 def _measured_force(measurement: Measurement) -> MeasuredForce | None:
@@ -195,13 +171,9 @@ def _measured_force(measurement: Measurement) -> MeasuredForce | None:
     """
     if measurement.force_csv is None:
         return None
+    columns = {name: getattr(measurement, name) for name in ("time_column", "force_column", "force_per_volt")}
     try:
-        time, force, reading = read_force_csv(
-            measurement.force_csv,
-            time_column=measurement.time_column,
-            force_column=measurement.force_column,
-            force_per_volt=measurement.force_per_volt,
-        )
+        time, force, reading = read_force_csv(measurement.force_csv, **columns)
     except ValueError as error:
         raise ValueError(f"force_csv = {error}") from None
     try:
@@ -237,7 +209,7 @@ def _measured_rows(measured: MeasuredForce) -> tuple[Quantity, ...]:
     """Compare the fit's impulse and its force near the peak with those of the points, and its misfit with the noise."""
     curve, noise, peak = measured.fit.curve, measured.noise, measured.fit.curve.peak_force()
     length = curve.duration
-    inside = (measured.time >= -MARGIN * length) & (measured.time <= (1.0 + MARGIN) * length)
+    inside = (measured.time >= -SUMMED_BEYOND * length) & (measured.time <= (1.0 + SUMMED_BEYOND) * length)
     time, force = measured.time[inside], measured.force[inside]
     fitted = float(curve.impulse(min(float(time[-1]), length), max(float(time[0]), 0.0)))
     summed = float(np.trapezoid(force, time))
@@ -261,10 +233,12 @@ def _measured_in_words(measured: MeasuredForce) -> tuple[str, ...]:
     fit = measured.fit
     level = f"{fit.baseline:.4g} N" if "baseline" in fit.names else "0, no samples outside the contact"
     sign = ("the file's force is negative in the contact: taken with the opposite sign",) if measured.inverted else ()
+    pairs = zip(fit.names, fit.values.tolist(), fit.standard_errors.tolist(), strict=True)
+    shown = ", ".join(f"{name} = {value:.5g} +- {error:.1g}" for name, value, error in pairs)
     return (
         f"read from the file: {measured.reading}",
         *sign,
         f"contact found at {1e6 * fit.start:.6g} us on the file's clock, for {1e6 * fit.curve.duration:.4g} us;"
         f" baseline {level}",
-        f"theory: the curve (3.3) fitted to it, {_in_words(fit)}",
+        f"theory: the curve (3.3) fitted to it, {shown}; residuals {fit.root_mean_square:.2g} N",
     )

@@ -41,7 +41,7 @@ DOUBLINGS = 6
 CORRECTIONS = 6
 """Runs that end closer and closer to the radial direction; each squares the error, so that two are usual."""
 
-CLOSE = 1e-9
+TIME_TOLERANCE = 1e-9
 """Relative change of the time to radial at which the corrections end: the next would change 1e-18."""
 
 LEAST_TURN = 1e-12
@@ -54,7 +54,7 @@ TRIES = 20
 """Hub speeds tried for the bar-cued tool's tip speed; the tip's speed is all but proportional to it."""
 
 BareRun = Callable[[Tool, float], Trajectory]
-"""A run of a tool without a bar for a time, s."""
+"""A run of a tool without a bar for a time, s, from the entry into the pulley."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,9 +88,19 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     require_rigid(tool)
     if not tool.hub.speed:
         raise ValueError("hub_speed = 0: must be above 0, or nothing throws the bristle (in rad/s)")
-    run = scene_run(settings)
-    radial = until_radial(tool, run)
-    with_bar = simulate(tool, settings, stop_after="strike")
+
+    def run(bare: Tool, time: float) -> Trajectory:
+        turn = bare.hub.speed * time
+        if turn < LEAST_TURN:
+            raise ValueError(
+                f"hub_speed = {bare.hub.speed:g}: must be faster, or the belt softer; the hub turns by {turn:g} rad while the"
+                " bristle swings (in rad/s)"
+            )
+        found = simulate(bare, dataclasses.replace(settings, hub_turn=turn), start_relative_rate=-bare.hub.speed)
+        require_result(found, settings)
+        return found
+
+    radial, with_bar = until_radial(tool, run), simulate(tool, settings, stop_after="strike")
     strike_speed = _tip_speed_at_strike(with_bar)
     simulated = _values(tool, run, radial, strike_speed)
     reference = _reference(tool) if with_reference else {}
@@ -98,26 +108,25 @@ def inertia_driven(tool: Tool, settings: Settings, *, with_reference: bool = Tru
     # A slow return magnifies an error of the motion, which is relative to its first rate.
     slow = 1.0 if radial is None else max(1.0, tool.hub.speed / radial.relative_rate)
     allowed = slow * max(1e-8, 10.0 * settings.accuracy)
-
-    def tolerance(name: str) -> float | None:
-        """Return the relative difference that a quantity may have; None where nothing judges it."""
-        # The bar-cued strike is itself good to ten times the accuracy of the motion.
-        own = 10.0 * allowed if name == "hub_speed_for_equal_tip_speed" else allowed
-        return None if reference.get(name) is None and theory.get(name) is None else own
-
+    # The bar-cued strike is itself good to ten times the accuracy of the motion.
+    within = dict.fromkeys(QUANTITIES, allowed) | {"hub_speed_for_equal_tip_speed": 10.0 * allowed}
+    judged = {name for side in (reference, theory) for name, value in side.items() if value is not None}
+    cost = None if radial is None else radial.trajectory.cost
     return Report(
         outcome=None,
-        quantities=rows(QUANTITIES, simulated, theory, reference, tolerance=tolerance),
+        quantities=rows(
+            QUANTITIES, simulated, theory, reference, tolerance=lambda name: within[name] if name in judged else None
+        ),
         events=() if radial is None else (("radial", radial.time),),
-        wall_s=0.0 if radial is None else radial.trajectory.cost.wall_s,
-        steps=0 if radial is None else radial.trajectory.cost.steps,
+        wall_s=cost.wall_s if cost else 0.0,
+        steps=cost.steps if cost else 0,
         subject=InertiaDriven(tool, radial, with_bar),
         answer=_answer(radial, strike_speed, with_bar.stop_reason, simulated),
     )
 
 
 def until_radial(tool: Tool, run: BareRun) -> Radial | None:
-    """BareRun until the bristle passes the radial direction; None where it does not."""
+    """Return the bristle when it passes the radial direction; None where it does not."""
     bare = dataclasses.replace(tool, bar=None, workpart=None)
     time = _first_crossing(bare, run)
     if time is None:
@@ -129,7 +138,7 @@ def until_radial(tool: Tool, run: BareRun) -> Radial | None:
         # Close to alpha = 0 only the damping changes the rate: alpha'' = -(c/I) alpha'.
         missing = -float(end.relative_angle[-1]) / rate
         time, rate = float(end.time[-1]) + missing, rate * (1.0 - bare.belt_damping / inertia * missing)
-        if abs(missing) <= CLOSE * time:
+        if abs(missing) <= TIME_TOLERANCE * time:
             break
     if rate < LEAST_RATE * hub.speed:
         return None
@@ -138,7 +147,7 @@ def until_radial(tool: Tool, run: BareRun) -> Radial | None:
 
 
 def _first_crossing(bare: Tool, run: BareRun) -> float | None:
-    """About when the bristle comes back to the radial direction, by a line from sample to sample, s."""
+    """Return about when the bristle comes back to the radial direction, by a line from sample to sample, s."""
     stiffness = bare.belt.stiffness + cueing.field_stiffness(bare)
     if not stiffness:
         return None
@@ -148,38 +157,17 @@ def _first_crossing(bare: Tool, run: BareRun) -> float | None:
         angle = found.relative_angle
         lagging = np.flatnonzero((angle[1:-1] < 0.0) & (angle[2:] >= 0.0))
         if lagging.size:
-            at = int(lagging[0]) + 1
-            part = angle[at] / (angle[at] - angle[at + 1])
-            return float(found.time[at] + part * (found.time[at + 1] - found.time[at]))
-        if "retraction limit" in [event.name for event in found.events]:
+            pair = slice(int(lagging[0]) + 1, int(lagging[0]) + 3)
+            return float(np.interp(0.0, angle[pair], found.time[pair]))
+        if found.event_time("retraction limit") is not None:
             return None
     return None
-
-
-def scene_run(settings: Settings) -> BareRun:
-    """Return the run of a bristle that enters the pulley, by the simulation."""
-
-    def run(bare: Tool, time: float) -> Trajectory:
-        """Simulate for a time, s."""
-        turn = bare.hub.speed * time
-        if turn < LEAST_TURN:
-            raise ValueError(
-                f"hub_speed = {bare.hub.speed:g}: must be faster, or the belt softer; the hub turns by {turn:g} rad while the"
-                " bristle swings (in rad/s)"
-            )
-        turning = dataclasses.replace(settings, hub_turn=turn)
-        found = simulate(bare, turning, start_relative_rate=-bare.hub.speed)
-        require_result(found, settings)
-        return found
-
-    return run
 
 
 def _reference(tool: Tool) -> dict[str, float | None]:
     from bristle_sim.reference import simulate_reference
 
     def run(bare: Tool, time: float) -> Trajectory:
-        """Integrate for a time, s, independently of the scene."""
         return simulate_reference(bare, start_relative_rate=-bare.hub.speed, duration=time, accuracy=1e-11)
 
     with_bar = simulate_reference(tool, accuracy=1e-10, stop_after="strike")
@@ -189,21 +177,19 @@ def _reference(tool: Tool) -> dict[str, float | None]:
 def _values(tool: Tool, run: BareRun, radial: Radial | None, strike_speed: float | None) -> dict[str, float | None]:
     if radial is None:
         return dict.fromkeys(QUANTITIES)
-    equal = _equal_hub_speed(tool, run, radial, strike_speed)
+    equal = None if strike_speed is None else _equal_hub_speed(tool, run, radial, strike_speed)
     sides = (math.degrees(radial.retraction), radial.time, radial.relative_rate, radial.tip_speed, equal)
     return dict(zip(QUANTITIES, sides, strict=True))
 
 
-def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float | None) -> float | None:
-    """Pulley speed for a tip speed, by the secant method from the tool's own; None where the bristle leans over first."""
-    if strike_speed is None:
-        return None
+def _equal_hub_speed(tool: Tool, run: BareRun, radial: Radial, strike_speed: float) -> float | None:
+    """Return the pulley speed for a tip speed, by the secant method from the tool's own; None where the bristle leans over."""
     known = {0.0: 0.0, tool.hub.speed: radial.tip_speed}
 
     def missing(speed: float) -> float:
         """Return by how much the tip is faster than the bar-cued one, m/s; each hub speed is tried once."""
         if speed not in known:
-            tried = until_radial(dataclasses.replace(tool, hub=dataclasses.replace(tool.hub, speed=speed)), run)
+            tried = until_radial(tool.replace(hub_speed=speed), run)
             if tried is None:
                 raise RuntimeError
             known[speed] = tried.tip_speed

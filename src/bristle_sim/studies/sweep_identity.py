@@ -57,7 +57,9 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
         files.update(path.relative_to(package).as_posix().encode() + b"\0" + path.read_bytes())
     try:
         parts = files.digest(), *map(_version, ("numpy", "pymunk", "scipy")), version, function
-        return str(_Identity(hash_name="sha256").hash(parts))
+        hasher = NumpyHasher(hash_name="sha256")
+        hasher.reducer_override = _reduced
+        return str(hasher.hash(parts))
     except (TypeError, ValueError, AttributeError, ImportError, RecursionError, PicklingError) as error:
         why = " ".join(str(error).split())
         raise ValueError(
@@ -65,13 +67,10 @@ def identity_of(function: Callable[..., Any], version: str = "") -> str:
         ) from error
 
 
-class _Identity(NumpyHasher):
-    """Hashes functions, classes and modules by the parts that decide what they do; a part may refer back to its owner."""
-
-    def reducer_override(self, value: Any) -> Any:
-        """Return what pickle takes for a value: a call that makes nothing, and the parts as its state."""
-        parts = None if value is tuple else _parts(value)
-        return NotImplemented if parts is None else (tuple, (), parts)
+def _reduced(value: Any) -> Any:
+    """Return what pickle takes for a value: a call that makes nothing, and the parts as its state, which may refer back."""
+    parts = None if value is tuple else _parts(value)
+    return NotImplemented if parts is None else (tuple, (), parts)
 
 
 def _parts(value: Any) -> Any:
